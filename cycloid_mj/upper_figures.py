@@ -45,10 +45,11 @@ def _make_figures(
     rows: Iterable[tuple[str, str, str, str]],
     exists: Callable[[Reducer], bool] = lambda _: True,
 ) -> tuple[Figure, ...]:
-    """Return the figures that `cycloid_mj.<module>` computes, from rows of key without unit, unit, name and definition.
+    """Return the figures that `cycloid_mj.<module>` computes, one per row.
 
-    The function of the module that computes a figure has the name of its key, or the name in `_FUNCTIONS`. `need`
-    states what the figures are computed from. `exists` returns whether a reducer has the figures.
+    A row is the key without unit, the unit, the name and the definition. The function of the module that computes a
+    figure has the name of its key, or the name in `_FUNCTIONS`. `need` states what the figures are computed from.
+    `exists` returns whether a reducer has the figures.
     """
     return tuple(
         Figure(
@@ -68,7 +69,7 @@ def _make_figures(
 def _part_function(kind: str, name: str) -> Compute:
     """Return a function that computes the figure `name` of the parts of a `kind` of a reducer by finite elements.
 
-    `kind` is a key of `PARTS`, `name` a key of ``stress.figures.FIGURES_OF_PARTS``.
+    `kind` is a key of `PARTS`, such as "gear"; `name` is a key of ``stress.figures.FIGURES_OF_PARTS``.
     """
 
     def compute(reducer: Reducer) -> float:
@@ -80,7 +81,10 @@ def _part_function(kind: str, name: str) -> Compute:
 
 
 def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
-    """Return one figure per kind of part, computed by finite elements; {} in the texts stands for the part."""
+    """Return one figure per kind of part, computed by finite elements.
+
+    `key` and `unit` are those of the figure; {} in `name` and `definition` is replaced by the words for the part.
+    """
     return tuple(
         Figure(
             key=f"{kind}_{key}",

@@ -350,10 +350,9 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors of disc and output [arcsec] for each of `CASES` and `DIRECTIONS`, with friction.
 
-    Then yield the reversal error [arcsec], which is the difference of the mean angles between forward and reverse
-    motion, and the wind-up [arcsec], which is their difference between full load and no load. A reducer with a central
-    crank also has the relative inertia torque of a load that follows the error. `load` is the torque on the output [N
-    m].
+    Then yield two differences of mean angles [arcsec]: the reversal error, between forward and reverse motion without
+    load, and the wind-up, between load and no load in forward motion. A reducer with a central crank also has the
+    relative inertia torque of a load that follows the error. `load` is the torque on the output [N m].
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:

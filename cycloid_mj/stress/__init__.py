@@ -91,7 +91,7 @@ def main(
         Whether to use every tenth degree and coarser finite-element grids: 15 s instead of 60 s of processor time for
         ``pin``.
     progress
-        Called with the number of finished parts and that of all parts.
+        Called with the number of finished parts and the number of all parts.
 
     Returns
     -------

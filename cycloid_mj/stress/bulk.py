@@ -48,10 +48,10 @@ class Distances:
     vertices: int
 
     def from_patches(self, angle_index: int, nodes: Integers) -> Array:
-        """Compute the distance [m] of nodes from the nearest narrow contact patch at a crank angle, shape of `nodes`.
+        """Compute the distance [m] of nodes from the nearest narrow contact patch at a crank angle.
 
-        `angle_index` and `nodes` are indices. The distance is inf without patches. It is 0 for nodes next to sharp
-        corners, whose stress is never bulk stress.
+        `angle_index` is the index of the angle, `nodes` are indices of nodes; the result has the shape of `nodes`. It
+        is inf without patches. It is 0 for nodes next to sharp corners, whose stress is never bulk stress.
         """
         centres = self.patches[self.ends[angle_index] : self.ends[angle_index + 1]]
         squared_distance = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
@@ -64,9 +64,10 @@ class Distances:
 
 
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
-    """Return the distances [m] of a grid's nodes from narrow contact patches at each angle, and which are at corners.
+    """Return the distances [m] of a grid's nodes from the narrow contact patches of a load case at each crank angle.
 
-    Near narrow patches and sharp corners, the stress depends on the size of the elements and is not the bulk stress.
+    The result also states which nodes are at sharp corners. Near narrow patches and sharp corners, the stress depends
+    on the size of the elements and is not the bulk stress.
     """
     points = grid.points
     axial_distance = np.zeros(len(points))
@@ -147,12 +148,12 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
 
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:
-    """Compute the relative drop [1] of the largest stress from one distance to twice that distance.
+    """Compute the relative drop [1] of the largest stress between a distance and twice that distance.
 
     Parameters
     ----------
     stress_by_distance
-        Largest stress beyond each distance from patches [Pa], shape (s,).
+        Largest stress beyond each of the distances of `search_distances` from patches [Pa], shape (s,).
     index
         Index of the distance.
 

@@ -64,7 +64,7 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness of a part and return its load case, whose `response` solves for any crank angles.
+    """Factorise the stiffness of a part, and return its load case, whose `response` solves for any crank angles.
 
     The loads at an angle are contact pressure, weight and inertia. The load torque of the output acts at its hub, where
     the supports carry it. Loads on a part without supports are balanced by its acceleration (d'Alembert).
@@ -96,7 +96,8 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     """Return the nodal loads [N] of the contact forces on an extruded solid at k angles, a sparse matrix (n, k).
 
-    The forces of each disc are distributed over the width of that disc; n is the number of the solid's unknowns.
+    The forces on the planar grid of each disc are distributed over the width of that disc; n is the number of the
+    solid's unknowns.
     """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [

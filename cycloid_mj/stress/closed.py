@@ -30,8 +30,8 @@ class LineStress:
 def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
     """Compute Hertz's peak pressure and largest von Mises stress [Pa] of the m contacts of a part at k crank angles.
 
-    Both have the shape (k, m). A contact that is conformal at its largest force is NaN at every angle, since the value
-    at a smaller force would appear to be its largest.
+    Both have the shape (k, m). If a contact is conformal at its largest force, its stresses are NaN at every angle,
+    since the value at a smaller force would appear to be its largest.
     """
     worst = np.argmax(loads.pressure, axis=0)
     is_valid = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
@@ -41,11 +41,11 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
-    """Compute the von Mises stress [1] below the middle of a line contact, relative to the peak pressure.
+    """Compute the von Mises stress below the middle of a line contact, divided by the peak pressure [1].
 
-    `depth` z [1] is relative to the half width of the contact; the result has its shape. With s = sqrt(1 + z^2):
-    sigma_x = -(1 + 2 z^2)/s + 2 z, sigma_z = -1/s, and sigma_y = nu (sigma_x + sigma_z) with Poisson's ratio nu, since
-    the strip is long (Johnson 1985, Eq. 4.46).
+    `depth` is the depth divided by the half width of the contact, z [1]; the result has its shape. With s = sqrt(1 +
+    z^2), the principal stresses are sigma_x = -(1 + 2 z^2)/s + 2 z and sigma_z = -1/s. Since the strip is long, sigma_y
+    = nu (sigma_x + sigma_z) with Poisson's ratio nu (Johnson 1985, Eq. 4.46).
     """
     z = np.asarray(depth, float)
     root = np.sqrt(1.0 + z**2)
@@ -56,9 +56,13 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
 
 @cache
 def largest_von_mises(poisson: float) -> tuple[float, float]:
-    """Compute the largest von Mises stress below a line contact [peak pressures], and its depth [half widths].
+    """Compute the largest von Mises stress below a line contact, and its depth.
 
-    They are 0.558 and 0.7 for a Poisson's ratio of 0.3.
+    Returns
+    -------
+    tuple of float
+        Stress divided by the peak pressure [1], and depth divided by the half width of the contact [1]: 0.558 and 0.7
+        for a Poisson's ratio of 0.3.
     """
     # for any Poisson's ratio it is less deep than 3 b
     deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, 3.0), method="bounded")

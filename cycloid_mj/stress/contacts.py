@@ -97,10 +97,11 @@ class Action:
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
         """Compute the middle of a contact patch on a circle [m], shape (k, 2); NaN where there is no force.
 
-        A narrow patch is where the line of action intersects the circle. The tractions of a wide patch have many
-        directions, so that their sum and the moment of friction are larger than for a narrow patch with the same force.
-        The line of action is then intersected with a larger circle (the friction circle of a journal bearing), and the
-        intersection is projected on the circle. A line of action outside the circle counts as a tangent.
+        A narrow patch is where the line of action intersects the circle. On a wide patch, tractions have different
+        directions. For the same resultant force, they and their moment of friction are then larger than on a narrow
+        patch. The line of action is therefore intersected with a larger circle (the friction circle of a journal
+        bearing), and the intersection is projected onto the circle. A line of action outside the circle counts as a
+        tangent.
 
         Parameters
         ----------
@@ -191,7 +192,8 @@ def part_frame(turn: Turn, part: str) -> PartFrame:
 def list_contacts(turn: Turn, part: str) -> list[PartContact]:
     """List force, position and patch width of every contact of a part over a turn, in the frame of the part.
 
-    `part` is "shaft", the name of a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1".
+    `part` is "shaft", the name of a disc ("gear", or with several discs "gear_1", "gear_2", ...), "ring", "output" or
+    "pin_1".
     """
     if part in turn.reducer.gears:
         return _gear_contacts(turn, turn.reducer.gears.index(part))
@@ -201,7 +203,9 @@ def list_contacts(turn: Turn, part: str) -> list[PartContact]:
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Compute the half width [m] of line contacts by Hertz, shape (k,), at most `MAX_HALF_ANGLE` of the thinner body.
+    """Compute the half width [m] of line contacts by Hertz, shape (k,).
+
+    It is at most the arc that `MAX_HALF_ANGLE` spans on the thinner body.
 
     Parameters
     ----------
@@ -223,7 +227,7 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
 
 def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Compute Hertz's peak pressure [Pa] and half width [m] of the most loaded line contact in contacts of a kind.
+    """Compute Hertz's peak pressure [Pa] and half width [m] of the most loaded line contact of contacts of a kind.
 
     Parameters
     ----------
@@ -262,10 +266,10 @@ def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Compute the relative curvature [1/m] of the flank and the pin of an index, shape (k,).
+    """Compute the relative curvature [1/m], shape (k,), of a ring pin and the flank of the disc at this pin.
 
-    Pins have indices from 0 on +y, clockwise. `gear_angle` [rad] (k,) is the angle of the disc's teeth, and `offset`
-    [m] that of the flank from the ideal profile.
+    `pin` is its index: 0 is on +y, and indices increase clockwise. `gear_angle` [rad] (k,) is the angle of the disc's
+    teeth. `offset` [m] is the offset of the flank from the ideal profile.
     """
     t = profile.pin_angles(gear)[pin] + gear_angle
     return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
@@ -306,9 +310,9 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of the disc with the index `disc`, as of `list_contacts`: with ring, cam and output pins.
+    """List the contacts of a disc with ring, cam and output pins, as `list_contacts`; `disc` is its index from 0.
 
-    In an RV reducer they are those with the ring and the cranks.
+    In an RV reducer, the contacts are those with the ring and the cranks.
     """
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
@@ -358,7 +362,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
 
 
 def _ring_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the ring, as of `list_contacts`: its lobes with discs, or its sockets with ring pins."""
+    """List the contacts of the ring, as `list_contacts`: its lobes with discs, or its sockets with ring pins."""
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _tooth_contacts(turn, "ring", disc)]
@@ -368,9 +372,9 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _output_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the output pins, as of `list_contacts`: with the discs, or with the bores of their rollers.
+    """List the contacts of the output pins, as `list_contacts`: with the discs, or with the bores of their rollers.
 
-    Each pair of pin and disc is a contact.
+    Each combination of pin and disc is one contact.
     """
     output, frame = turn.reducer.design.output, part_frame(turn, "output")
     contacts = []
@@ -385,7 +389,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the shaft, as of `list_contacts`: each cam with the bore of its disc."""
+    """List the contacts of the shaft, as `list_contacts`: each cam with the bore of its disc."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -398,9 +402,9 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _pin_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of ring pin 1, as of `list_contacts`: with each disc, then with its socket.
+    """List the contacts of ring pin 1, as `list_contacts`: with each disc, then with its socket.
 
-    The socket is a single contact if the pin is free, else there is a contact for the force of each disc.
+    A free pin has a single contact with its socket. A fixed pin has one for the force of each disc.
     """
     gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
     contacts, sockets = [], []
@@ -470,10 +474,10 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return force, position and patch width of a ring pin on the wall of its socket over a turn, frame of the ring.
+    """Return force, position and patch width of a ring pin on the wall of its socket, in the frame of the ring.
 
     `pin` and `disc` are indices from 0; the force of a free pin does not depend on the disc. The wall is open towards
-    the gear: a force where the ring has no wall is set to zero, since end plates carry it.
+    the gear. A force where the ring has no wall is set to zero, since end plates carry it.
     """
     ring = turn.reducer.design.ring
     contact_force = _socket_force(turn, pin, disc).reaction()

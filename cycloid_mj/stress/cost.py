@@ -66,10 +66,10 @@ class Cost:
 
 
 def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate processor time [s], peak and retained memory [B] of the stress study of a part.
+    """Estimate processor time [s], peak memory and retained memory [B] of the stress study of a part.
 
-    The study solves the finite-element `grid` of the part, a finer grid, and a grid with other supports for parts in
-    `SUPPORTS`; the estimate depends on their numbers of unknowns.
+    The study solves the finite-element `grid` of the part and a finer grid. For parts in `SUPPORTS`, it also solves a
+    grid with other supports. The estimate depends on the numbers of unknowns of these grids.
     """
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
     finer = grid.unknowns * settings.finer(grid) ** rates.growth
@@ -80,7 +80,7 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:
-    """Return the cost of studies one after the other: total time [s], peak memory [B], and total retained memory [B].
+    """Return the cost of consecutive studies: total time [s], peak memory [B], and total retained memory [B].
 
     While a part is studied, the memory that earlier parts retain is in use, too.
     """

@@ -67,16 +67,16 @@ def assemble_body(
     Parameters
     ----------
     grid
-        Finite-element grid of the part, with n unknowns. Without `fixed_nodes` and springs the part is free: as many
-        unknowns as it has rigid motions are fixed so that the solution is unique. They have no reaction, since the
-        loads are in balance.
+        Finite-element grid of the part, with n unknowns. Without `fixed_nodes` and springs the part is free. As many
+        unknowns as it has rigid motions are then fixed, so that the solution is unique; these supports have no
+        reaction, since the loads are in balance.
     material
         Young's modulus, Poisson's ratio and density.
     springs
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
-        Indices of the rigid motions that no support fixes, in the order of `rigid_motions`; by default all of a free
-        part, none of a supported part.
+        Indices of the rigid motions that no support fixes, in the order of `rigid_motions`. The default is all for a
+        free part, none for a supported part.
 
     Raises
     ------
@@ -119,8 +119,8 @@ def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     Returns
     -------
     tuple
-        Balanced loads (n, c) [N]; and the imbalance (c, r): the resultants of the loads before balancing, forces [N]
-        and moments [N m] in the order of the r `rigid_motions`, 0 along motions that supports fix.
+        Balanced loads (n, c) [N]; and the imbalance (c, r), which is the resultants of the loads before balancing:
+        forces [N] and moments [N m] in the order of the r `rigid_motions`, 0 along motions that supports fix.
     """
     accelerations, imbalance = solve_accelerations(part, loads)
     return loads - part.carried @ accelerations, imbalance
@@ -187,7 +187,7 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the nodal forces (n, 4) [N] of the mass of a part in four unit fields of acceleration.
+    """Compute the nodal forces (n, 4) [N] that four unit fields of acceleration exert on the mass of a part.
 
     The fields at a position (x, y) [m] are (1, 0), (0, 1), (x, y) and (y, -x), in m/s2: two translations, the radial
     and the tangential field. Their linear combinations are the inertia forces of any plane motion. `points` are the
@@ -203,10 +203,10 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 
 
 def rigid_motions(points: Array) -> Array:
-    """Compute the displacements (p d, r) of the nodes of a grid in its r rigid motions.
+    """Compute the displacements of the nodes of a grid in each of its r rigid motions, shape (p d, r).
 
-    `points` are the p nodes (p, d) [m]. In the plane the motions are 1 m along x and y and 1 rad about z; in space 1 m
-    along x, y and z and 1 rad about x, y and z. Rotations are linearised, about the origin.
+    `points` are the p nodes (p, d) [m]. In the plane, the motions are 1 m along x and y and 1 rad about z. In space,
+    they are 1 m along x, y and z and 1 rad about x, y and z. Rotations are linearised, about the origin.
     """
     nodes, dimension = points.shape
     rotations = 1 if dimension == 2 else 3
@@ -227,7 +227,8 @@ def unknowns(nodes: Integers, dimension: int) -> Integers:
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
     """Return the scikit-fem basis of the quadratic elements of a grid.
 
-    `vector` selects displacements instead of scalars; the quadrature is exact up to the polynomial degree `order`.
+    The basis is that of displacements if `vector`, otherwise that of scalars. Its quadrature is exact up to the
+    polynomial degree `order`.
     """
     skfem = import_package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()
@@ -243,9 +244,9 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
 
 
 def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
-    """Assemble the sparse stiffness matrix (n, n) [N/m] of a linear elastic part, for all n unknowns without supports.
+    """Assemble the stiffness matrix of a linear elastic part without supports, sparse (n, n) [N/m].
 
-    In the plane the part is in plane stress. An `assembler` of the same grid, if present, is reused to save time.
+    A planar part is in plane stress. An `assembler` of the same grid, if there is one, is reused to save time.
     """
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)
@@ -284,7 +285,7 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
-        """Find all pairs of nodes that share an element of `grid`; `pair_count` is their number."""
+        """Find all pairs of nodes that share an element of `grid`; the attribute `pair_count` is their number."""
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
@@ -303,10 +304,10 @@ class _Assembler:
 
 
 def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
-    """Choose unknowns, far from each other, whose fixation prevents the rigid motions with the indices `loose`.
+    """Choose unknowns to fix, far from each other, which prevent the rigid motions with the indices `loose`.
 
-    `motions` (n, r) are all rigid motions. Returns the index of one unknown for each loose motion: greedily that which
-    moves most, after the motions that earlier unknowns fix are projected out.
+    `motions` (n, r) are all rigid motions. Returns the index of one unknown for each loose motion. In each step, it is
+    the unknown that moves most in the motions that the previous unknowns leave free.
     """
     remaining = motions[:, list(loose)]
     remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
@@ -350,9 +351,10 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
 
 
 def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
-    """Factorise a symmetric stiffness matrix; return the function from loads (n, c) [N] to displacements (n, c) [m].
+    """Factorise a symmetric stiffness matrix; return a function that solves for displacements under loads.
 
-    The method is LDL^T of rslab if that is installed, or else LU of SuperLU, which is much slower.
+    The function maps loads (n, c) [N] to displacements (n, c) [m]. The method is LDL^T of rslab if that is installed,
+    or else LU of SuperLU, which is much slower.
 
     Parameters
     ----------

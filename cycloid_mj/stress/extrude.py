@@ -38,11 +38,10 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     """Mesh a part other than the shaft by solid finite elements (quadratic tetrahedra).
 
-    `part` is the name of a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1". The output is one body of
-    its disc, its pins and, with support at both ends, its second disc. `section` of the result is its planar grid, from
-    which contact forces are distributed over the face width of each disc. Nodes near the roots of the output pins and
-    the rims of its hubs are excluded from the search for the bulk stress (`stress.bulk`), because fillets are not
-    meshed.
+    `part` is a name as in `contacts.list_contacts`. The output is one body of its disc, its pins and, with support at
+    both ends, its second disc. The attribute `section` of the result is the planar grid of the part, from which contact
+    forces are distributed over the face width of each disc. Fillets are not meshed. Nodes near the roots of the output
+    pins and the rims of the hubs are therefore excluded from the search for the bulk stress (`stress.bulk`).
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
@@ -150,8 +149,8 @@ def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[li
     -------
     tuple
         Four lists of arrays, to be concatenated: corners of the tetrahedra (t, 4), vertices at both ends of their edges
-        (e, 2), and for the middle of each edge its node of the section (e,) and the index of its height (e,), where
-        level i has the height 2 i.
+        (e, 2), node of the section over which the middle of each edge is (e,), and index of the height of this middle
+        (e,), where level i has the index 2 i.
     """
     local = np.argsort(section.mesh.t.T, axis=1)
     tetrahedra, ends, nodes, heights = [], [], [], []
@@ -171,14 +170,14 @@ def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[li
 
 
 def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -> Any:
-    """Return the sparse matrix (n, 2 m) that distributes loads on m nodes of the section over the heights of the solid.
+    """Return the matrix, sparse (n, 2 m), that distributes loads on m nodes of the section over the heights of a solid.
 
     Parameters
     ----------
     solid_nodes
         Node of the solid by height and node of the section, (h, m); -1 where there is none.
     weights
-        Share of each height in a load, (h,). Nodes that are missing at some height receive no load.
+        Share of each height in a load, (h,). A node of the section without a node at some height receives no load.
     unknowns
         Number of unknowns n of the solid.
     """
@@ -214,9 +213,9 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:
-    """Return points (n, 3) [m] on the roots of the output pins and both rims of the hub, at distances of `spacing` [m].
+    """Return points (n, 3) [m] along the roots of the output pins and both rims of the hub, `spacing` [m] apart.
 
-    `face` and `back` are the heights z [m] of the output disc's faces, that with the pins first.
+    `face` and `back` are the heights z [m] of the faces of the output disc; the pins are on `face`.
     """
     pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
     roots = [_ring(pin, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]

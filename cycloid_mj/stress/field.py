@@ -123,12 +123,12 @@ def solve(
     design
         The design, for its material.
     grid
-        The part's grid.
+        Finite-element grid of the part.
     loads
         The loads on the same part.
     distance
-        Distance from contact patches from which the stress counts as bulk stress [m]. By default, this is where the
-        largest stress of all crank angles reaches a plateau (`search_distances`, from `grid.bulk_distance`).
+        Distance from contact patches from which the stress counts as bulk stress [m]. The default is the distance at
+        which the largest stress of all crank angles reaches a plateau (`search_distances`, from `grid.bulk_distance`).
 
     Raises
     ------
@@ -217,9 +217,9 @@ def _collect_maxima(
     distance
         Distance from patches at which bulk begins [m]; None: where the turn's largest stress reaches its plateau.
     responses
-        Responses of the part, blocks of angles in the order of the loads.
+        Responses of the part to the loads, in blocks of consecutive crank angles.
     components
-        Maps displacements (n d, c) [m] to stress components (components, n, c) [Pa].
+        Function from displacements (n d, c) [m] to stress components (components, n, c) [Pa].
     on_state
         Called with the index of each angle and the stress components of all nodes at it.
     """
@@ -254,12 +254,12 @@ def _collect_maxima(
 
 
 def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
-    """Compute the largest stress away from contacts for several excluded distances from sharp corners, at one angle.
+    """Compute the bulk stress at one crank angle for several distances from sharp corners.
 
-    `index` is that of the crank angle.
-    Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] of the
-    nodes beyond it and beyond `distance` [m] from narrow patches; no pairs if the part has no such corners. A stress
-    that varies with the distance is that of the corner, not of the bulk.
+    Bulk stress is the largest von Mises stress beyond this distance from corners and beyond `distance` [m] from narrow
+    patches. If it varies with the distance from corners, it belongs to a corner. `index` is the index of the angle.
+    Returns pairs of the distance from corners [m], one for each of `CORNER_DISTANCES`, and the bulk stress [Pa]; no
+    pairs if the part has no such corners.
     """
     grid = part.grid
     if not len(grid.keep_off):
@@ -284,7 +284,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     index
         Index of the crank angle in the loads.
     distance
-        Distance from contacts and sharp corners beyond which stress counts as bulk [m]; by default the grid's.
+        Distance from contacts beyond which stress counts as bulk [m]; by default `grid.bulk_distance`.
 
     Raises
     ------
@@ -305,7 +305,8 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
     """Compute the fields on a part at the crank angle with `index`: displacement and stresses, as `stress_map`.
 
-    Bulk nodes are beyond a `distance` [m] from contacts and sharp corners, by default that of the grid.
+    Nodes beyond a `distance` [m] from contacts count as bulk, except those next to sharp corners. The default distance
+    is that of the grid.
     """
     grid = part.grid
     node_displacements = part.case.response(np.array([index])).moved

@@ -24,8 +24,8 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design whose simulation lasts for one crank turn relative to the ring, after transients have settled.
 
     It runs at full speed from the start, and logs at least 720 samples per turn. `load` is the output torque [N m]; by
-    default the design's own, or its rated torque if that is 0. With a speed of 0, the duration does not change. Of an
-    RV reducer, which is not simulated, only the load changes.
+    default the design's own, or its rated torque if that is 0. With a speed of 0, the duration does not change. An RV
+    reducer is not simulated, so only its load changes.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
     """Compute the torsional compliance that each part adds at the output [rad/(N m)], by name of the part.
 
     The forces on the parts are those of a run without friction under the design's load, or its rated torque if that is
-    0. `mounts` are the seats of output pins and crank, which add the entries of
+    0. `mounts` are the seats of output pins and crank in plates; they add entries to the result, see
     `part_compliance.compute_part_compliance`.
 
     Raises

@@ -12,13 +12,14 @@ from cycloid_mj.geometry.profile import CycloidGear
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
     """Compute the ideal contact lines between the disc and each of the n lobes of an internal gear.
 
-    `crank_angle` [rad] (k,) are the angles of the crank.
+    `crank_angle` (k,) [rad] are the crank angles. A lobe has three parts: the arc at its tip, and the flank on either
+    side.
 
     Returns
     -------
     t, curvature
-        Parameter of the disc's outline [rad] and relative curvature [1/m], shape (k, n, 3) each. The last axis is the
-        arc at the tip of the lobe, then the flank on either side; NaN where that part does not touch the disc.
+        Parameter of the disc's outline [rad] and relative curvature [1/m] of each line, shape (k, n, 3) each. The last
+        axis is the part of the lobe, the arc first; NaN where that part does not touch the disc.
     """
     count = gear.ring_teeth
     t, curvature = np.full((2, crank_angle.size, count, 3), np.nan)
@@ -51,7 +52,8 @@ def lobe_contact_point(
     gear
         Profile of the disc.
     foot, direction
-        A point of the force's line of action [m], and the unit vector along the force, gear frame, (k, 2).
+        A point of the force's line of action [m], and the unit vector along the force, in the frame of the gear, (k,
+        2).
     lines, curvature
         Parameter on the outline [rad] and relative curvature [1/m] of the ideal contact lines of this lobe, from
         `lobe_lines`, (k, 3).
@@ -63,8 +65,8 @@ def lobe_contact_point(
     Returns
     -------
     tuple
-        Position of the force in the frame of the gear [m], NaN without a contact line that faces the force, and
-        relative curvature at the nearest ideal contact line [1/m].
+        Position of the force in the frame of the gear [m], and relative curvature at the nearest ideal contact line
+        [1/m]. The position is NaN if no contact line faces the force.
     """
     start_values = lines + rotation_error[:, np.newaxis]
     distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))

@@ -26,7 +26,7 @@ class FoldedError(CycloidError):
     """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
-        """Compute the middles and longest edges of the folded elements from their corners (k, d + 1, d) [m]."""
+        """Compute centres and longest edges of the folded elements (`folds`) from their corners (k, d + 1, d) [m]."""
         super().__init__(
             f"cannot generate a finite-element mesh of the {part}: a curved edge folds its element; increase the "
             "refinement"
@@ -175,7 +175,7 @@ def planar_grid(
     length
         Unit of the lengths in the settings [m].
     focus
-        Rows (x, y, edge length) [m] of positions near which edges are as short as that.
+        Positions with short edges, rows (x, y, edge length) [m].
     section
         Whether the vertices keep the mesher's order, because the grid will be extruded.
 
@@ -195,7 +195,7 @@ def planar_grid(
 
 
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
-    """Mesh a planar region once; parameters as of `planar_grid`, with `short_edges` (n, 3) [m] as its `focus`.
+    """Mesh a planar region once; arguments are those of `planar_grid`, with `short_edges` (n, 3) [m] as its `focus`.
 
     Raises
     ------
@@ -247,7 +247,7 @@ def quadratic_mesh(
     Parameters
     ----------
     points, cells
-        Vertices (p, d) [m], and the corners of each triangle or tetrahedron.
+        Vertices (p, d) [m], and the corners of each triangle or tetrahedron, (m, d + 1).
     edge_ends, middles
         Vertices at both ends of e edges, (e, 2), and the points in their middles, (e, d) [m].
     part
@@ -258,7 +258,7 @@ def quadratic_mesh(
     Returns
     -------
     mesh, vertices, middle_nodes
-        The mesh, its node at each point (p,), and its node in the middle of each of the edges (e,).
+        The mesh, the index of its node at each point (p,), and that of its node in the middle of each edge (e,).
 
     Raises
     ------
@@ -301,8 +301,8 @@ def mapping_of(mesh: Any) -> Any:
 def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
     """Return new numbers of `count` points such that neighbours have close numbers (reverse Cuthill-McKee method).
 
-    Sparse products with fields of a grid then find what they need in the processor's cache, and take half the time.
-    `cells` (m, corners) are the points of each element.
+    The data that sparse products need are then in the processor's cache, which halves their time. `cells` (m, corners)
+    are the points of each element.
     """
     rows = np.repeat(np.arange(len(cells)), cells.shape[1])
     corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
@@ -382,9 +382,10 @@ def _triangulate(
 
 
 def _set_edge_growth(field: Any, edges: list[int], longest: float, growth: float) -> None:
-    """Set gmsh's size field, so that edges grow with the distance from the outlines.
+    """Set gmsh's size field so that edges grow with the distance from the outlines.
 
-    `edges` are gmsh's tags, `longest` is the longest edge [mm], and `growth` the exponent of gmsh's field "Extend".
+    `edges` are gmsh's tags of the edges of the outlines, `longest` is the longest edge [mm], and `growth` is the
+    exponent of gmsh's field "Extend".
     """
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)

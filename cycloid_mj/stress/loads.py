@@ -63,8 +63,8 @@ class PartLoads:
 def part_names(reducer: Reducer) -> tuple[str, ...]:
     """Return the names of the parts of a design whose stress can be computed by finite elements, in order of `PARTS`.
 
-    With sleeves on the ring pins, ring and pin are left out, because the housing supports such pins next to the disc.
-    Of an RV reducer, shaft and output are left out.
+    With sleeves on the ring pins, ring and pin are left out, because the housing supports such pins next to the disc,
+    out of its plane. For an RV reducer, shaft and output are left out.
     """
     design = reducer.design
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
@@ -78,8 +78,8 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     """Compute contact forces, weight and inertia of a part in its own frame at crank angles, from a logged run.
 
     The samples nearest to the angles in the last turn at constant speed and load are used. Each force, including
-    friction, acts where its line of action intersects the surface on which it presses. On a wide patch it acts where
-    its tractions have the logged moment. Free parts (disc and pin 1) have the acceleration that their contact forces
+    friction, acts where its line of action intersects the surface on which it presses. On a wide patch, it acts where
+    the tractions have the logged moment. Free parts (disc and pin 1) have the acceleration that their contact forces
     cause (d'Alembert), so that they are in balance at each sample.
 
     Parameters
@@ -87,7 +87,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     run, reducer
         A logged run, and the reducer that ran.
     part
-        ``gear`` (of several discs ``gear_1``, ...), ``ring``, ``output``, ``shaft`` or ``pin_1``.
+        ``gear`` (with several discs ``gear_1``, ...), ``ring``, ``output``, ``shaft`` or ``pin_1``.
     angles
         Crank angles [rad], shape (k,); by default every degree.
 
@@ -105,7 +105,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
 def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
     """Compute contact forces, weight and inertia of a part in its own frame over a turn, as `part_loads`.
 
-    `sampled` is the turn, a run's or that of a static equilibrium.
+    `sampled` is a turn of a run or of a static equilibrium.
     """
     touching = list_contacts(sampled, part)
     return PartLoads(
@@ -125,7 +125,7 @@ def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
 def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
     """Return positions and contact forces over a turn at crank angles [rad], shape (k,), from a run.
 
-    For an RV reducer without a run (None) they are those of the static balance.
+    An RV reducer has no run (None); its positions and forces are those of the static balance.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
     """Compute the loads of a part other than its contact forces, as fields of `PartLoads` by name.
 
     They are "body_force" [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque" [N m], (k,) each.
-    `contact_sum` is the sum of the contact forces, which accelerates a part that is free to move.
+    `contact_sum` is the sum of the contact forces, from which the acceleration of a movable part follows.
     """
     zeros = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment

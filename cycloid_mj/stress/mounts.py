@@ -82,7 +82,8 @@ class Mounts(Section):
 def read_mounts(path: Path) -> Mounts:
     """Read the seats of output pins and crank from a TOML file; the tables [studs], [crank], [material] are optional.
 
-    Lengths in the file are in mm; ``modulus_mpa`` of [material] is a list of the smallest and the largest modulus.
+    Lengths in the file are in mm; ``modulus_mpa`` of [material] is a list of the smallest and the largest Young's
+    modulus in MPa.
 
     Raises
     ------
@@ -117,9 +118,9 @@ def with_modulus(reducer: Reducer, modulus: float) -> Reducer:
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
     """Compute the torsional compliance at the output [rad/(N m)] of the output pins in the two plates around the disc.
 
-    With the lateral compliance c of a pin between fixed plates, forces F of the disc on the pins, and torque T, the
-    compliance of the pins is sum(c F^2)/T^2, averaged over the crank angles. A far plate that can turn carries the
-    share s of the torque; n pins with the lateral stiffness K on the radius r add s^2/(n K r^2).
+    A pin between fixed plates has the lateral compliance c. Under the torque T, with the forces F of the disc on the
+    pins, the compliance of the pins is sum(c F^2)/T^2, averaged over the crank angles. A second plate that can turn
+    carries the share s of the torque; its n pins with the lateral stiffness K on the radius r add s^2/(n K r^2).
 
     Parameters
     ----------
@@ -133,7 +134,8 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
     Returns
     -------
     dict
-        "studs": compliance of the pins; "far_plate": that of the second plate on them, 0 if it cannot turn.
+        "studs": compliance of the pins between fixed plates; "far_plate": compliance due to the rotation of the second
+        plate, 0 if it cannot turn.
 
     Raises
     ------
@@ -156,15 +158,15 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
 
 
 def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Compute the deflection of an output pin between two elastic plates, a Timoshenko beam under the force of a disc.
+    """Compute the deflection of an output pin, a Timoshenko beam in two elastic plates, under the force of a disc.
 
     The force is uniform over the disc's width. `studs` are the lengths of the seats in both plates.
 
     Returns
     -------
     tuple
-        Displacement at the load per force with fixed plates [m/N], share of the force on the far plate, and force on
-        that plate per displacement of it [N/m].
+        Displacement at the load per force with fixed plates [m/N], share of the force that the far plate carries [1],
+        and force on the far plate per displacement of this plate [N/m].
     """
     design, width = reducer.design, reducer.design.gear.face_width
     # along the pin: seat, gap, disc, gap, seat; supported, and loaded
@@ -187,9 +189,9 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
     """Compute the lateral compliance of a crank at the middle of its cam [m/N], with elastic seats of its bearings.
 
-    The thin section next to the cam (post) is a Timoshenko beam. Each bearing of width w has the compliance 2/(E w),
-    half of it in its bore and half on the shaft; the ring on the cam has 1/(E w). E is Young's modulus of the housing.
-    Both bearings allow the crank to tilt.
+    The thin section next to the cam (post) is a Timoshenko beam. Each bearing of width w has the compliance 2/(E w), of
+    which 1/(E w) is in its bore and 1/(E w) on the shaft. The ring on the cam has 1/(E w). E is Young's modulus of the
+    housing. Both bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     hub_share, housing_share = crank.to_housing / span, crank.to_hub / span

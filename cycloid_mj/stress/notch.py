@@ -76,7 +76,7 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Return stresses and notch factors at the most loaded root of the output pins over the turn, a single `Notch`.
+    """Return the largest stress at the roots of the output pins over the turn, as a tuple of a single `Notch`.
 
     Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with the bending moment M at the
     root and the radius R of the pin, or of its core under a roller.
@@ -111,19 +111,20 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """Return the largest stresses of the turn in the shaft: at the worst section of a journal, then at each shoulder.
+    """Return the largest stresses in the shaft over the turn: a `Notch` for the journals, then one for each shoulder.
 
-    The section of the journals has no notch (factors of 1). `moments` (k, s, 3) [N m] are those about x, y and z at the
-    stations of `shaft`, of which the shoulders are the first, at crank angles `angle` (k,) [rad].
+    The first is the most stressed section of all journals, without a notch (notch factors of 1). `moments` (k, s, 3) [N
+    m] are the moments about x, y and z at the s stations of `shaft`, at crank angles `angle` (k,) [rad]. The first
+    stations are the shoulders.
     """
     bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
     torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the largest stress over the turn at the station with an index; `factors` are notch factors.
+        """Return the largest stress over the turn at the station with an index.
 
-        The first is that in bending, the second that in torsion. `fillet` [m] is its radius.
+        `factors` are the notch factors in bending and in torsion, `fillet` [m] is the radius of the fillet.
         """
         bending_factor, torsion_factor = factors
         station_bending, station_torsion = bending[:, station], torsion[:, station]

@@ -44,7 +44,7 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into quadratic edges; return their nodes, middles and target lengths [m].
 
     Target lengths are those of `sizing`; corners of the polygon are nodes. The number of edges between two corners is
-    the integral of 1/length along the outline, rounded up. An outline has at least 12 edges.
+    the integral of 1/(target length) along the outline, rounded up. An outline has at least 12 edges.
     """
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
@@ -81,7 +81,9 @@ def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
 
 
 def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
-    """Halve the edges of a closed polygon (n, 2) [m] until each is at most half of the target length.
+    """Halve the edges of a closed polygon (n, 2) [m] until each is at most half as long as its target length.
+
+    `sizing` determines the target lengths.
 
     Returns
     -------
@@ -109,7 +111,7 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
 
 
 def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
-    """Reduce edge lengths (n,) [m] so that they grow along a closed outline, in both directions, by at most `growth`.
+    """Reduce edge lengths (n,) [m] so that their growth along a closed outline is at most `growth` in both directions.
 
     Parameters
     ----------
@@ -118,7 +120,7 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
     arc
         Arc length at each point, then that of the closed outline [m], (n + 1,).
     growth
-        Largest growth per length of the outline [1].
+        Largest growth of the edge length per length of the outline [1].
     """
     repeated_lengths, repeated_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
     forward_limit = np.minimum.accumulate(repeated_lengths - growth * repeated_arc) + growth * repeated_arc

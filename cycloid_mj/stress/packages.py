@@ -52,10 +52,11 @@ def import_package(name: str) -> Any:
 
 @contextmanager
 def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
-    """Yield gmsh with an empty model and fixed options, so that grids are reproducible; restore its options afterwards.
+    """Context manager that yields gmsh with an empty model and fixed options, so that grids are reproducible.
 
-    The user's options file is not read, and a single thread is used, since the order of several would change the
-    tetrahedra. ``longest_edge`` is in [m].
+    The previous options are restored afterwards. The user's options file is not read. A single thread is used, since
+    the order of several threads would change the tetrahedra. ``longest_edge`` is in [m]; ``part`` is the name of the
+    model.
 
     Raises
     ------

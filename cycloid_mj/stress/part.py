@@ -23,13 +23,13 @@ def part_grid(
     design
         The design.
     part
-        "gear" (of several discs "gear_1", ...), "ring", "output" or "pin_1", which are planar unless `settings.solid`;
-        or "shaft", which is always solid.
+        "gear" (with several discs "gear_1", ...), "ring", "output" or "pin_1", which are planar unless
+        `settings.solid`; or "shaft", which is always solid.
     settings
         Edge lengths; the default results in more than 150 000 unknowns for the default gear.
     focus
-        Rows (x, y, edge length) [m]: edges of planar grids near these positions are as short as that, e.g. to resolve a
-        contact patch. Solid grids ignore it.
+        Positions with short edges, rows (x, y, edge length) [m], e.g. to resolve a contact patch. Solid grids ignore
+        it.
 
     Raises
     ------

@@ -24,8 +24,8 @@ def compute_part_compliance(
     """Compute the torsional compliance of each part at the output [rad/(N m)] by name, as the mean over a crank turn.
 
     It is the work of the forces on the part along their displacements, divided by the square of the output torque
-    (Castigliano). In addition to the parts, the result contains ``bearing_seats`` of the shaft in the housing. With
-    mounts it contains ``studs`` and ``far_plate`` (`mounts.studs_compliance`), and ``crank``
+    (Castigliano). In addition to the parts, the result contains ``bearing_seats``, the seats of the shaft's bearings in
+    the housing. With mounts it contains ``studs`` and ``far_plate`` (`mounts.studs_compliance`), and ``crank``
     (`mounts.crank_compliance`) instead of the shaft and its seats.
 
     Parameters
@@ -73,7 +73,7 @@ def compute_part_compliance(
 
 
 def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
-    """Compute the work of the shaft's bearing forces on their elastic seats in the housing [J], by crank angle (k,).
+    """Compute the work of the shaft's bearing forces on their elastic seats in the housing at each angle [J], (k,).
 
     A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
     1051, 1946), with Young's modulus E of the housing. The forces of both bearings follow from equilibrium.

@@ -54,10 +54,9 @@ class _Edges:
 
 
 def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
-    """Compute the nodal forces [N] (n, k) of the contacts of a part at k angles on its planar grid of n unknowns.
+    """Compute the nodal forces of the contacts of a part on its planar grid at k crank angles, as `Patches`.
 
-    The forces are distributed as elliptical pressure; a patch covers at most half of its outline. The result also has
-    the centres of narrow patches [m].
+    Each force is distributed as elliptical pressure over its patch, which covers at most half of its outline.
 
     Raises
     ------
@@ -111,8 +110,8 @@ def _distribute_pressure(
 ) -> tuple[Integers, Array]:
     """Distribute forces (a, 2) [N] as elliptical pressure over patches, by Gauss-Chebyshev quadrature with q points.
 
-    Plane vectors are complex numbers here. The direction of the pressure follows the outline's normal, as in a bearing;
-    on a narrow patch it is that of the force.
+    The direction of the pressure rotates along the patch with the normal of the outline, as in a bearing; on a narrow
+    patch it is practically that of the force. Plane vectors are represented by complex numbers in this function.
 
     Parameters
     ----------
@@ -126,7 +125,7 @@ def _distribute_pressure(
     Returns
     -------
     nodes, forces
-        Nodes (a, q, 3) of the edges under the points of each patch, and forces on them (a, q, 3, 2) [N].
+        Nodes (a, q, 3) of the edges under the q points of each patch, and forces on them (a, q, 3, 2) [N].
     """
     finest = float(np.min(edges.length[edge]))
     count = 8 + 4 * int(np.ceil(half_width.max() / finest))
@@ -154,9 +153,10 @@ def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[n
 
 
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
-    """Compute the arc length [m] of the outline's point that is nearest to each position (a, 2) [m].
+    """Compute the arc length [m] (a,) of the outline's point that is nearest to each position (a, 2) [m].
 
-    `edge` and `xi` (a,) are edge and parameter of the nearest sample, whose tangent replaces the outline.
+    `edge` and `xi` (a,) are the edge of the nearest sample and its parameter there. The outline is replaced by its
+    tangent at this sample.
     """
     chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])

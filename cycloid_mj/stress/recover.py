@@ -48,7 +48,7 @@ class Recovery:
 def build_recovery(grid: Grid) -> Recovery:
     """Build the sparse operators that compute stress from displacements on a finite-element grid.
 
-    They are derivatives at the quadrature points, and the fit of values at these points to the nodes.
+    One computes derivatives at the quadrature points, the other fits values at these points to the nodes.
     """
     # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
     basis = elastic.basis_of(grid, vector=False, order=2)
@@ -141,7 +141,7 @@ def von_mises(stress: Array) -> Array:
 
 
 def principal(stress: Array) -> Array:
-    """Compute the principal stresses [Pa], shape (..., 2 or 3), the largest first, from stress components [Pa].
+    """Compute the principal stresses [Pa], the largest first, shape (..., 2 or 3), from stress components [Pa].
 
     The components are xx, yy, xy, shape (3, ...), or xx, yy, zz, yz, xz, xy, shape (6, ...).
     """
@@ -172,20 +172,21 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
 def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
     """Return the operator that fits a quadratic polynomial of t terms around each of v vertices, by least squares.
 
-    The values to be fitted are those at the p quadrature points `points` (p, d) [m]. The quadratic terms have a small
-    ridge (Tikhonov regularisation).
+    It fits values at all quadrature points `points`. The quadratic terms have a small ridge (Tikhonov regularisation).
 
     Parameters
     ----------
     points, vertices
         All quadrature points (p, d) [m], and the vertices (v, d) [m].
     table, used
-        Indices of the points around each vertex (v, w), and whether each is a point and not padding.
+        Indices of the w points around each vertex (v, w), padded to the same number w, and a mask that is false for
+        padding.
 
     Returns
     -------
     operator, scale
-        Sparse operator (v t, p) from values to coefficients, and the lengths [m] (v,) by which offsets are divided.
+        Sparse operator (v t, p) from values at the points to coefficients, and the lengths [m] (v,) by which offsets
+        from the vertices are divided in the polynomials.
     """
     offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     scale = np.linalg.norm(offsets, axis=2).max(axis=1)
@@ -200,9 +201,10 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
 
 
 def _evaluation_operator(grid: Grid, scale: Array) -> Any:
-    """Return the sparse operator (n, v t) that evaluates the t coefficients of each vertex's polynomial at the nodes.
+    """Return the operator that evaluates the polynomials of `_fit_polynomials` at the nodes, sparse (n, v t).
 
-    `scale` are the lengths by which offsets from the vertices are divided [m], (v,).
+    It maps the t coefficients of each vertex to nodal values. `scale` (v,) [m] are the lengths by which offsets from
+    the vertices are divided.
     """
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
@@ -217,12 +219,12 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
 
 
 def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
-    """List the quadrature points of the elements around each of v vertices, of `count` points in all.
+    """List the quadrature points of the elements around each of v vertices; `count` is the number of all points.
 
     Returns
     -------
     tuple
-        Indices of the points (v, w), padded with 0, and which of them are no padding.
+        Indices of the points (v, w), padded with 0, and a mask (v, w) that is false for padding.
     """
     corners = grid.mesh.t.T
     points_per_cell = count // len(corners)

@@ -60,7 +60,7 @@ def material_of(reducer: Reducer, part: str) -> Material:
 def part_region(reducer: Reducer, part: str) -> Region:
     """Return outlines [m], contacts, supports and thickness [m] of a planar part, in the frame of its solid.
 
-    `part` is one of `PLANAR_PARTS`, or a disc of several ("gear_2"). The ring, which is the housing, is fixed as the
+    `part` is one of `PLANAR_PARTS`, or one of several discs ("gear_2"). The ring is the housing. It is fixed as the
     design states: at the circles that its bolts clamp, or at its rim. The output disc is fixed at its hub, a circle of
     the shaft's radius (an assumption), and forces act on its pins, or on their cores under rollers. Disc and pin have
     no supports. Ring and pin are as thick as the stack of discs with its gaps.
@@ -93,7 +93,7 @@ def part_region(reducer: Reducer, part: str) -> Region:
 
 
 def _touched_holes(reducer: Reducer, holes: int) -> Iterator[Touched]:
-    """Yield the kind of contact of each of the `holes` of a disc, in the order of the holes of its solid.
+    """Yield the kind of contact of each of the `holes` holes of a disc, in the order of the holes of its solid.
 
     The bore has a wide contact, the holes of output pins have line contacts. In the disc of an RV reducer, the bores of
     the cranks have wide contacts; its middle hole, if any, and the windows for the posts have none.

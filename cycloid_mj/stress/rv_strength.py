@@ -111,9 +111,9 @@ def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
 
 
 def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, angles: Array) -> Iterator[Notch]:
-    """Yield the largest stresses over all cranks and angles at both ends of each eccentric, in the order of z.
+    """Yield the largest stress over all cranks and angles at each end of each eccentric, in the order of z.
 
-    `angles` [rad] (k,) are the crank angles of `springs` and `loads`.
+    `angles` (k,) [rad] are the crank angles of `springs` and `loads`.
     """
     gear, radius, fillet = reducer.design.gear, reducer.journal_radius, reducer.journal_fillet
     outer = reducer.cranks.eccentric_radius + gear.eccentricity
@@ -132,7 +132,7 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    `stations` [m] (s,) are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
+    `stations` (s,) [m] are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
     acts at the planet, and decreases along each eccentric.
     """
     gear, along = reducer.design.gear, axial_layout(reducer)

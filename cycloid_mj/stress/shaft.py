@@ -79,11 +79,11 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Return loads and springs of the pads into which the bearing seats of a shaft are divided.
+    """Return unit loads and springs of the pads into which the bearing seats of a shaft are divided.
 
     Each seat has `MODEL.sectors` pads around the axis and `MODEL.strips` along it. `stiffness` [N/m] is the radial
-    stiffness of a bearing. Half of a bearing presses: an elastic bed of k per area has the force k R w pi/2 per radial
-    displacement, with the radius R and width w of the seat.
+    stiffness of a bearing. A bearing presses on half of its seat. An elastic bed with the stiffness k per area
+    therefore has the radial stiffness k R w pi/2, with the radius R and width w of the seat.
 
     Raises
     ------
@@ -115,10 +115,10 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
 
 
 def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) -> Array:
-    """Compute the outward forces [N] on the p pads that cancel the tension of springs, 0 where a pad is in compression.
+    """Compute the outward forces [N] (p,) that cancel the tension in the springs of the p pads; 0 in compression.
 
-    A pad with the outward displacement d < 0 opens: the force k d cancels its spring of stiffness k. As d depends on
-    the forces on all open pads, an active-set method iterates their set.
+    A pad with the outward displacement d < 0 opens: the force k d cancels its spring of stiffness k. d depends on the
+    forces on all open pads. An active-set method therefore iterates the set of open pads.
 
     Parameters
     ----------
@@ -157,7 +157,8 @@ def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) 
 def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Factorise the shaft on its bearings under its loads, and return its load case for any crank angles.
 
-    Each angle is a sum of unit loads, which are solved here. Bearings press on the shaft and do not pull.
+    The loads at each angle are a linear combination of unit loads, which are solved here. Bearings press on the shaft
+    and do not pull.
 
     Raises
     ------
@@ -184,7 +185,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Solve for the response at the angles with the indices `angles`, shape (c,), without tension in the pads."""
+        """Solve for the response at the angles with the indices `angles`, shape (c,), without tension in pads."""
         weights = shares[:, angles]
         open_forces = np.column_stack(
             [
@@ -207,7 +208,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
-    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` whose sums are the loads on a cam at k angles.
+    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` that result in the loads on a cam at k angles.
 
     Each harmonic of the pressure has the factor of its cosine and, except order 0, of its sine [N]; the last factor is
     the moment about the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
@@ -239,11 +240,11 @@ def _half_cosine(order: int) -> float:
 
 
 def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
-    """Compute the nodal forces [N] of unit loads on the cam of an index: 11 pressures (n, 11), and a couple (n, 1).
+    """Compute the nodal forces [N] of unit loads on the cam with an index: 11 pressures (n, 11), and a couple (n, 1).
 
     The pressures vary around the cam as the cosine and sine of multiples of the angle, `MODEL.harmonics`. Those of
-    order 1 have the resultant -1 N along x and y, the others none. The couple of 1 N m about z is shear around the cam,
-    without resultant.
+    order 1 have the resultants -1 N along x and y, the others have none. The couple of 1 N m about z is shear around
+    the cam, without resultant.
     """
     cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]
@@ -281,9 +282,10 @@ def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array
 
 
 def section_moment_weights(points: Array, positions: Array) -> Array:
-    """Return the weights (3 n, s, 3) [m] by which nodal forces contribute to the moments about x, y, z in s sections.
+    """Return the weights of nodal forces in the moments in s cross-sections of the shaft [m], shape (3 n, s, 3).
 
-    The moment in a section is that of the forces on all nodes with a smaller z, about the point of the axis in it.
+    The moment in a section is that of the forces on all nodes with a smaller z. It is about x, y and z (last axis)
+    through the point of the section on the shaft's axis.
 
     Parameters
     ----------

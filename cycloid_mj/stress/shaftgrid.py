@@ -61,9 +61,9 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
 
 
 def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
-    """Mesh the shaft by gmsh: its cylinders merged to one solid, as a scikit-fem mesh of quadratic tetrahedra [m].
+    """Mesh the shaft by gmsh; return a scikit-fem mesh of quadratic tetrahedra [m].
 
-    `edge` is the longest edge [m]; edges are shorter near the inner corners.
+    Its cylinders are merged to one solid. `edge` is the longest edge [m]; edges are shorter near the inner corners.
     """
     with open_mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
@@ -129,7 +129,8 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
 def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
     """Return a quadratic scikit-fem mesh of gmsh's tetrahedra of ten nodes.
 
-    `tags` (p,) are gmsh's numbers of the `points` (p, 3) [m], `nodes` (m, 10) those of the nodes of the tetrahedra.
+    `tags` (p,) are gmsh's numbers of the `points` (p, 3) [m]. `nodes` (m, 10) are the numbers of the ten nodes of each
+    tetrahedron.
     """
     position = np.zeros(int(tags.max()) + 1, np.int64)
     position[tags.astype(np.int64)] = np.arange(len(tags))

@@ -99,12 +99,12 @@ class PartSprings:
 
 
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
-    """Compute the compliance of each part by finite elements, and the design with springs for carrier, shaft, housing.
+    """Compute the compliance of each part by finite elements, and the design with springs of carrier, shaft, housing.
 
-    A spring has the compliance of its parts by `SPRING_OF_PART`; carrier and shaft have their twist in addition. The
-    compliance of the contacts, which statics computes, is subtracted from that of the carrier. `mounts` are the seats
-    of output pins and crank from a drawing; each limit of their modulus needs another simulation. Raises as
-    `stress.figures.wind_up_by_part`.
+    A spring has the sum of the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion
+    that `statics.structure` computes. The compliance of the contacts is subtracted from that of the carrier, since
+    statics includes it. `mounts` are the seats of output pins and crank from a drawing; each limit of their modulus
+    needs another simulation. Raises as `stress.figures.wind_up_by_part`.
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()

@@ -39,7 +39,7 @@ from cycloid_mj.stress.turn import DEGREES, Turn
 def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
     """Solve the static equilibrium of the running drive under its load; return contact springs and loads at k angles.
 
-    `angles` [rad] (k,) are those of the cranks relative to the carrier. Friction is that of the running drive.
+    `angles` (k,) [rad] are those of the cranks relative to the carrier. Friction is that of the running drive.
 
     Raises
     ------

@@ -46,9 +46,10 @@ def sample_angles(angles: int) -> Integers:
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
     """Return stress amplitude [Pa], mean stress [Pa] and position [m] of the node that is critical for fatigue.
 
-    `states` are the stress components (components, n) [Pa] at the angles of `sample_angles`, by index of the angle. A
-    state does not count for nodes within `distance` [m] of a narrow patch at that angle. The critical node has the
-    largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
+    `states` maps the indices of the angles of `sample_angles` to the stress components there (components, n) [Pa]. A
+    state does not count at nodes within `distance` [m] of a narrow patch at that angle. At the critical node, 2
+    amplitude + mean is largest: Goodman's criterion with an endurance limit of half the tensile strength. A negative
+    mean counts as 0.
     """
     all_nodes = np.arange(len(part.grid.points))
     candidate_nodes = [
@@ -61,7 +62,7 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Compute stress amplitude [Pa], mean stress [Pa] and indices of the at most 1500 nodes with the largest ranges.
+    """Compute stress amplitude and mean stress of the nodes with the largest stress ranges, at most 1500.
 
     The stress range is the largest von Mises stress of the difference between two instants. The amplitude is half of
     it. The mean is the von Mises stress of the mean of both instants, with the sign of its trace. A node with a single
@@ -100,9 +101,9 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def rank_by_range(states: Array) -> Array:
-    """Compute the quantity [Pa] (n,) by which nodes are ranked before their stress ranges are known exactly.
+    """Compute the quantity [Pa] (n,) by which nodes are ranked to select those whose stress ranges are then computed.
 
-    It is sqrt(3) times the norm of the ranges of the stress components, an upper bound of the stress range, plus half
+    It is an upper bound of the stress range, sqrt(3) times the norm of the ranges of the stress components, plus half
     the norm of their largest magnitudes. `states` (c, components, n) [Pa] are the components at c instants, NaN where a
     state does not count.
     """

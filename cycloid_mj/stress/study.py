@@ -174,17 +174,17 @@ def stress_study(
     Parameters
     ----------
     run, reducer
-        The run, and the reducer that ran; None for an RV reducer, whose forces are those of its static balance.
+        The run, and the reducer that ran. An RV reducer has no run (None); its forces are those of its static balance.
     parts
         Names of parts; by default every part of the design.
     settings
         Settings; by default those of a full study.
     log
-        Name of the run's file, for the findings.
+        Name of the run's file, which the findings state.
     on_part
-        Called before each part with its name, the number of finished parts, and that of all parts.
+        Called before each part with its name, the number of finished parts, and the number of all parts.
     grids, references
-        Existing finite-element grids, as of ``study_grids``, and published stresses, by the names of their parts.
+        Existing finite-element grids (from `study_grids`) and published stresses, by the names of their parts.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def in_order(parts: Sequence[str]) -> list[str]:
 def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
     """Compute the stress of one part over a turn; return its grid, loads, maxima, map and findings.
 
-    Without a `grid`, the part is meshed by `settings`. Raises as `stress_study`.
+    If `grid` is None, the part is meshed with the `settings`. Raises as `stress_study`.
     """
     start = time.perf_counter()
     loads = loads_in_turn(turn, part)
@@ -286,7 +286,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
 def _solve_part(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
-    """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by distance from corners.
+    """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by corner distance.
 
     `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The stress range is None for
     parts other than `RANGE_PARTS`. The last result is that of `field.vary_corner_distance`.
@@ -308,7 +308,7 @@ def _solve_part(
 
 
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
-    """Return the loads at the crank angles with these indices, in their order."""
+    """Return the loads at the crank angles with the `indices`, in their order."""
     index_array = np.asarray(indices)
     count = len(loads.angle)
     selected_fields: dict[str, Any] = {
@@ -324,8 +324,8 @@ def _compare_with_finer_grid(
 ) -> Refinement:
     """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
 
-    Bulk stress is the largest beyond a distance from contacts and sharp corners. The first angle is that of the largest
-    bulk stress in `stress`, the solution on `grid`.
+    Bulk stress is the largest stress beyond a distance from contacts and sharp corners. `stress` is the solution on
+    `grid`; the first of the angles is that of its largest bulk stress.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
@@ -353,10 +353,10 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Compute the largest stress [Pa] of a part away from contacts, with each support that the design does not have.
+    """Compute the bulk stress [Pa] of a part with each of its `SUPPORTS` that the design does not have.
 
-    Returns pairs of the support as "key = value" and the stress; none for parts without a choice of supports. It is the
-    largest at five angles, the first of which is that of the largest bulk stress in `stress`.
+    Returns pairs of the support as text, "key = value", and the stress; none for parts without a choice of supports.
+    The stress is the largest at five crank angles, the first of which is that of the largest bulk stress in `stress`.
     """
     if part not in SUPPORTS:
         return ()
@@ -401,9 +401,9 @@ def _plateau_drop(stress: PartStress) -> float:
 
 
 def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
-    """Compute the larger relative change [1] of the bulk stress with half or twice the distance from corners.
+    """Compute the relative change [1] of the bulk stress with half and twice the distance from corners, the larger.
 
-    `corners` are the pairs of `field.vary_corner_distance`; without any the result is 0.
+    `corners` are the pairs of `field.vary_corner_distance`; the result is 0 if there are none.
     """
     sizes = [size for _, size in corners]
     base = sizes[len(sizes) // 2] if sizes else 0.0
@@ -417,7 +417,7 @@ def _largest(values: Array) -> Array:
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Return the largest von Mises stress [Pa] below a contact over the turn, with its angle, position and safety.
+    """Return the largest von Mises stress [Pa] below a contact over the turn, with angle, position and safety factor.
 
     `lines` are the stresses of the contacts under `loads`. The stress is NaN if all contacts are conformal.
     """

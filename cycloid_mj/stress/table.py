@@ -29,10 +29,10 @@ STRENGTH_HEADER = ("section", "nominal [MPa]", "factor", "stress [MPa]", "safety
 def bulk_table(findings: StressFindings) -> list[list[str]]:
     """Return the bulk stress of each part as a row of text; columns as in `BULK_HEADER`.
 
-    "from" is the distance d from narrow contacts at which the largest stress reaches its plateau. "choice" is its
-    relative drop to twice that distance, or its change with half or twice the distance from sharp corners, if that is
-    larger. The safety factor is that of the larger of bulk and fillet stress. "refined" is the relative change of the
-    stress with a finer grid.
+    "from" is the distance from narrow contacts at which the largest stress reaches its plateau. "choice" is the
+    relative change of the stress with this choice: its drop to twice the distance, or its change with half or twice the
+    distance from sharp corners, if that is larger. "safety" is the safety factor of the larger of bulk and fillet
+    stress. "refined" is the relative change of the stress with a finer grid.
     """
     return [_bulk_row(part) for part in findings.parts]
 

@@ -69,10 +69,10 @@ class Turn:
 
 
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Return the logged columns of a run at the samples nearest to crank angles [rad], shape (k,), in its last turn.
+    """Return the logged columns of a run in its last turn, at the samples nearest to crank angles [rad], shape (k,).
 
-    The turn is the last at constant speed and load. Angles and forces are relative to the ring. With a `reducer`, the
-    run must be that of its design.
+    The turn is the last at constant speed and load. Angles and forces are relative to the ring. If a `reducer` is
+    given, the run must be that of its design.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
     """List the values in which a design differs from that of a log, as text: key, value in the design and in the log.
 
-    Differences of load, speed, environment and settings are not listed. `logged_reducer` is the reducer of the log.
+    `logged_reducer` is the reducer of the log. Differences of load, speed, environment and settings are left out.
     """
     requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
@@ -151,7 +151,7 @@ def _compared_values(reducer: Reducer) -> dict[str, Any]:
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """Return the indices of the samples of the last full crank turn of a run, both ends included, shape (samples,).
 
-    `hold` marks the samples of the run at constant speed and load, which alone count.
+    Only samples at constant speed and load are used, which the mask `hold` marks.
 
     Raises
     ------
@@ -172,9 +172,10 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 
 
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
-    """Raise LogError if the samples are too coarse: a sample would be used for more than two of the requested angles.
+    """Raise LogError if the samples are so coarse that one sample would be used for more than two requested angles.
 
-    `crank_angles` [rad] are those of the `rows` of the run, `requested` the angles [rad].
+    `crank_angles` [rad] are those of the `rows` of the run, `requested` are the angles [rad] at which samples are
+    needed.
     """
     sample_step = float(np.median(np.abs(np.diff(crank_angles))))
     requested_step = 2 * np.pi / max(requested.size, 1)

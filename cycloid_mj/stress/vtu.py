@@ -18,7 +18,7 @@ _TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "
 
 
 def as_vtu(stress_map: StressMap) -> bytes:
-    """Encode a stress map as VTU (VTK's XML format): quadratic cells, displacement [m], stresses [Pa], and bulk nodes.
+    """Encode a stress map as VTU (VTK's XML format): quadratic cells, displacement [m], stresses [Pa] and bulk mask.
 
     Parameters
     ----------
@@ -59,9 +59,10 @@ def as_vtu(stress_map: StressMap) -> bytes:
 
 
 def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) -> None:
-    """Add arrays by name to a new XML element `tag` below `piece`, compressed by zlib and in base 64.
+    """Add `arrays` by name to a new XML element `tag` below `piece`, compressed by zlib and encoded in base 64.
 
-    Each array is a single block with a header: number of blocks, and their sizes [bytes].
+    Each array is a single block with a header: number of blocks, size of a block, size of the last block, and
+    compressed size [bytes].
     """
     group = ElementTree.SubElement(piece, tag)
     for name, values in arrays.items():

@@ -30,7 +30,7 @@ def main(only: Sequence[str] = (), quick: bool = True, progress: Progress = sile
     quick
         Whether to use shorter runs and fewer crank angles: less than a minute on two cores instead of some minutes.
     progress
-        Called with the numbers of finished and of all parts.
+        Called with the number of finished parts and the number of all parts.
 
     Returns
     -------

@@ -22,10 +22,10 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def _backlash_row(kind: str) -> ValidationRow:
-    """Compare the simulated backlash of one disc on a kind of ring with the closed form, to 0.5 %.
+    """Compare the simulated backlash of one disc on a kind of ring with the closed form; the bound is 0.5 %.
 
-    `kind` is a member of `rig.KINDS`. There is no friction, no gravity, almost no clearance at the cam, and so much at
-    the output pins that only the mesh stops the disc.
+    `kind` is a member of `rig.KINDS`. The design has no friction, no gravity and almost no clearance at the cam. The
+    clearance at the output pins is so large that only the mesh stops the disc.
     """
     design = design_of_kind(
         kind,

@@ -80,8 +80,8 @@ def springs_and_reference(
 ) -> tuple[KernelSprings, DisplacedSprings]:
     """Return the springs of a design without friction at a crank angle [rad], and reference springs with exact gaps.
 
-    The former are those of `statics.springs_of`, whose gaps are approximated. The gaps of the reference springs are
-    computed from the exact curves. Both have the same stiffness.
+    The former are those of `statics.springs_of`, with approximated gaps. The gaps of the reference springs are computed
+    from the exact curves. Both have the same stiffness.
     """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])
@@ -103,7 +103,7 @@ def state_rows(layout: str) -> list[ValidationRow]:
     """Compare energy and forces of the springs at a random pose with those of the reference springs.
 
     `layout` is a key of `LAYOUTS`. Displacements of the pose are at most `BALANCE.near`. The generalised loads are
-    random, too, and at most 100 N. Both limits are three times as large for rotations.
+    random, too, and at most 100 N. For rotations, both limits are multiplied by three.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
@@ -118,11 +118,12 @@ def state_rows(layout: str) -> list[ValidationRow]:
 
 
 def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
-    """Compare the contact forces in static equilibrium at the rated load with those of springs on exact gaps.
+    """Compare the forces in static equilibrium at the rated load with those of reference springs with exact gaps.
 
-    There are two rows, for one crank angle without friction: the generalised forces [N] against minus the load, and the
-    forces of all contacts [N] against those of the reference in the same position. `layout` is a key of `LAYOUTS`,
-    `changes` are settings as for ``--set``.
+    The equilibrium is that of the statics at one crank angle, without friction. The first row compares the generalised
+    forces of the reference springs in this pose [N] with minus the load. The second row compares the forces of all
+    contacts [N] with those of the reference springs. `layout` is a key of `LAYOUTS`, `changes` are settings as for
+    ``--set``.
     """
     design = design_with_errors(layout, *changes)
     reducer = Reducer(design)
@@ -146,9 +147,10 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
 
 
 def sample_rows() -> list[ValidationRow]:
-    """Compare rotations, largest forces and the number of loaded teeth of a random sample with those on exact gaps.
+    """Compare the figures of a random sample with those of reference springs with exact gaps.
 
-    The sample has two discs; mean values, ranges and maxima are over the three crank angles `TURN`.
+    The figures are rotations, largest forces and the number of loaded teeth, as means, ranges and maxima over the three
+    crank angles `TURN`. The sample has two discs.
     """
     design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
@@ -186,15 +188,15 @@ def sample_rows() -> list[ValidationRow]:
 
 
 def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
-    """Return springs, reference springs and friction elements of a design of a layout, with friction at a locked crank.
+    """Return springs, reference springs and friction elements of a design with friction at a locked crank.
 
     `layout` is a key of `LAYOUTS`. Seals have a drag of 1 N m that builds up over 0.1 mrad, and the material loses 10 %
-    of the contact forces.
+    of the contact forces during unloading.
 
     Returns
     -------
     tuple
-        The springs of the statics, reference springs on exact gaps, and the friction elements.
+        The springs of the statics, reference springs with exact gaps, and the friction elements.
     """
     friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
     design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
@@ -205,9 +207,10 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
-    """Compare the residual forces after a step between two random poses with those of the stick-slip law.
+    """Compare the residual forces after a step between two random poses with those of the reference springs.
 
-    `layout` is a key of `LAYOUTS`. Some surfaces stick during the step and some slip.
+    Both have stick-slip friction, and some surfaces stick during the step while others slip. `layout` is a key of
+    `LAYOUTS`.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
@@ -219,12 +222,12 @@ def step_rows(layout: str) -> list[ValidationRow]:
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
-    """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step, to 0.1 %.
+    """Check the equilibrium of each step of a torque loop at a locked crank, by the forces of reference springs.
 
-    `layout` is a key of `LAYOUTS`. The reference has springs on exact gaps; friction and material hysteresis are
-    springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided, into at
-    most `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second row checks the
-    travel of all steps.
+    `layout` is a key of `LAYOUTS`. The reference springs have exact gaps; friction and material hysteresis are springs
+    that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided, into at most
+    `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second row checks that no
+    step exceeds `max_travel`.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
@@ -250,9 +253,11 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
 def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
     """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path from rest.
 
-    Contacts and cams have the `reference` springs on exact gaps, hysteresis of the material along the normal, and
-    friction across it; seals have constant friction. Each friction element of `rubbing` is a spring that slips at its
-    limit. `path` are poses z [m] as in ``reducer.gaps``, shape (m, u).
+    Contacts and cams are the `reference` springs, whose gaps are exact. Their material adds hysteresis along the
+    normal, and their surfaces add friction along the tangent. Seals have constant friction. Hysteresis and friction are
+    springs that slip at the limits of `rubbing`. `path` (m, u) are poses z [m] as in ``reducer.gaps``, in which
+    rotations are arc lengths; a generalised force on a rotation is therefore a torque divided by the radius of the
+    circle of output pins.
     """
     count, discs = rubbing.stick.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs

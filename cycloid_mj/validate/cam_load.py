@@ -50,10 +50,10 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
 
 
 def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the mean force of the cam on the disc with the closed form, in radial and in upward direction.
+    """Compare the mean force of the cam on a fast disc with the closed form: radial and upward components.
 
-    The reducer has almost no clearance, no friction and a stiff cam, runs at 1640 rpm under 0.5 N m, and gravity is 98
-    m/s2. `quick` is ignored.
+    The reducer has almost no clearance, no friction and a stiff cam. It runs at 1640 rpm under 0.5 N m, with a gravity
+    of 98 m/s2. `quick` is ignored.
     """
     design = design_of_kind(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
@@ -78,9 +78,9 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _rated_rows() -> list[ValidationRow]:
-    """Compare the cam's force at rated load with the balance of logged forces, and with ideal sharing.
+    """Compare the cam's force at rated load with the balance of the other logged forces, and with ideal load sharing.
 
-    The latter row has no bound, as clearance and a compliant cam change the sharing.
+    The second row has no bound, as clearance and a compliant cam change the load sharing.
     """
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)

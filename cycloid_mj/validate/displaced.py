@@ -42,11 +42,13 @@ def in_ring_frame(
     ----------
     crank_angle
         Crank angle in the fixed frame [rad].
-    shifts, rotations
-        Departures of each disc from its ideal pose: displacement along the axes of the ring [m], shape (D, 2), returned
-        unchanged; and angle in the fixed frame [rad], shape (D,).
+    shifts
+        Displacement of each disc from its ideal pose along the axes of the ring [m], shape (D, 2); it is returned
+        unchanged.
+    rotations
+        Rotation of each disc from its ideal angle in the fixed frame [rad], shape (D,).
     output_turn
-        Departure of the output (carrier or ring) from its ideal angle in the fixed frame [rad].
+        Rotation of the output (carrier or ring) from its ideal angle in the fixed frame [rad].
 
     Returns
     -------
@@ -84,7 +86,7 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | 
 def _tooth_contacts(
     reducer: Reducer, crank: float, z: Array, disc: int, pin_shift: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Compute the gaps of ring pins or lobe arcs to a disc, and their gradients by the unknowns.
+    """Compute the gaps of the N ring pins or lobe arcs to a disc, and their gradients by the unknowns.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def _tooth_contacts(
 
 
 def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
-    """Compute the gaps of the output pins in the holes of a disc, and their gradients by the unknowns.
+    """Compute the gaps of the n output pins in the holes of a disc, and their gradients by the unknowns.
 
     Parameters
     ----------
@@ -184,7 +186,7 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of contacts, then of cams, and their gradients by the unknowns.
+        """Compute the gaps of the n contacts, then of the D cams, and their gradients by the unknowns.
 
         `unknowns` is the pose z [m] as in ``reducer.gaps``, shape (u,). The gaps include the free travel of ring pins.
 
@@ -210,10 +212,10 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
-        """Compute the forces of contacts and cams [N], shape (n + D,), with the bending of output pins.
+        """Compute the forces of contacts and cams [N], shape (n + D,), including the effect of bent output pins.
 
-        `gaps` are those of the contacts, then of the cams [m], shape (n + D,); for the output pins those of unbent
-        pins.
+        `gaps` [m], shape (n + D,), are those of the contacts, then of the cams; for output pins, the gaps before
+        bending.
         """
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
@@ -238,8 +240,8 @@ class DisplacedSprings:
     def balance(self, load: Array, start: Array) -> Array:
         """Solve for the equilibrium by modified Newton steps; return its pose z [m] as in ``reducer.gaps``, shape (u,).
 
-        `load` is the generalised force on each unknown [N], shape (u,). The stiffness matrix is that at `start`, a pose
-        [m] near the solution, by finite differences.
+        `load` (u,) [N] is the generalised force on each unknown. `start` (u,) [m] is a pose near the solution. All
+        steps use the stiffness matrix at this pose, which is computed by finite differences.
 
         Raises
         ------
@@ -268,10 +270,10 @@ class DisplacedSprings:
 
 
 def _pin_forces(gaps: Array, compliance: Array) -> Array:
-    """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,).
+    """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,) each.
 
-    Solves the linear complementarity problem with the `compliance` (D, D) [m/N] by enumeration of the closed contacts:
-    these have a force >= 0, the others a gap >= 0.
+    The forces solve the linear complementarity problem with the `compliance` (D, D) [m/N]: a closed contact has a force
+    >= 0, an open contact has a gap >= 0. All combinations of closed contacts are tried.
 
     Raises
     ------

@@ -115,11 +115,12 @@ def solve(
     reducer
         The reducer; the load is that of a positive crank speed.
     stiffness
-        Contact stiffness of each kind of pair [N/m]; for teeth that of a pin on a flat.
+        Contact stiffness of each kind of pair [N/m]; for teeth, that of a pin on a flat.
     crank
         Crank angle [rad], counter-clockwise.
     start
-        Initial guess: an equilibrium under a similar load at a nearby crank angle; ignored if it does not converge.
+        Initial guess: an equilibrium under a similar load at a nearby crank angle. If the solver does not converge from
+        there, another guess is computed.
 
     Raises
     ------
@@ -164,8 +165,8 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
     """Minimise the energy of a `locked` reducer with uniform contact stiffness; return the pose z [m], shape (u,).
 
-    The entries of z are in the module docstring. The pose is an initial guess for the equilibrium of springs whose
-    stiffness depends on the local curvature. `method` is a trust-region method of `scipy.optimize.minimize`.
+    The entries of z are in the module docstring. The pose is an initial guess for the equilibrium with a stiffness that
+    depends on the local curvature. `method` is a trust-region method of `scipy.optimize.minimize`.
     """
 
     def gradient(x: Array) -> Array:
@@ -238,10 +239,11 @@ def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str
 
 @lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
 def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
-    """Compute the springs of a `locked` reducer at a pose by kind: "ring", "cam", "output", and "socket" if pins move.
+    """Compute the springs of a `locked` reducer at a pose, by kind of pair.
 
-    `pose` is the pose z of the module docstring as bytes (`ndarray.tobytes`), by which the result is cached. With
-    `uniform`, all tooth contacts have the same stiffness.
+    The keys are "ring", "cam", "output", and "socket" if pins move. `pose` contains the pose z of the module docstring
+    as bytes (`ndarray.tobytes`), which can be the key of the cache. With `uniform`, all tooth contacts have the same
+    stiffness.
     """
     unknowns = np.frombuffer(pose)
     springs = {
@@ -269,11 +271,10 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring of a `locked` reducer, with a row per row of `_nearest_points`.
+    """Compute the springs between disc and ring of a `locked` reducer, in the order of `_nearest_points`.
 
     The entries of the pose `z` [m] are in the module docstring. If `uniform`, all contacts have the stiffness of a pin
-    on a flat; otherwise it depends on the local curvature. The result has gaps, their gradients, stiffness and force
-    directions.
+    on a flat; otherwise it depends on the local curvature.
     """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
@@ -295,8 +296,8 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer, a row per ring pin.
 
-    The entries of the pose `z` [m] are in the module docstring. Sockets are full circles: an unloaded pin could leave
-    an open socket during the search. The force directions of the result are those on the pin.
+    The entries of the pose `z` [m] are in the module docstring. All sockets are assumed to be full circles, because an
+    unloaded pin could leave an open socket during the search. The force directions of the result are those on the pin.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
@@ -324,9 +325,9 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     Returns
     -------
     gap
-        Shape (n,) [m].
+        Gap between each pin and its seat [m], shape (n,).
     outward
-        Unit vectors towards the nearest point, shape (n, 2).
+        Unit vectors from each pin towards the nearest point of its seat, shape (n, 2).
     """
     design = reducer.design
     ring, distance = design.ring, np.linalg.norm(shift, axis=1)

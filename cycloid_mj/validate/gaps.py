@@ -97,7 +97,8 @@ def rotate(points: Array, angle: npt.ArrayLike) -> Array:
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
     """Compute the signed distance of points (n, 2) [m] in the gear's frame from the trochoid.
 
-    Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+    From the nearest of many samples of the trochoid T(t), Newton's method determines the foot point of each point p,
+    where (T - p) . T' = 0.
 
     Returns
     -------
@@ -121,10 +122,11 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the distance of points outside the gear from its flanks, less the `offset` of the flanks.
+    """Compute the distance of points outside the gear from its flanks, minus the `offset` of the flanks.
 
-    `points` are in the frame of the gear [m], shape (n, 2). Rotated flanks end at the tip and in the valley: where the
-    nearest point would lie beyond an end, the end is used. The nearer of both sides of a lobe counts.
+    `points` are in the frame of the gear [m], shape (n, 2). Flanks that are rotated by a modification end at the tip
+    and in the valley. If the nearest point would be beyond an end, the end is used. Of the two sides of a lobe, the
+    nearer is used.
 
     Returns
     -------
@@ -162,7 +164,9 @@ def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]
 
 
 def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute points of the trochoid set back by waves, T - w(t) n, at parameters t [rad], and their derivative by t.
+    """Compute points T - w(t) n of the trochoid T with waves at parameters t [rad], and their derivatives by t.
+
+    The waves w(t) [m] set the trochoid back along its normal n.
 
     Returns
     -------
@@ -199,7 +203,7 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
     Returns
     -------
     tuple of Array
-        Distance less the offset of the flanks (n,) [m], positive outside; unit normal in the gear's frame (n, 2);
+        Distance minus the offset of the flanks (n,) [m], positive outside; unit normal in the gear's frame (n, 2);
         parameter t of the nearest point (n,) [rad].
     """
     gear, ends = flanks.gear, _flank_ends(flanks)
@@ -217,10 +221,10 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the nearest points of the disc at a `pose` to every ring pin.
+    """Compute the points of the disc at a `pose` that are nearest to each ring pin.
 
-    The gap of a pin is the distance of these points plus the clearance, which is not included here. `centres` are those
-    of the pins in the ring's frame [m], shape (N, 2); `flanks` are those of the disc, by default the ideal flanks of
+    The gap of a pin is the distance of these points plus the clearance, which is not included here. `centres` (N, 2)
+    [m] are the centres of the pins in the ring's frame. `flanks` are those of the disc, by default the ideal flanks of
     `gear`.
     """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
@@ -237,13 +241,14 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the nearest points of the disc and an internal gear; the gap is their distance plus the clearance.
+    """Compute the nearest points of the disc at a `pose` and an internal gear.
 
-    First are the arcs that the disc at this `pose` can touch, then the local minima in the roots with the indices
-    `roots`. Root k is counter-clockwise of lobe k. Its points have phases B from B0 to 2 pi - B0, as in
-    ``envelope.Sigma``; those beyond pi belong to the next lobe. The disc can touch an arc only where its normal is at
-    most asin(c N/E) from the radial direction, with eccentricity c, N lobes of the ring and the pin-circle radius E.
-    `flanks` are those of the disc, by default the ideal flanks of `gear`.
+    The gap is their distance plus the clearance. The first rows are the arcs that the disc can touch. The others are
+    local minima of the distance in the roots with the indices `roots`. The disc can touch an arc only where its normal
+    is at most asin(c N/E) from the radial direction, with the eccentricity c, N lobes of the ring and the pin-circle
+    radius E. Root k is counter-clockwise of lobe k. Its points have phases B from B0 to 2 pi - B0, as in
+    ``envelope.Sigma``; those beyond pi belong to the next lobe. `flanks` are those of the disc, by default the ideal
+    flanks of `gear`.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
@@ -261,9 +266,10 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 
 def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Compute the local minima of the distance between the disc, at a `pose`, and the ring in `roots` (indices).
+    """Compute the local minima of the distance between the disc, at a `pose`, and the ring in the `roots` (indices).
 
-    There may be none or several in a root. The lowest of three adjacent samples is refined by a parabola.
+    A root may have no minimum or several minima. Each is a sample lower than its two neighbours, and is refined by a
+    parabola through the three.
     """
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))

@@ -63,7 +63,8 @@ class Descent:
 def rows(quick: bool) -> list[ValidationRow]:
     """Compare creep, sliding and rolling of bodies on an incline in MuJoCo with closed forms.
 
-    The slopes are 0.5, 3 and 2 times the friction coefficient. `quick` changes nothing.
+    The slopes (tangents of the angle) are 0.5, 3 and 2 times the friction coefficient, in this order. `quick` is
+    ignored.
     """
     contact_parameters = pair_law()
     small_angle, large_angle = (
@@ -110,8 +111,8 @@ def pair_law() -> ContactParameters:
 def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
     """Simulate a block, or a cylinder if `is_cylinder`, on an incline of `angle` [rad], from rest.
 
-    The contact has its static depth at the start. Returns mean acceleration over the second half of `INCLINE.duration`
-    [m/s2], and speed and slip at the end [m/s].
+    At the start, the contact has the penetration of static equilibrium. Returns the mean acceleration over the second
+    half of `INCLINE.duration` [m/s2], and speed and slip at the end [m/s].
     """
     model = incline_model(contact_parameters, angle, is_cylinder)
     data = mujoco.MjData(model)

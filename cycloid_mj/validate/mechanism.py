@@ -157,7 +157,8 @@ def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
 def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
     """Compare the static equilibrium of springs at crank angles [rad] with an independent solution on exact gaps.
 
-    `kind` is the kind of ring, such as `rig.FREE`. The rows are tooth forces, cam force and rotation of the output.
+    `kind` is the kind of ring, such as `rig.FREE`. The rows are tooth forces, cam force and rotation of the output; an
+    internal gear (`rig.NONPIN`) has no row of tooth forces.
     """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
@@ -186,9 +187,9 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
 
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
-    """Compare the power of the cams on the discs with that of the load and of friction at teeth and output pins.
+    """Compare the power of the cams on the discs with the power of load plus friction at teeth and output pins.
 
-    `name` is that of the case, whose `changes` are settings as for ``--set``.
+    `name` is the name of the case, whose `changes` are settings as for ``--set``.
     """
     frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
@@ -229,10 +230,10 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the exact gaps between free pins and the nearest disc with those between the pins and their sockets.
+    """Compare two exact gaps of each free pin in the pose of `best_fit`: to the nearest disc, and to its socket.
 
-    The best fit shifts a pin so that both are equal; pins that it does not shift are left out. `bound` is the allowed
-    difference [%], `changes` are settings as for ``--set``.
+    The best fit shifts a pin so that both gaps are equal; pins that it does not shift are left out. `bound` is the
+    allowed difference [%], `changes` are settings as for ``--set``.
     """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
@@ -249,10 +250,10 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:
-    """Compare the stops of rigid parts (linear programme) with the rotation of very stiff parts by small torques.
+    """Compare the angles of the output at its stops for rigid parts with those of very stiff parts under small torques.
 
-    `kind` is `rig.FIXED` or `rig.FREE`. Free pins are replaced by fixed pins with the clearances added, which is
-    equivalent for rigid parts.
+    The former are solved by linear programming. `kind` is `rig.FIXED` or `rig.FREE`. Free pins are replaced by fixed
+    pins with the clearances added, which is equivalent for rigid parts.
     """
     design = design_with_errors(kind, *WIDE_CLEARANCES)
     variant = design

@@ -103,10 +103,11 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
 
 
 def printed_drive_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder.
+    """Compare the simulated backlash of the 3-D printed drive with that of rigid parts and with a measurement.
 
-    The simulated backlash is extrapolated to zero torque from runs under two torques. The row of the measured backlash
-    has no bound. `quick` is ignored.
+    The simulated backlash is extrapolated to zero torque from runs under two torques. That of rigid parts is solved by
+    linear programming. The row of the measurement, by the builder of the drive, compares it with the mean for rigid
+    parts and has no bound. `quick` is ignored.
     """
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]
@@ -140,10 +141,11 @@ KUBAKOS = "kubakos/cycloid-drive-generator, recomputed"
 
 
 def two_disc_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the statics of the preset ``twodisc`` with its published calculation, which assumes ideal sharing.
+    """Compare the statics of the preset ``twodisc`` with its published calculation, which assumes ideal load sharing.
 
-    The contacts here are equally stiff, without clearance and friction, on rigid cams, at a hundredth of the load, so
-    that the contact points stay those of the ideal parts. With `quick` there are fewer crank angles.
+    The contacts here are equally stiff, without clearance and friction, on rigid cams. The load is a hundredth of the
+    published load, so that the contact points stay those of the ideal parts; forces are multiplied by 100. With `quick`
+    there are fewer crank angles.
     """
     no_gravity = {"gravity_x": 0.0, "gravity_y": 0.0}
     pairs = ("pin_gear", "cam", "output")
@@ -194,11 +196,11 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
 
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer.
+    """Compare the efficiency by the formula of Wang et al. with their printed results and with the simulated reducer.
 
-    Rows that compare the formula with the simulation have no bound: it neglects the moment of friction and the
-    clearance. Further rows with bounds compare the simulation with closed forms that include them. `quick` shortens the
-    runs.
+    Rows that compare the formula with the simulation have no bound, because the formula neglects the moment of friction
+    and the clearance. Further rows with bounds compare the simulation with closed forms that include them. `quick`
+    shortens the runs.
     """
     rows = []
     for row_number, case in enumerate(WANG, start=1):
@@ -276,7 +278,7 @@ def output_efficiency(case: Wang) -> float:
 
 
 def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
-    """Simulate a reducer of the proportions of a `case` of Wang, Luo and Su 2016.
+    """Simulate a reducer with the proportions of a `case` of Wang, Luo and Su 2016.
 
     With `ideal`, clearances are almost zero and the cam is rigid; otherwise they have their defaults. With `quick`, the
     run lasts 8 mesh periods instead of a full turn of the crank.
@@ -299,7 +301,7 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
 
 
 def wang_design(case: Wang, ideal: bool) -> Design:
-    """Return a design of the proportions of a `case` of Wang, Luo and Su 2016 with fixed pins.
+    """Return a design with the proportions of a `case` of Wang, Luo and Su 2016, with fixed pins.
 
     With `ideal`, clearances are 1 nm and the contact stiffness is uniform. Rollers on the output pins are represented
     by a smaller coefficient of friction.

@@ -57,7 +57,7 @@ def clearances(value_um: float) -> list[str]:
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
-    """Change the cam's stiffness [N/m] in a compiled model, in place, with its damping and added mass."""
+    """Change the stiffness [N/m] of the cam's contact in a compiled model in place, with damping and added mass."""
     model = compiled.model
     disc_mass = float(model.body("gear").mass[0])
     contact_parameters = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))

@@ -18,8 +18,9 @@ def rows(quick: bool) -> list[ValidationRow]:
     9.2, Eqs 9.5 and 9.6), it is 0.25 of Hertz's peak pressure p0, at (0.87, 0.50) half widths; the load at shakedown is
     1.66 times the load at first yield. Yield is by von Mises with Poisson's ratio 0.3.
 
-    Returns rows for p0/k at shakedown and for the position of the largest orthogonal shear, both from the stress field,
-    for `SHAKEDOWN_PRESSURE` against this p0/k, and for the ratio of the loads. `quick` is ignored.
+    The first two rows are p0/k at shakedown and the position of the largest orthogonal shear, both from the stress
+    field. The third compares `SHAKEDOWN_PRESSURE` with this p0/k. The last is the ratio of the loads at shakedown and
+    at first yield. `quick` is ignored.
     """
     shear_minimum = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
     source = "Johnson, Contact Mechanics (1985), 9.2"

@@ -115,8 +115,8 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 def patch_forces(reducer: Reducer, crank: float) -> Array:
     """Compute the forces of an ideal internal gear whose nearby contact lines share springs [N], shape (N, 2).
 
-    `crank` is the crank angle [rad]. With the load torque T, the weights w of `_patch_weights` and arms l, the force of
-    a line is T w l/sum w l^2.
+    `crank` is the crank angle [rad]. A contact line with the weight w (`_patch_weights`) and the lever arm l has the
+    force T w l/sum(w l^2) under the load torque T.
     """
     gear = reducer.tooth_profile
     indices, normals, B = _ideal_contacts(reducer, crank)
@@ -131,7 +131,7 @@ def patch_forces(reducer: Reducer, crank: float) -> Array:
 def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare the tooth forces, disc rotation and cam force of the real design with an independent static solution.
 
-    `kind` is the kind of ring; `quick` reduces samples and run time.
+    `kind` is the kind of ring. With `quick` there are fewer samples, and the run is shorter.
     """
     changes = [
         *rig.without_friction(),
@@ -151,8 +151,8 @@ def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
 def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick: bool) -> list[ValidationRow]:
     """Compare tooth forces, disc rotation and cam force of a settled run with the independent static solution.
 
-    `name` is that of the case, `cam_stiffness` [N/m] replaces that of the cam unless it is None, and `quick` reduces
-    samples and run time.
+    `name` is the name of the case. `cam_stiffness` [N/m] replaces the stiffness of the cam unless it is None. With
+    `quick` there are fewer samples, and the run is shorter.
     """
     slow_drive = _at_slow_speed(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow_drive, cam_stiffness, False)
@@ -204,9 +204,9 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh at a crank angle [rad]; for an internal gear arcs, then root lines.
+    """Compute the contacts of the ideal mesh at a crank angle [rad]: arcs, then root lines of an internal gear.
 
-    Returns index of the ring lobe (n,), unit normal of the ring (n, 2) and phase B [rad] (n,).
+    Returns the index of the ring lobe (n,), the unit normal of the ring (n, 2) and the phase B [rad] (n,) of each.
     """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)
@@ -227,11 +227,12 @@ def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the share of a full spring of each contact of the ideal internal gear at a crank angle [rad], shape (n,).
+    """Compute the weight [1] of each contact line of the ideal internal gear at a crank angle [rad], shape (n,).
 
-    Arcs come first, then root lines. A root line and the arc of its lobe have the share (1 + s)/2 each. s is the gap
-    half-way between both lines over the deflection under the working force, at most 1. If an arc is next to two root
-    lines, its share is the product of both values.
+    It is the stiffness of the line divided by that of a separate spring. Arcs come first, then root lines. A root line
+    and the arc of its lobe have the weight (1 + s)/2 each. s is the gap half-way between both lines divided by the
+    deflection under the working force, at most 1. If an arc is next to two root lines, its weight is the product of
+    both values.
     """
     design = reducer.design
     gear = tooth_profile(design)

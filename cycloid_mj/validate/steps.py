@@ -63,10 +63,10 @@ Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the figures of runs of a kind of ring with several time steps, by `judge_study`.
+    """Compare the figures of runs of a kind of ring with several time steps (`judge_study`).
 
-    Free pins are also compared with massless ones. Rows of a run under a light load follow. With `quick` there are only
-    the automatic step and half of it.
+    Free pins are also compared with massless pins. Further rows are those of a run under a light load. With `quick`
+    there are only the automatic step and half of it.
     """
     automatic_step = 1e6 * timestep(Reducer(rated_design(kind)))
     shares = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
@@ -78,9 +78,9 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def light_load_rows(kind: str) -> list[ValidationRow]:
-    """Compare runs of a kind of ring with the automatic and with half the time step under a light load.
+    """Compare runs of a kind of ring with the automatic time step and with half of it, under a light load.
 
-    The compared values are those of `StepFigures`, their limits `LIGHT_LOAD_BOUNDS`.
+    The compared values are those of `StepFigures`, and their bounds are `LIGHT_LOAD_BOUNDS`.
     """
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
@@ -93,7 +93,8 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Compare a run with massless free pins, at its own time step, with a run with real free pins.
 
-    `real_pins` are the figures of the latter, or its error, which is raised. With `quick` the run is a third as long.
+    `real_pins` are the figures of the run with real pins, or its error, which is raised. With `quick` the run is a
+    third as long.
     """
     if isinstance(real_pins, RunError):
         raise real_pins
@@ -106,9 +107,9 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
     """Compare the figures of runs with several time steps with those of the shortest step.
 
-    All figures up to the automatic step have a row with a bound; a longer step has a row, without a bound, of the
-    figure with the largest difference only. A failed run is a row that fails. Rows of the observed order of convergence
-    follow.
+    For steps up to the automatic step, each figure has a row with a bound. A longer step has a single row without a
+    bound, that of the figure with the largest difference. A failed run is a row that fails. The last row is the
+    observed order of convergence.
 
     Parameters
     ----------
@@ -149,9 +150,10 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Solve for the order p [1] in a + b h^p from the values at three increasing steps h, by Brent's method.
+    """Solve for the order of convergence p [1] from the `values` of a figure at three increasing time steps.
 
-    NaN if no p from 0.1 to 8 fits.
+    The values are fitted by a + b h^p with the step h; Brent's method determines p. The result is NaN if no p from 0.1
+    to 8 fits.
     """
 
     def residual(order: float) -> float:
@@ -171,7 +173,7 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate a kind of ring for some mesh periods at rated load and 1640 rpm; return its `StepFigures`.
+    """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return its `StepFigures`.
 
     `changes` are settings as for ``--set``, ``key=value``.
     """
@@ -199,9 +201,10 @@ def _has_moving_pins(kind: str) -> bool:
 def _compare_figures(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Compare the figures of a run with those of a reference run, a row each; an infinite bound is no bound.
+    """Compare the figures of a run with those of a reference run, one row per figure.
 
-    `kind`, the kind of ring, `case` and `source` name run and reference in the rows.
+    `kind` (the kind of ring) and `case` name the run in the rows, `source` names the reference. An infinite bound
+    counts as no bound.
     """
     rows = []
     values = (astuple(item) for item in (figures, reference, bounds))
@@ -221,9 +224,10 @@ def _compare_figures(
 
 
 def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
-    """Return the row of the observed order of convergence of the mean transmission error over the three shortest steps.
+    """Return a row with the observed order of convergence of the mean transmission error over the three shortest steps.
 
-    `kind` is the kind of ring, `figures_by_step` are the figures by time step [us]. Empty with fewer than three runs.
+    `kind` is the kind of ring, `figures_by_step` are the figures by time step [us]. With fewer than three successful
+    runs there is no row.
     """
     steps = sorted(figures_by_step)[:3]
     values = [figures_by_step[step] for step in steps]

@@ -19,10 +19,12 @@ def tooth_stiffness(
 
     Parameters
     ----------
+    reducer
+        The reducer, for the law of the stiffness and for materials.
     flat_stiffness
         Stiffness of a pin on a flat [N/m].
     nearest, pose, flanks
-        Nearest points of disc and ring, pose of the disc, and its flanks.
+        Nearest points of disc and ring at the n contacts, pose of the disc, and its flanks.
     """
     stiffness = np.full(nearest.distance.size, flat_stiffness)
     if reducer.design.contact.stiffness_law == "local":
@@ -32,9 +34,9 @@ def tooth_stiffness(
 
 
 def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness at relative curvatures [1/m], any shape, over that of a pin on a flat [1].
+    """Compute the stiffness of line contacts divided by that of a pin on a flat [1].
 
-    It follows the law of line contacts; the shape of the result is that of the curvatures.
+    `curvature` is the relative curvature of each [1/m], of any shape; the result has the same shape.
     """
     design = reducer.design
     pin_radius = design.ring.pin_radius

@@ -146,7 +146,7 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
 
 
 def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
-    """Run a validation part; `task` is the part and whether to be quick.
+    """Run a validation part; `task` is the part and whether to run it with `quick`.
 
     A part that raises CycloidError has one failed row.
 

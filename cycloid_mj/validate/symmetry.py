@@ -46,9 +46,10 @@ BINS = 16
 
 
 def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare ripple, tooth forces and efficiency of the reversed motion with the mirror image of the forward motion.
+    """Compare a run with reversed speed with the mirror image of the run with forward speed.
 
-    `kind` is the kind of ring. There is no gravity. With `quick` the runs last 4 mesh periods instead of 12.
+    The rows are the ripple of the transmission error, the tooth forces and the efficiency. `kind` is the kind of ring.
+    There is no gravity. With `quick` the runs last 4 mesh periods instead of 12.
     """
     periods = 4 if quick else 12
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
@@ -78,8 +79,8 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
 def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare runs of one crank turn with gravity off, downward, and sideways (rotated by a right angle).
 
-    The mechanism under sideways gravity is the same a quarter of a crank turn later, except for the positions of its
-    output pins. `kind` is the kind of ring; `quick` is ignored.
+    Except for the positions of the output pins, the mechanism under sideways gravity behaves as that under downward
+    gravity a quarter of a crank turn earlier. `kind` is the kind of ring; `quick` is ignored.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
@@ -137,7 +138,7 @@ def gear_arcsec(run: Run, reducer: Reducer) -> Array:
 
 
 def mean_ripple(run: Run, reducer: Reducer, direction: float) -> Array:
-    """Compute the mean transmission error [arcsec] in bins of the mesh period, shape (BINS,).
+    """Compute the mean transmission error of the disc [arcsec] in each bin of the mesh period, shape (BINS,).
 
     `direction` is the sign of the crank speed.
     """

@@ -56,7 +56,7 @@ _XML = """<mujoco>
 def rows(quick: bool) -> list[ValidationRow]:
     """Compare static deflection, frequency and restitution of one contact in MuJoCo with closed forms.
 
-    Rows on the secant stiffness, without bounds, follow. `quick` changes nothing.
+    The last rows compare the secant stiffness and have no bounds. `quick` is ignored.
     """
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
@@ -106,9 +106,10 @@ def static_deflection(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_frequency(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Measure the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity.
+    """Measure the angular frequency of vibration about the loaded equilibrium [rad/s].
 
-    The arguments are the law of the contact and the time step [s].
+    It follows from the zero crossings of the velocity. `contact_parameters` are the law of the contact; `timestep` is
+    in [s].
     """
     model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
@@ -125,7 +126,7 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_restitution(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Simulate an impact at `TWO.speed` in MuJoCo; return the coefficient of restitution, the ratio of speeds [1]."""
+    """Simulate an impact at `TWO.speed` in MuJoCo; return the coefficient of restitution [1], the ratio of speeds."""
     model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
@@ -146,7 +147,7 @@ def linear_restitution(ratio: float) -> float:
 
 
 def two_body_model(contact_parameters: ContactParameters, timestep: float, gravity: float) -> Any:
-    """Return the MuJoCo model of a disc in a fixed circle; `gravity` [m/s2] presses the disc into the circle."""
+    """Return the MuJoCo model (`MjModel`) of a disc in a fixed circle, into which `gravity` [m/s2] presses the disc."""
     parameters = solver_parameters(contact_parameters, 1.0 / TWO.mass)
     text = _XML.format(
         timestep=timestep,

@@ -96,7 +96,7 @@ def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tupl
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
-    """Compute the figures of a run in its last mesh periods, in the order of `WITNESS.bounds`.
+    """Compute the figures of a run over its last `WITNESS.periods` mesh periods, in the order of `WITNESS.bounds`.
 
     They are mean and peak-to-peak transmission error of the output [arcsec], mean cam force [N], efficiency [%] and rms
     speed error of the gear [mrad/s].
@@ -117,7 +117,7 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 def _compute_figures(
     error: Array, cam_force: Array, powers: tuple[Array, Array], speed_error: Array
 ) -> tuple[float, ...]:
-    """Compute the figures that MuJoCo and the planar solver are compared by.
+    """Compute the figures by which MuJoCo and the planar solver are compared.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _compute_figures(
     powers
         Power of the crank and of the load on the output [W], shape (n,) each.
     speed_error
-        Speed of the gear less the ideal one [rad/s], shape (n,).
+        Speed of the gear minus its ideal speed [rad/s], shape (n,).
 
     Returns
     -------

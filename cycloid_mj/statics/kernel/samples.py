@@ -105,8 +105,8 @@ def balance_few_samples(
         Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
         relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
-        True: solve along paths where Newton's method fails (``search.balance_with_paths``), which compiled code cannot.
-        None: do not; False is not allowed.
+        True: where Newton's method fails, follow continuation paths (``search.balance_with_paths``). None: do not.
+        Compiled code requires None; False is not allowed.
     workspace
         From `allocate_workspace`; overwritten.
     """
