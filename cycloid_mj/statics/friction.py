@@ -71,7 +71,7 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 
 
 def _creep_speed_factor(reducer: Reducer) -> float:
-    """Compute the factor by which moving pins raise the speed below which teeth creep at less than full friction [1].
+    """Compute the factor by which moving pins raise the creep speed of teeth [1], below which friction is not full.
 
     It is 1 for fixed pins, and without friction. A moving pin of the radius R turns in a socket or on a core of the
     radius r. The sliding of the disc is divided between two contacts in series, at the disc and at the seat. Their

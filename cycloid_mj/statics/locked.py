@@ -91,7 +91,7 @@ class LockedCurve:
 
 
 def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
-    """Solve for the rotation of the output over the torque, with the crank locked at an angle [rad].
+    """Solve for the curve of output rotation over torque, with the crank locked at an angle [rad].
 
     Friction and weight are left out. The torque of the curve reaches the next power of 2 from `max_torque` [N m] in
     both directions, so that similar torques share a solution.

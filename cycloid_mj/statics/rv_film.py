@@ -137,7 +137,7 @@ def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvF
 
 
 def running_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RunningFriction:
-    """Return the friction of cranks that turn, by the law of the design; arguments as of `compute_rv_friction`."""
+    """Return the friction of turning cranks by the law of the design; arguments are those of `compute_rv_friction`."""
     return (build_rv_film if reducer.design.has_film else compute_rv_friction)(reducer, crank, sense)
 
 

@@ -267,10 +267,7 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
 
 @once
 def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
-    """Return the losses of the running drive with the law ``film``; arguments as of `friction_powers`.
-
-    The contacts also support the drag on the output.
-    """
+    """Return the losses of the running drive with the law ``film``; arguments are those of `friction_powers`."""
     springs, torque = springs_over_turn(reducer, count), load + drag_torques(reducer)[1]
     film = build_rv_film(reducer, springs.crank, np.sign(torque_on_carrier(reducer, torque)))
     return build_rv_losses(film, springs, balance_running(reducer, torque, count))
@@ -301,7 +298,10 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
 
 
 def rv_efficiency_spread(reducer: RvReducer, load: float, samples: int = SAMPLES) -> Spread:
-    """Compute the efficiency [%] with the law ``film`` and its interval; arguments and errors as `rv_lost_powers`."""
+    """Compute the efficiency [%] with the law ``film`` and its interval.
+
+    Arguments and errors are those of `rv_lost_powers`.
+    """
     return make_efficiency_spread(load * abs(reducer.output_speed), *rv_lost_powers(reducer, load, samples))
 
 

@@ -225,10 +225,10 @@ def _inertia_text(reducer: Reducer) -> str:
 
 
 def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
-    """Compute the quantities of a part of the sheet, by key, in a fraction of the time of `sheet`; errors as there.
+    """Compute the quantities of a part of the sheet, by key, in a fraction of the time of `sheet`.
 
     `part` is "motions", "errors", "loads" or "losses". `load` is the torque on the output [N m]; by default that of
-    `load_of`.
+    `load_of`. Raises as `sheet`.
     """
     return dict(_compute_part(*_with_load(reducer, load), part))
 

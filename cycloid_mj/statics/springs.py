@@ -187,7 +187,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness of contact lines with the ring [N/m], in series with that of sockets or sleeves.
+    """Compute the stiffness of contact lines with the ring [N/m], including sockets or sleeves in series.
 
     `curvature` is the relative curvature of each line [1/m], of any shape; the result has the same shape. If the ring
     has two halves, each line is half as long and has half of the stiffness.

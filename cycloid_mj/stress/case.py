@@ -26,9 +26,9 @@ class Response:
     forces, moved
         Balanced loads on its unknowns (n, c) [N], and displacements (n, c) [m].
     imbalance
-        Imbalance of the loads (c, r), as of ``elastic.balance_loads``.
+        Imbalance of the loads (c, r), as in ``elastic.balance_loads``.
     reaction
-        Resultants of the supports (c, r), as of ``elastic.reactions``.
+        Resultants of the supports (c, r), as in ``elastic.reactions``.
     moments
         Moments about x, y and z at the stations of the shaft (c, s, 3) [N m]; other parts have none.
     """

@@ -123,9 +123,10 @@ class Action:
 
 @dataclass(frozen=True)
 class HertzStrip:
-    """Hertz's line contact along a turn of k samples: peak `pressure` [Pa] (k,), `half_width` [m] (k,) of its strip.
+    """Hertz's line contact along a turn of k samples: peak `pressure` [Pa] (k,) and `half_width` [m] (k,) of its strip.
 
-    `valid` (k,): whether his theory applies. It does not where the contact is conformal; the values are then formal.
+    `valid` (k,) states whether Hertz's theory applies. It does not where the contact is conformal; the values are then
+    formal.
     """
 
     pressure: Array

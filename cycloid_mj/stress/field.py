@@ -162,7 +162,7 @@ class LoadedPart:
     distances: Distances
 
     def components(self, moved: Array) -> Array:
-        """Compute the stress components at the nodes under displacements (n d, c) [m], as of ``recover.stresses``."""
+        """Compute the stress components at the nodes under displacements (n d, c) [m], as ``recover.stresses``."""
         return stresses(self.operators, moved, self.material)
 
 

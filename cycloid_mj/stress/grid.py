@@ -141,7 +141,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class SectionGrid:
-    """The planar grid that a solid grid is drawn out from.
+    """The planar grid from which a solid grid is extruded.
 
     Attributes
     ----------
@@ -150,8 +150,8 @@ class SectionGrid:
     nodes
         The solid's node over each node of the section (h, n2) at the heights where contact forces act; -1 for none.
     lifts
-        Each hands loads on the section (2 n2,) on to the solid's unknowns, sparse (n, 2 n2): those of one disc, in its
-        plane. Of a part that belongs to a disc there is one.
+        For each disc, the sparse matrix (n, 2 n2) that distributes loads on the section (2 n2,) to the solid's unknowns
+        in the plane of this disc. A part that belongs to one disc has a single matrix.
     """
 
     grid: Grid

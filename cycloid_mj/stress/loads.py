@@ -46,7 +46,7 @@ class PartLoads:
     labels: tuple[str, ...]
     """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2", of several discs "gear_2_cam"."""
     body_force: Array
-    """Gravity less the acceleration of the frame's origin [m/s2], shape (k, 2)."""
+    """Gravity minus the acceleration of the frame's origin [m/s2], shape (k, 2)."""
     spin: Array
     """Angular velocity [rad/s], shape (k,)."""
     spin_rate: Array

@@ -14,11 +14,11 @@ from cycloid_mj.base.array import Array, Mask
 
 @dataclass(frozen=True)
 class Sizing:
-    """Wanted edge lengths of an outline.
+    """Target edge lengths of an outline.
 
-    `edge` the longest [m], `turn` the longest as a share of the radius of curvature, `finest` the shortest that
-    curvature may request [m], `focus` rows (x, y, edge) [m] (n, 3): places where edges are that short, and `growth`
-    that of edges along the outline and away from a focus, per length.
+    `edge` is the longest edge [m], `turn` the longest as a share of the radius of curvature, and `finest` the shortest
+    that curvature may request [m]. `focus` (n, 3) are rows (x, y, edge) [m]: positions where edges are that short.
+    `growth` is the growth of edges along the outline and away from a focus, per length.
     """
 
     edge: float

@@ -116,7 +116,7 @@ def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.
 
 
 def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
-    """Compute the weight of the disc less its mass times its ideal acceleration [N], shape (n, 2)."""
+    """Compute the weight of the disc minus its mass times its ideal acceleration [N], shape (n, 2)."""
     design = reducer.design
     mass = mass_properties(gear_solid(reducer)).mass
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])

@@ -1,7 +1,7 @@
 """Static equilibrium of a loaded reducer at a locked crank: an independent reference for the settled simulation.
 
 Parts are rigid, contacts are unilateral springs at the exact gaps. Without friction and inertia the pose minimises the
-elastic energy less the work of the load. If the stiffness of a tooth contact depends on its curvature, the forces are
+elastic energy minus the work of the load. If the stiffness of a tooth contact depends on its curvature, the forces are
 not the gradient of an energy; the equilibrium is then solved from the pose of least energy at uniform stiffness.
 
 The unknowns z [m] are displacements from the ideal pose: x, y and rotation of the disc, rotation of the output (both
@@ -201,7 +201,7 @@ def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank
 
 
 def _energy(locked: LockedReducer, z: Array) -> float:
-    """Compute the elastic energy at uniform stiffness less the work of the load [J]."""
+    """Compute the elastic energy at uniform stiffness minus the work of the load [J]."""
     springs = _springs_at_pose(locked, z, True).values()
     elastic = sum(0.5 * np.sum(s.stiffness * np.minimum(s.gap, 0.0) ** 2) for s in springs)
     return float(elastic - locked.load @ z)
