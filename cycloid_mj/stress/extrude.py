@@ -213,9 +213,10 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:
-    """Return points (n, 3) [m] along the roots of the output pins and both rims of the hub, `spacing` [m] apart.
+    """Return points (n, 3) [m] along the roots of the output pins and both rims of the hub.
 
-    `face` and `back` are the heights z [m] of the faces of the output disc; the pins are on `face`.
+    `spacing` [m] is their distance. `face` and `back` are the heights z [m] of the faces of the output disc; the pins
+    are on `face`.
     """
     pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
     roots = [_ring(pin, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]

@@ -71,8 +71,8 @@ class Turn:
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Return the logged columns of a run in its last turn, at the samples nearest to crank angles [rad], shape (k,).
 
-    The turn is the last at constant speed and load. Angles and forces are relative to the ring. If a `reducer` is
-    given, the run must be that of its design.
+    The turn is the last at constant speed and load. Angles and forces are relative to the ring. The run must be that of
+    the design of `reducer`, unless this is None.
 
     Raises
     ------
