@@ -25,7 +25,8 @@ def explain(findings: Findings) -> list[str]:
 def _motion_sentences(findings: Findings) -> Iterator[str]:
     """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc.
 
-    The speed is omitted if its ideal value is 0 (crank at rest), the wind-up without a load.
+    The sentence on the speed is omitted if the ideal speed is 0 (crank at rest), that on the wind-up if there is no
+    load.
     """
     speed, error, crank = findings.output_speed, findings.transmission_error, findings.crank
     if speed.theory_rad_s:

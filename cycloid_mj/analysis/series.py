@@ -296,7 +296,7 @@ def design_of(run: Run) -> Design:
 
 
 def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
-    """Raise LogError if the run has forces of another number of pins, lobes or output pins than the design has."""
+    """Raise LogError if the numbers of pins, lobes or output pins in the run's forces are not those of the design."""
     part_names = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
     pairs = reducer.mechanism.pairs
     for kind, part_name in part_names.items():

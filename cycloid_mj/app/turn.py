@@ -42,8 +42,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     reducer
         The reducer, whose load is used.
     turn
-        Number of the crank turn, from 0. The forces of successive turns differ, because the output pins pass the load
-        at another rate than the teeth.
+        Number of the crank turn, from 0. The forces differ from turn to turn, because the crank does not pass the same
+        number of output pins as of teeth.
 
     Returns
     -------

@@ -34,7 +34,7 @@ def cache_folder() -> Path | None:
     """Return the writable folder for the compiled code of the current sources; None if no place is writable.
 
     The folder is created if needed. It is in ``NUMBA_CACHE_DIR`` if that is set, else next to the sources or in the
-    home folder. Folders of earlier versions of the sources are removed, except for two.
+    home folder. Folders of earlier versions of the sources are removed, except for the latest two.
     """
     name = f"kernels-{_digest_of_sources()}"
     for folder in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:

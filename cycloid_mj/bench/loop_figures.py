@@ -294,8 +294,8 @@ def _find_crossings(
 ) -> tuple[_Crossing, _Crossing] | None:
     """Compute the `values` at which the falling and the rising branches of a loop cross a level of `abscissa`.
 
-    Lines are fitted within `window` of the level; with too few points, the branch is interpolated. `abscissa` and
-    `values` have shape (n,).
+    A line is fitted to the points of a branch within `window` of the level. With too few points, the branch is
+    interpolated. `abscissa` and `values` have shape (n,).
 
     Returns
     -------

@@ -350,10 +350,10 @@ def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ..
 
 
 def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function from a model and a clearance [um] to the model with that clearance in some `kinds` of pairs.
+    """Return a function that sets the clearance of some `kinds` of pairs.
 
-    Teeth and seats of pins together have this clearance, divided in the ratio of the design; output holes have all of
-    it.
+    Its arguments are a model and the clearance [um], its result is the new model. Teeth and seats of pins together have
+    this clearance, divided in the ratio of the design; output holes have all of it.
     """
 
     def apply(model: Model, value: float) -> Model:
@@ -368,9 +368,10 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function from a model and a factor [1] to the model with the stiffness of some kinds of pairs times it.
+    """Return a function that multiplies the stiffness of some `kinds` of pairs by a factor.
 
-    The factor multiplies the stiffness at the rated load.
+    Its arguments are a model and the factor [1], its result is the new model. The factor refers to the stiffness at the
+    rated load.
     """
 
     def apply(model: Model, value: float) -> Model:

@@ -176,7 +176,7 @@ class FitProblem:
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the signed distances [1] of each loop's points from the model's branches, shape (points,) by loop.
+        """Compute the signed distances [1] of the points from the model's branches, an array (points,) for each loop.
 
         `scaled` are the scaled parameters and offsets, shape (v,). Torque and deflection are divided by the loop's
         ranges. Points before the loop are omitted. Without a static equilibrium of the model, residuals are

@@ -86,7 +86,7 @@ def _failed_balance_check(error: CycloidError) -> Check:
 
 
 def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
-    """Yield the checks of a part's largest Hertz pressure against first yield, shakedown and hardness.
+    """Yield the checks of a part's largest Hertz pressure against three limits: first yield, shakedown and hardness.
 
     `state` are the loads at the nominal torque, `part` is a key of `PARTS`. The remedies of a failed check are a wider
     face, a stronger material, or less torque.

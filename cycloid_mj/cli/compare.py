@@ -168,8 +168,8 @@ def compare(
 
     Without load, motion is chaotic, so each design is run from 8 independent starts. Figures are printed as minimum,
     maximum and mean. One design has the larger value if all its starts exceed all starts of the other by more than 5 %;
-    otherwise, or with fewer starts, the order is undetermined. Under load, a rank test (5 %) of the crank turns
-    decides. A log counts as one start.
+    otherwise, or with fewer starts, the order is undetermined. Under load, the designs are ordered by a rank test of
+    the values in single crank turns, at a significance level of 5 %. A log counts as one start.
 
     For a pin and a nonpin design, a third design is added: the nonpin design with the total play and stiffness of the
     pin design. It separates the effect of the ring from that of the clearance. The command also prints which findings
