@@ -1,4 +1,4 @@
-"""Questions that the page may ask: functions from JSON values to JSON values, by name.
+"""Requests that the page may send: functions from JSON values to JSON values, by name.
 
 `AT_ONCE` are answered by the page's own process, `QUICK` and `SLOWER` by a worker process each, and jobs by others.
 """
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from cycloid_mj.app import artifacts, drive, monte_carlo, part_stress, requirement, solid, summary, turn
 from cycloid_mj.app.controls import controls, find_controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
-from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.limits import REQUESTS
 from cycloid_mj.app.overview import overview as overview_of
 from cycloid_mj.app.state import apply_changes, at_load, changed_values, differences, parse_design
 from cycloid_mj.base.errors import UsageError
@@ -86,10 +86,10 @@ def view(design: Design, content: Content) -> dict[str, Any]:
         ``required`` are the fields of the start form, the limits with which the figures of the header are compared.
     """
     magnification = content.get("play", 1.0)
-    if not isinstance(magnification, int | float) or not 1.0 <= magnification <= QUESTIONS.magnification:
+    if not isinstance(magnification, int | float) or not 1.0 <= magnification <= REQUESTS.magnification:
         raise UsageError(
             f"the factor by which the drawing magnifies clearances is {magnification!r}, which is out of range: choose "
-            f"a number from 1 to {QUESTIONS.magnification:g}"
+            f"a number from 1 to {REQUESTS.magnification:g}"
         )
     reducer = Reducer(design)
     return {
@@ -107,7 +107,7 @@ def _reducer(content: Content) -> Reducer:
     return _cached_reducer(json.dumps(content.get("design"), sort_keys=True))
 
 
-@lru_cache(maxsize=1)  # consecutive questions are on the same design: each reuses what has been solved
+@lru_cache(maxsize=1)  # consecutive requests are for the same design: each reuses what has been solved
 def _cached_reducer(values: str) -> Reducer:
     return Reducer(parse_design(json.loads(values)))
 
@@ -150,14 +150,14 @@ def compare(content: Content) -> dict[str, Any]:
 def find(content: Content) -> dict[str, Any]:
     """Return controls of the parameters that a ``text`` matches and the page does not show already."""
     matches = find_controls(parse_design(content.get("design", {})), str(content.get("text", "")))
-    return {"controls": [asdict(control) for control in matches[: QUESTIONS.matches]]}
+    return {"controls": [asdict(control) for control in matches[: REQUESTS.matches]]}
 
 
 def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
-    if type(number) is not int or not 0 <= number <= QUESTIONS.turn:
-        raise UsageError(f"crank turn {number!r} is not allowed: choose a whole number from 0 to {QUESTIONS.turn}")
+    if type(number) is not int or not 0 <= number <= REQUESTS.turn:
+        raise UsageError(f"crank turn {number!r} is not allowed: choose a whole number from 0 to {REQUESTS.turn}")
     return turn.forces(_reducer(content), number)
 
 

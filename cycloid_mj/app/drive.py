@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast, get_args
 
-from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.limits import REQUESTS
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.life.joints import tightening_torques
@@ -80,9 +80,9 @@ class BuildOptions:
 
 
 def parse_options(content: Any) -> BuildOptions:
-    """Parse the options of a question of the page: ``motor``, ``offset_um`` [um] and ``bed`` (in `BEDS`).
+    """Parse the options in a request of the page: ``motor``, ``offset_um`` [um] and ``bed`` (in `BEDS`).
 
-    Missing options have the defaults of `BuildOptions`; so have all if `content` is not a mapping.
+    Missing options have the defaults of `BuildOptions`. If `content` is not a mapping, all options have them.
 
     Raises
     ------
@@ -93,10 +93,10 @@ def parse_options(content: Any) -> BuildOptions:
     motor, offset, bed = options.get("motor") or "auto", options.get("offset_um") or 0.0, options.get("bed") or ""
     if motor not in get_args(MotorName):
         raise UsageError(f"unknown motor {motor!r}: choose one of {', '.join(MOTOR_WORDS)}")
-    if type(offset) not in (int, float) or not 0.0 <= offset <= QUESTIONS.offset_um:
+    if type(offset) not in (int, float) or not 0.0 <= offset <= REQUESTS.offset_um:
         raise UsageError(
             f"the printer offset is {offset!r} um, which is out of range: choose a value from 0 to "
-            f"{QUESTIONS.offset_um:g} um"
+            f"{REQUESTS.offset_um:g} um"
         )
     if bed not in BEDS:
         raise UsageError(f"unknown printer bed {bed!r}: choose one of {', '.join(BEDS[1:])} (length x width in mm)")
@@ -197,7 +197,7 @@ def _price_kind(item: str, source: str) -> str:
 
 
 def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str, float], None]) -> dict[str, bytes]:
-    """Create all files to build a drive, as ``cycloid-mj export --plate --assembly --drawings``, by name.
+    """Create all files to build a drive, as ``cycloid-mj export --plate --assembly --drawings`` does.
 
     They are plates and test coupon, meshes of the printed parts, bill of materials, drawings, order of assembly with an
     exploded view, and the assembly in STEP.

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.limits import REQUESTS
 from cycloid_mj.app.workers import Progress, Work
 from cycloid_mj.base.errors import CycloidError, UsageError
 
@@ -123,15 +123,15 @@ class Jobs:
         UsageError
             Too many jobs are queued.
         """
-        if sum(job.state in ("queued", "running") for job in self._jobs.values()) > QUESTIONS.queued_jobs:
+        if sum(job.state in ("queued", "running") for job in self._jobs.values()) > REQUESTS.queued_jobs:
             raise UsageError(
-                f"{QUESTIONS.queued_jobs} jobs are queued, which is the maximum: stop one of them, or wait until one "
+                f"{REQUESTS.queued_jobs} jobs are queued, which is the maximum: stop one of them, or wait until one "
                 "of them has finished"
             )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
         finished = [number for number, listed in self._jobs.items() if listed.state in ("done", "stopped")]
-        for number in finished[: -QUESTIONS.finished_jobs]:
+        for number in finished[: -REQUESTS.finished_jobs]:
             del self._jobs[number]
         threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()
         return job

@@ -10,9 +10,9 @@ class ServerLimits:
     path_length: int = 2000
     """Characters of a path and its query; the page's own paths have fewer than 200."""
     body_bytes: int = 1_000_000
-    """Bytes of a question; a design file has some thousand."""
-    questions: int = 24
-    """Questions being answered at the same time; further questions are refused, so that no page fills the memory."""
+    """Bytes of a request; a design file has some thousand."""
+    requests: int = 24
+    """Requests being answered at the same time; further requests are refused, so that no page fills the memory."""
     backlog: int = 256
     """Connections that wait in the kernel to be accepted."""
     connections: int = 256
@@ -28,8 +28,8 @@ LIMITS = ServerLimits()
 
 
 @dataclass(frozen=True)
-class QuestionLimits:
-    """Ranges of the values in the page's questions, and numbers of jobs."""
+class RequestLimits:
+    """Ranges of the values in the page's requests, and numbers of jobs."""
 
     magnification: float = 1000.0
     """Largest factor by which the page draws clearances."""
@@ -45,4 +45,4 @@ class QuestionLimits:
     """Finished and stopped jobs whose results are kept, the latest."""
 
 
-QUESTIONS = QuestionLimits()
+REQUESTS = RequestLimits()

@@ -1,4 +1,4 @@
-"""The page's server: starlette and uvicorn, on this computer only, for JSON questions, files and the page itself."""
+"""The page's server: starlette and uvicorn, on this computer only, for JSON requests, files and the page itself."""
 
 import gc
 import json
@@ -55,7 +55,7 @@ class Page:
     def __init__(self, design: Design, workers: Workers) -> None:
         self.workers = workers
         self.jobs = Jobs({"studies": workers.long, "files": workers.files, "at once": InProcess()})
-        self.slots = threading.BoundedSemaphore(LIMITS.questions)
+        self.slots = threading.BoundedSemaphore(LIMITS.requests)
         self.start = start_values(design)
 
     def answer(self, name: str, content: Mapping[str, Any]) -> Any:
@@ -271,7 +271,7 @@ def _respond(page: Page, name: str, body: bytes) -> Response:
         return _error(HTTPStatus.NOT_FOUND, "unknown request: reload the page")
     except (ValueError, RecursionError) as error:
         return _error(HTTPStatus.BAD_REQUEST, f"the request is not a valid JSON object: {error}")
-    except Exception as error:  # a failure of one question must not end the server
+    except Exception as error:  # a failure of one request must not end the server
         return _failure(None, error)
     finally:
         page.slots.release()

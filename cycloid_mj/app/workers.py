@@ -1,6 +1,6 @@
 """Worker processes of the page, so that it redraws at once whatever they are computing.
 
-One answers the questions that follow every move of a slider, one those that take longer, so that neither waits for the
+One answers the requests that follow every move of a slider, one those that take longer, so that neither waits for the
 other; one runs the studies and one makes files, both of which can be stopped.
 
 A call costs 0.09 ms here and 0.35 ms in a pool of Pebble (5.2.3, November 2026), which has no progress reports: a queue
@@ -40,7 +40,7 @@ class Worker:
         Parameters
         ----------
         warm_up
-            Functions with their arguments that are called once, so that their code is loaded before the first question.
+            Functions with their arguments that are called once, so that their code is loaded before the first request.
         nice
             Whether other processes have priority (`NICENESS`).
         """

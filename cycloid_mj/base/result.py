@@ -243,9 +243,9 @@ class Verdict(StrEnum):
 
     AGREES = "agrees"
     DISAGREES = "disagrees"
-    """Nothing that the source leaves open gives it, within the physical ranges that were searched."""
+    """No physical values of what the source leaves open produce it."""
     DEPENDS = "depends"
-    """Something decides it that the source leaves open at the claim's condition."""
+    """It is decided by something that the source leaves open at the claim's condition."""
     NOT_DETERMINED = "not determined"
     """The spread of independent starts exceeds the difference."""
 
@@ -259,11 +259,11 @@ class Condition:
     load
         Torque against the output's rotation [N m]; 0 is no load.
     speed
-        Of the crank [rad/s].
+        Speed of the crank [rad/s].
     input_torque
-        On the crank, where the test prescribes it and the load follows from it [N m].
+        Torque on the crank [N m], if the test prescribes it instead of the load.
     solver
-        What takes the steps of the runs that it is judged on, where one is named.
+        Solver of the runs that the figure is judged by, if it is named.
     temperature
         Temperatures of the parts in words; empty for 20 °C.
     """

@@ -74,7 +74,7 @@ class Fitted:
     residuals: tuple[Array, ...]
     """Residuals of each loop's points at `likeliest`, as shares of its ranges."""
     slopes: Array
-    """Slopes of all residuals by all scaled values there, shape (points, values)."""
+    """Derivatives of all residuals with respect to all scaled values at `likeliest`, shape (points, values)."""
     uncertainty: FitUncertainty
     """Uncertainty of the scaled values; 0 of those at a bound, which are no measurement."""
     at_bound: Mask
@@ -87,7 +87,7 @@ class Fitted:
     torque_offset: bool = True
     """Whether the loops have zero offsets of torque; else these are 0."""
     offset_gain: float = math.nan
-    """Bayesian information criterion without such offsets less that with them: positive where the loops support
+    """Bayesian information criterion without such offsets minus that with them; it is positive if the loops support
     them."""
 
     @property

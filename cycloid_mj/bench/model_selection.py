@@ -57,7 +57,7 @@ class LoopStretch:
     """Torque at which it begins and ends [N m]."""
     mean: float
     rms: float
-    """Mean and rms of the measured deflection less the model's [rad]."""
+    """Mean and rms of the measured deflection minus the model's [rad]."""
     share: float
     """The rms over the loop's height [1]."""
 

@@ -272,8 +272,8 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
     They are the integers, and the multiples of N/(N-1), where N is the number of teeth of the ring. A multiple is left
-    out if it differs from an integer by much less than a cycle over the measurement. The highest order is
-    `TE.max_harmonic` times N, or lower if the points are too far from each other to resolve it.
+    out if its distance from an integer is at most `TE.min_separation`, about one cycle over the measurement. The
+    highest order is `TE.max_harmonic` times N, or lower if the points are too far from each other to resolve it.
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns

@@ -54,9 +54,9 @@ class FitUncertainty:
     inverse: Array
     """Inverse of half the curvature of the sum of squares: the covariance for noise of size 1, shape (v, v)."""
     influence: Array
-    """Change of the values per point, over the root of 1 less its leverage, shape (n, v)."""
+    """Change of the values per residual of a point, over the square root of 1 minus its leverage, shape (n, v)."""
     point_count: Array
-    """Number of successive points that count as a single one, at each point, shape (n,)."""
+    """Number of successive points that count as one independent point, at each point, shape (n,)."""
 
     @property
     def errors(self) -> Array:

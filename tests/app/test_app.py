@@ -40,7 +40,7 @@ from cycloid_mj.app.controls import controls, find_controls
 from cycloid_mj.app.drawing import MARKED_PARTS, section
 from cycloid_mj.app.drive import BuildOptions, describe_drive, parse_options
 from cycloid_mj.app.jobs import Download, InProcess, Jobs
-from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.limits import REQUESTS
 from cycloid_mj.app.state import apply_changes, changed_values, parse_design
 from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
 from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
@@ -802,7 +802,7 @@ def test_only_the_last_finished_jobs_are_kept() -> None:
     first = jobs.start("studies", "", lambda told: {})
     waiting(first, "running")
     stopped = []
-    for _ in range(QUESTIONS.finished_jobs + 2):
+    for _ in range(REQUESTS.finished_jobs + 2):
         stopped.append(jobs.start("studies", "", lambda told: {}))
         jobs.stop(stopped[-1].number)
     assert jobs.get(first.number) is first
@@ -815,7 +815,7 @@ def test_only_the_last_finished_jobs_are_kept() -> None:
 def test_the_number_of_queued_jobs_is_limited() -> None:
     worker = Slow()
     jobs = Jobs({"studies": worker})
-    for _ in range(QUESTIONS.queued_jobs + 1):
+    for _ in range(REQUESTS.queued_jobs + 1):
         jobs.start("studies", "", lambda told: {})
     with pytest.raises(UsageError, match="jobs are queued, which is the maximum"):
         jobs.start("studies", "", lambda told: {})

@@ -377,11 +377,11 @@ def test_two_thousand_requests_of_64_clients_are_answered(server: Running) -> No
 
 
 def test_too_many_questions_at_the_same_time_are_refused(server: Running) -> None:
-    assert all(server.page.slots.acquire(timeout=60.0) for _ in range(LIMITS.questions))
+    assert all(server.page.slots.acquire(timeout=60.0) for _ in range(LIMITS.requests))
     try:
         assert request(server, "/ask/draw", {"design": {}})[0] == 503
     finally:
-        for _ in range(LIMITS.questions):
+        for _ in range(LIMITS.requests):
             server.page.slots.release()
     assert request(server, "/ask/draw", {"design": {}})[0] == 200
 
