@@ -286,7 +286,9 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
-    """Compute frequencies [Hz] and one-sided power spectral densities by Welch's method (Hann, half overlap).
+    """Compute frequencies [Hz] and one-sided power spectral densities by Welch's method.
+
+    The segments have Hann windows and overlap by half.
 
     Parameters
     ----------

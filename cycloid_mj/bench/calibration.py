@@ -197,7 +197,7 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Sentences on how the loops deviate from the fitted model, a tuple of text.
+        """Sentences on how the loops deviate from the fitted model.
 
         There is a sentence for each loop that deviates by more than the model error (`MODEL_ERROR`). The last sentence
         reports the candidate model that explains the loops better than the design's, if there is one.

@@ -134,9 +134,9 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
 
 
 def _hole_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between neighbouring output holes.
+    """Return the rule for the thickness of the wall between neighbouring output holes.
 
-    A smaller hole alone is no remedy, as its radius depends on pin and eccentricity.
+    A smaller hole alone is no remedy, because its radius depends on output-pin radius and eccentricity.
     """
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius

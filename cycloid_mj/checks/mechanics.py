@@ -233,7 +233,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
 
 
 def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the motor's power suffices for torque and speed, and its torque for the load."""
+    """Yield the rules that the motor has enough power for its torque and speed, and enough torque for the load."""
     design = reducer.design
     drive, load = design.drive, design.load.torque
     speed = abs(drive.speed)

@@ -99,7 +99,7 @@ def _undercut_rule(reducer: Reducer) -> Rule:
 
 
 def _pin_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between the sockets of neighbouring ring pins."""
+    """Return the rule for the thickness of the wall between the sockets of neighbouring ring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
@@ -147,7 +147,7 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute the angle [rad] by which the socket's support exceeds the largest direction of the force.
+        """Compute half the support angle of the socket minus the largest angle of the force to the radius [rad].
 
         A `pin_radius` and an `eccentricity` [m] replace those of the design.
         """
@@ -180,7 +180,7 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
 
 
 def _housing_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall of the housing outside the sockets or the roots of an internal gear."""
+    """Return the rule for the thickness of the housing outside the sockets, or the roots of an internal gear."""
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     socket_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play

@@ -174,7 +174,8 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 def _has_command(paper: "Paper") -> bool:
     """Return whether a paper's function can be used as a command with flags; warn if it cannot.
 
-    Its command is built for trial, since errors of a paper's package may be of any type.
+    The command is built on trial. Any exception means that it cannot be used, because the packages of papers are
+    written by others.
     """
     trial = App()
     try:

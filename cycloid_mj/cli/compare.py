@@ -286,7 +286,7 @@ def _compare_runs(
 ) -> Outcome:
     """Simulate all runs of a plan into logs, and return the `Outcome` of their comparison.
 
-    `q` is the point of the disc whose motion is compared [m]; None: the default point.
+    `q` is the point of the disc whose motion is compared [m], or None for the default point.
     """
     from cycloid_mj.cli.batch import run_all
 
@@ -312,7 +312,7 @@ def _compare_runs(
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
     """Read a log, and evaluate its run for a comparison.
 
-    `q` is the point of the disc whose motion is evaluated, in the disc's frame [m]; None: the default point.
+    `q` is the point of the disc whose motion is evaluated, in the disc's frame [m], or None for the default point.
 
     Returns
     -------
