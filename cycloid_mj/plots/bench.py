@@ -27,7 +27,7 @@ MODEL = {"color": VERMILION, "linewidth": 1.1}
 
 @with_style
 def calibration_figure(calibration: Calibration) -> Figure:
-    """Draw each measured loop and the fitted model, as deflection over torque, with the residual below the loop."""
+    """Draw deflection against torque for each measured loop and the fitted model, and the residual below each loop."""
     fit, loops = calibration.fitted, calibration.fitted.loops
     figure = create_figure(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))

@@ -133,7 +133,7 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
 
 
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
-    """Draw a line through points x and y, shape (n,) each, sorted by x.
+    """Draw a line through n points in the order of x; `x` and `y` have shape (n,).
 
     Every point has a marker if there are at most `SWEEP.max_markers`. `label` is the entry in the legend.
     """
@@ -187,7 +187,7 @@ def _spans_a_plane(points: Array) -> bool:
 
 
 def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
-    """Draw a quantity over two inputs as a contour map on a Delaunay triangulation of the points."""
+    """Draw a quantity as a contour map in the plane of two inputs, on a Delaunay triangulation of the points."""
     numbers = sweep.frame.numbers
     x_input, y_input = number_inputs(sweep)
     x, y, z = numbers[x_input], numbers[y_input], numbers[name]

@@ -96,7 +96,7 @@ def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
 
 
 def _nearest_sample(run: Run, crank_angle: float | None) -> int:
-    """Return the index of the sample in the last turn that is nearest to a crank angle [rad]; the last one for None."""
+    """Return the index of the last turn's sample that is nearest to a crank angle [rad]; for None, the last index."""
     angle = run["crank_angle"]
     if crank_angle is None:
         return len(run) - 1
@@ -146,7 +146,7 @@ def draw_output_pins(axes: Axes, reducer: Reducer, centres: Array) -> None:
 def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
     """Mark the axis and the centres of the discs, and draw arrows for the rotation of crank and front disc.
 
-    `pose` has x [m], y [m] and angle [rad] of each part by name, shape (3,). The disc rotates against the crank.
+    `pose` has x [m], y [m] and angle [rad] of each part by name, shape (3,). The arrows point in opposite directions.
     """
     design = reducer.design
     direction = math.copysign(1.0, design.drive.speed)

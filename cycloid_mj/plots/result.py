@@ -255,7 +255,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 @figures_of.register
 @with_style
 def _of_answer(answer: Answer) -> Figures:
-    """Draw a bar chart of each quantity in `SIZING_FIGURES`, a bar for each drive of a sizing."""
+    """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive of a sizing result."""
     if not answer.drives:
         raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]

@@ -30,7 +30,9 @@ class FigureError(CycloidError):
 
 @with_style
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write figures as ``folder/name.format``, all or none, and return their paths; create the folder.
+    """Write figures as ``folder/name.format``, and return the paths; if a file fails, none is written.
+
+    The folder is created if necessary.
 
     Parameters
     ----------

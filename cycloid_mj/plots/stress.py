@@ -183,7 +183,7 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
     Returns
     -------
     tuple
-        The figure, and the axes.
+        The figure, and the axes of the panels.
     """
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
@@ -282,15 +282,16 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
 
 
 def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
-    """Find the outer faces of quadratic tetrahedra: those that belong to one tetrahedron only.
+    """Find the f outer faces of quadratic tetrahedra, which belong to one tetrahedron only.
 
-    `cells` are node indices, shape (m, 10), midside nodes on the edges 01, 12, 02, 03, 13, 23.
+    `cells` (m, 10) are node indices: corners 0 to 3, then the midside nodes of the edges between the corners 0-1, 1-2,
+    0-2, 0-3, 1-3 and 2-3.
 
     Returns
     -------
     tuple of Integers
-        Faces (f, 6), three corners and then three midside nodes, and for each the corner opposite to it in its
-        tetrahedron (f,).
+        Node indices of the faces, shape (f, 6): three corners, then three midside nodes; and for each face the corner
+        of its tetrahedron that is opposite to it, shape (f,).
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])

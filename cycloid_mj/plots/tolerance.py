@@ -107,8 +107,8 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
 def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
     """Draw the histogram of the `values` (n,) of the quantity `key`, with lines at its limits.
 
-    Values that are not finite are dropped, and `HistogramSettings.outlier_share` at either end is cut off. A constant
-    quantity, or a quantity without values, is stated as text.
+    Values that are not finite are dropped, and the share `HistogramSettings.outlier_share` of the smallest and of the
+    largest values is not shown. If the quantity is constant or has no values, a text says so.
     """
     axes.set_title(wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
     axes.set_yticks([])

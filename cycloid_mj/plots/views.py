@@ -126,12 +126,12 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
 
 
 def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
-    """Yield each prism of the drive with the position of its part.
+    """Yield the prisms of all parts of a drive, each with the position of its part.
 
     Yields
     ------
     tuple
-        Name of the part, prism, and position of the part's frame: (x, y) [m], shape (2,), and z [m].
+        Name of the part; the prism; and position of the part's frame: (x, y) [m], shape (2,), and z [m].
     """
     design = reducer.design
     discs = dict(

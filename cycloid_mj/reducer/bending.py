@@ -16,12 +16,12 @@ AXIAL_GAP = 1e-3
 
 
 def pin_flexibility(reducer: "Reducer") -> Array:
-    """Compute the flexibility matrix (D, D) [m/N] of an output pin: its deflection at each disc per force on each disc.
+    """Compute the flexibility matrix of an output pin, shape (D, D) [m/N]: deflection at each disc per force on each.
 
-    The pin is a round beam. Its root, or both of its ends, is built in at the faces of the plates that support it, and
-    its load acts in the middle of each disc. Shear adds to bending: Timoshenko's beam with Cowper's coefficient 6 (1 +
-    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). If the pin has a roller, only the core bends. The
-    matrix is zero for ``structure = "rigid"``.
+    D is the number of discs. The pin is a round beam. Its root, or both of its ends, is built in at the faces of the
+    plates that support it, and its load acts in the middle of each disc. Shear adds to bending: Timoshenko's beam with
+    Cowper's coefficient 6 (1 + nu)/(7 + 6 nu), with Poisson's ratio nu (Cowper 1966, J. Appl. Mech. 33, 335-340, Table
+    1). If the pin has a roller, only the core bends. The matrix is zero for ``structure = "rigid"``.
     """
     design = reducer.design
     planes, gear = np.array(design.gear.disc_planes), design.gear

@@ -346,9 +346,9 @@ class Contact:
         return law.stiffness * law.factor(self.relative_curvature)
 
     def _cam_roller_stiffness(self) -> float:
-        """Compute the stiffness [N/m] of the contact of the most loaded roller with the cam, of the shaft's material.
+        """Compute the stiffness [N/m] of the contact between the most loaded roller and the cam.
 
-        It is 0 if ``contact.stiffness`` sets the stiffness of all contacts.
+        Both have the material of the shaft. It is 0 if ``contact.stiffness`` sets the stiffness of all contacts.
         """
         design = self._reducer.design
         if design.contact.stiffness:
@@ -452,10 +452,10 @@ class Contacts:
 
     @property
     def creep_speed(self) -> float:
-        """Sliding speed [m/s] at which friction is fully developed, at the working force.
+        """Sliding speed [m/s] from which friction at the working force has its full value.
 
-        It is that of the design file, or `CONTACT.creep_share` of the orbital speed of the disc's centre; if the crank
-        is at rest, `CONTACT.slow_creep`.
+        It is that of the design file. By default it is `CONTACT.creep_share` times the orbital speed of the disc's
+        centre or, if the crank is at rest, `CONTACT.slow_creep`.
         """
         design = self._reducer.design
         return (

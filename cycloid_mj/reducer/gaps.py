@@ -287,10 +287,10 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def _by_unknown(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
-    """Return the gradient (..., n, 3 D + 1) [1] of n gaps of one disc with respect to the unknowns z of the module.
+    """Return the gradient of n gaps of one disc by the unknowns z of the module, shape (..., n, 3 D + 1) [1].
 
-    `by_position` (..., n, 2) [1] are the derivatives with respect to x and y of the disc, `by_rotation` and `by_output`
-    (..., n) [m/rad] those with respect to the rotations of disc and output.
+    `by_position` (..., n, 2) [1] are the derivatives by x and y of the disc; `by_rotation` and `by_output` (..., n)
+    [m/rad] are those by the rotations of disc and output.
     """
     slope = np.zeros((*by_rotation.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_position

@@ -68,13 +68,13 @@ class Member:
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return the angles of ring and carrier for an angle of the output [rad]; for a speed, return their speeds.
+        """Return the angles of ring and carrier [rad] at an angle of the output, or their speeds at a speed of it.
 
         Returns
         -------
         tuple of Array
-            Angles of ring and carrier, in the shape of `output`: the output's for the member that is the output, and 0
-            for the other, which is fixed.
+            Angles of ring and carrier, in the shape of `output`. The one that is the output has its angle; the other is
+            fixed and has the angle 0.
         """
         output = np.asarray(output, dtype=np.float64)
         fixed_angle = np.zeros_like(output)
@@ -110,10 +110,10 @@ def member_of(design: Design) -> Member:
 
 
 def view_from_ring(design: Design) -> Design:
-    """Return the design of the same drive as seen from its ring: the carrier rotates, with its speed and torques.
+    """Return the design of the same drive in the frame of its ring, in which the ring is fixed and the carrier rotates.
 
-    A design with a fixed ring is returned unchanged. Gravity is not converted to the rotating frame, and inertia forces
-    of the frame are not included: this is left to the caller.
+    Speed and torques are those of the carrier. A design with a fixed ring is returned unchanged. Gravity is not
+    converted to the rotating frame, and inertia forces of the frame are not included: this is left to the caller.
     """
     if not design.output.turns_ring:
         return design

@@ -65,7 +65,8 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     q
         Point of the disc whose path is shown, in the frame of the disc [m]. Default: centre of hole 1, on +y.
     settle
-        Time after the ramp that is not evaluated [s], at most half of the hold. Default: an estimate.
+        Time after the ramp of the crank speed that is not evaluated [s], at most half of the simulated time at constant
+        speed. Default: an estimate.
 
     Returns
     -------

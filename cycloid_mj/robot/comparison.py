@@ -93,7 +93,7 @@ class ModelComparison:
         return row.reference is not None and bool(abs(row.value - row.reference) <= self.bounds[row.key])
 
     def table(self) -> Table:
-        """Tabulate the quantities of joint and full model, their differences, and whether these are within bounds."""
+        """Tabulate the quantities of joint and full model, their differences, and whether these are within `bounds`."""
         verdict_texts = {True: "ok", False: "exceeds bound"}
         rows = tuple(
             (

@@ -70,11 +70,11 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     ----------
     design
         A design that passes its checks, or the name of a preset or a file. Its own load is not used; contacts have the
-        stiffness of the nominal torque.
+        stiffness at the nominal torque.
     level
-        Level of detail in a model. All parameters are identified at any level.
+        Level of detail of the joint in a simulation. All parameters are identified at any level.
     progress
-        Called after each piece of work with the numbers of finished and of all pieces.
+        Called after each piece of work with the number of finished pieces and their total number.
 
     Returns
     -------
@@ -86,9 +86,9 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     DesignError
         The design fails a check, or its speed is 0.
     ContactError
-        The contact pressure of the nominal torque is beyond Hertz's line contact.
+        The contact pressure at the nominal torque is beyond Hertz's line contact.
     RunError
-        No static balance exists, as where friction jams the reducer.
+        No static balance exists, for example because friction jams the reducer.
     """
     reducer = Reducer(resolve(design))
     require_sound(reducer)

@@ -129,7 +129,7 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
 def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
     """Return the MJCF elements of a reduced joint with springs: crank body, slip elements, tendons, motor and tuple.
 
-    `joint` is the name of the hinge.
+    `joint` is the name of the hinge. The tuple lists the joints and tendons of the reducer, for `ReducedJoint.places`.
     """
     rotor = rotor_name(joint)
     tendons, elements = [], []
@@ -189,7 +189,7 @@ mass="{MJCF.mass}" rgba="0.93 0.65 0.49 1"/>
 def _elements_without_springs(reduced: ReducedJoint, joint: str) -> str:
     """Return the MJCF elements of a rigid reduced joint: default class of the hinge, motor and tuple.
 
-    `joint` is the name of the hinge.
+    `joint` is the name of the hinge. The tuple lists it as the reducer's joint, for `ReducedJoint.places`.
     """
     friction, gear = xml_number(reduced.no_load_torque_at_output), xml_number(reduced.way * reduced.ratio)
     return f"""  <default>

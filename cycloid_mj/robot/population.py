@@ -135,7 +135,10 @@ class Population(Tabular):
         }
 
     def _summary(self, key: str) -> dict[str, float]:
-        """Return mean, standard deviation and percentiles (keys ``p05``) of the parameter `key` over the drives."""
+        """Return mean, standard deviation and percentiles of the parameter `key` over the drives: name -> value.
+
+        The names are ``mean``, ``std``, and those of the percentiles, such as ``p05``.
+        """
         values = self.values[key]
         quantiles = np.percentile(values, QUANTILES).tolist()
         return {
@@ -157,9 +160,9 @@ def draw_population(
     samples, seed
         Number of drives, and random seed.
     progress
-        Called with the numbers of finished and of all drives.
+        Called with the number of finished drives and the number of all drives.
     engine
-        Workers; by default threads.
+        Workers that compute the drives; by default threads.
 
     Raises
     ------

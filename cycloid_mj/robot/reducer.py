@@ -318,7 +318,7 @@ class ReducedJoint(Presented):
                 data.qvel[addresses.crank_speed] = -data.qvel[addresses.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
-        """Yield the addresses in a model of each joint with this reducer: crank, output and tendons.
+        """Yield the addresses of each joint with this reducer in a model: those of crank, output and tendons.
 
         Raises
         ------
@@ -390,12 +390,14 @@ class ReducedJoint(Presented):
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any], origin: str = "the reducer") -> Self:
-        """Create a joint from the output of `as_json`, without its `quantities`; `origin` is its name in messages.
+        """Create a joint from the result of `as_json`; its `quantities` are left empty.
+
+        `origin` is the name of the content in messages.
 
         Raises
         ------
         UsageError
-            The content is no joint.
+            The content does not describe a joint.
         """
         try:
             values = dict(content[JOINT])
@@ -436,9 +438,9 @@ class ReducedJoint(Presented):
         Raises
         ------
         CycloidError
-            The file cannot be read, or is no JSON.
+            The file cannot be read, or is not JSON.
         UsageError
-            It contains no joint.
+            It does not describe a joint.
         """
         try:
             content = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -158,7 +158,7 @@ def choose_time_step(
     Parameters
     ----------
     reduced
-        The joint, at its level.
+        The joint at its level of detail.
     inertia
         Inertia on the output [kg m2].
     timestep
@@ -202,10 +202,10 @@ def try_time_step(
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
-    """Return the trial with the longest accurate time step that has no inaccurate ones below it; None if there is none.
+    """Return the trial with the longest accurate time step; None if none is accurate.
 
-    Only trials of this level, integrator and load (a key of `INERTIAS`) count. Inaccurate steps that are shorter than
-    all accurate ones are ignored.
+    Only trials of this level, integrator and load (a key of `INERTIAS`) count. Starting from the shortest accurate
+    step, longer steps count up to the first that is not accurate.
     """
     matching = [trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)]
     best = None
@@ -236,7 +236,7 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
 
 
 def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
-    """Tabulate the recommended time steps: a row for each level and integrator, a column for each inertia."""
+    """Tabulate the recommended time steps and their errors, by level and integrator (rows) and inertia (columns)."""
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
@@ -248,7 +248,7 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
 
 
 def trials_table(trials: tuple[StepTrial, ...]) -> Table:
-    """Tabulate all trials: a row for each level, integrator and inertia, a column for each time step."""
+    """Tabulate the errors of all trials: a row for each level, integrator and inertia, a column for each time step."""
     rows: dict[str, dict[float, str]] = {}
     for trial in trials:
         impact = "" if trial.level == "rigid" else f", {trial.impact_frequency:g} Hz"
@@ -369,9 +369,10 @@ def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, fl
 def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
     """Compute the mean angle of a vibration [rad] and its angular frequency [rad/s] from its upward zero crossings.
 
-    `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, has
-    fewer crossings than `STUDY.min_crossings`, or fewer time steps per period than `STUDY.min_steps_per_period`. The
-    mean is that over complete periods; without them, of the second half, or the last angle of a decayed vibration.
+    `angles` (n,) [rad] are the angles after each time step. The mean is that over complete periods. If there are none,
+    it is the mean over the second half, or the last angle if the vibration has decayed. The frequency is NaN if the
+    vibration has decayed, has fewer crossings than `STUDY.min_crossings`, or fewer time steps per period than
+    `STUDY.min_steps_per_period`.
     """
     midpoint = 0.5 * (float(angles.max()) + float(angles.min()))
     if np.ptp(angles) < STUDY.min_vibration * abs(midpoint):

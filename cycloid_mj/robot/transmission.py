@@ -94,7 +94,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     reducer
         The reducer.
     load
-        Share of the nominal torque.
+        Output torque as a share of the nominal torque.
     direction
         Direction of the crank, 1 or -1.
     on_turn
@@ -103,7 +103,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     Returns
     -------
     Array
-        Errors at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` in each mesh period, shape (n,).
+        Errors (n,) at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` of them in each mesh period.
     """
     errors = []
     for turn in range(turns_per_period(reducer)):

@@ -119,9 +119,10 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the largest magnification of the clearances [1] with which parts can be drawn.
+    """Compute the largest factor by which clearances can be magnified in a drawing.
 
-    Magnified clearances reduce the parts; each keeps at least `DRAWING.min_radius_share` of its radius.
+    Magnified clearances make the drawn parts smaller. Each part keeps at least `DRAWING.min_radius_share` of its
+    radius.
     """
     design = reducer.design
     slack = 1.0 - DRAWING.min_radius_share
@@ -229,7 +230,7 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
     """Compute the drawn poses of all parts at n times, with the `gaps` magnified along the ideal normals.
 
-    Raises UsageError as `drawn_radii`.
+    Raises the UsageError of `drawn_radii`.
     """
     gear = gaps.gear
     opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gear)

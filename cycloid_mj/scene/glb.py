@@ -66,9 +66,10 @@ class _File:
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
     def _append_array(self, values: Any, kind: str) -> int:
-        """Append an array of `values` to the buffer, with its buffer view and accessor; return the accessor's index.
+        """Append an array to the buffer, together with the buffer view and the accessor that glTF requires.
 
-        `kind` is the type of an element: "SCALAR" for indices, "VEC3" for points and normals.
+        `kind` is the type of an element: "SCALAR" for indices, "VEC3" for points and normals. Return the accessor's
+        index.
         """
         is_index = kind == "SCALAR"
         view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}

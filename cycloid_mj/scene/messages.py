@@ -158,9 +158,9 @@ class Scene:
             yield FORCES, stamps[row], self._forces(rows_by_kind, arrows[row], stamps[row])
 
     def _transforms(self, parts: list[str], poses: Array, stamp: int) -> bytes:
-        """Encode the transforms of parts at a time stamp [ns], with a quaternion about z.
+        """Encode the transforms of parts at a time stamp [ns]: translation, and rotation about z as a quaternion.
 
-        `poses` has x [m], y [m] and angle [rad], shape (parts, 3).
+        `poses` (parts, 3) has x [m], y [m] and angle [rad] of each part.
         """
         message, half_angle = FrameTransforms(), 0.5 * poses[:, 2]
         values = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()

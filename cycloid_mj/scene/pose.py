@@ -45,15 +45,16 @@ def ring_places(reducer: Reducer) -> Array:
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Compute the planar poses of all parts at n times by name: x [m], y [m] and angle [rad], shape (n, 3).
 
-    Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
-    ... pin_N. Instead of the shaft, an RV reducer has sun, and crank_1 ... crank_n with their planets. Positions are
-    those of the centres of gears, pins, sun and cranks, and of the reducer axis; angles are counter-clockwise.
+    Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, if the ring has pins, pin_1 ...
+    pin_N. Instead of the shaft, an RV reducer has sun, and crank_1 ... crank_n with their planets. The position of
+    gears, pins, sun and cranks is that of their centres; other parts have the position of the reducer axis. Angles are
+    counter-clockwise.
 
     Parameters
     ----------
     columns
-        Values by name, shape (n,), in SI units; fixed pins have no columns and do not move, massless pins are in
-        contact with disc and socket.
+        Values by name, shape (n,), in SI units. Pins without columns are fixed to the ring, or are massless pins: these
+        are placed in contact with disc and socket.
 
     Raises
     ------

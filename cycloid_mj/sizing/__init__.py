@@ -29,15 +29,15 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
     diameter_mm
         Outer diameter [mm].
     torque_nm
-        Continuous output torque [N m]; twice as much is allowed as a peak.
+        Continuous output torque [N m]; the drive carries twice this torque as a peak.
     others
-        `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
-        `fit`, `custom`, `duty`, `cooling`, `ambient_c`, `output_rpm`, as the flags of ``cycloid-mj design new``.
+        `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`, `fit`,
+        `custom`, `duty`, `cooling`, `ambient_c`, `output_rpm`: the same as the options of ``cycloid-mj design new``.
 
     Returns
     -------
     Answer
-        Feasible drives, the lightest first, or the limit that makes the requirement infeasible, and remedies.
+        Feasible drives, the lightest first; or the limit that makes the requirement infeasible, and remedies.
 
     Raises
     ------

@@ -392,7 +392,7 @@ def _cores(
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
-    """Build the drive of a candidate for a torque [N m]; return None if it cannot be built or assembled."""
+    """Build the drive of a candidate, loaded by a torque [N m]; return None if it cannot be built or assembled."""
     try:
         reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
         sizes_with_motor = casing_of(requirement, reducer)
@@ -418,9 +418,9 @@ def _fails(checks: Iterable[Check]) -> bool:
 
 
 def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
-    """Return the design file of a candidate: its tables by name, with values in SI units by key.
+    """Return the design file of a candidate as tables by name, each with values in SI units by key.
 
-    `sizes` are the candidate's dimensions [m] in the order of `SIZES`, and `torque` is its output torque [N m].
+    `sizes` are the dimensions of the candidate with the fields `SIZES`, and `torque` is its output torque [N m].
     """
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1

@@ -381,9 +381,9 @@ def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: st
 
 
 def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
-    """Yield the key of each value that was chosen and the reason for it, such as ("drive.speed", "required").
+    """Yield pairs of a key of the design file and the reason for its value, such as ("drive.speed", "required").
 
-    `weakest` is the name of the item that fails first.
+    Only keys whose value was chosen are included. `weakest` is the name of the item that fails first.
     """
     assert design.planet is not None
     teeth = f"1 + {design.ring.teeth} x {design.planet.planet_teeth}/{design.planet.sun_teeth}"

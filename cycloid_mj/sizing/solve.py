@@ -133,7 +133,7 @@ def _no_room(requirement: Requirement) -> str:
 
 
 def length_parts(reducer: Reducer) -> str:
-    """Describe what the length of a drive consists of."""
+    """Describe in words which parts add up to the length of a drive."""
     low, high = casing(reducer).ends
     half = 0.5 * reducer.design.gear.stack_width
     discs = "disc" if reducer.design.gear.discs == 1 else "discs"

@@ -40,7 +40,7 @@ def main(design: Named, load_nm: float | None = None) -> "Sheet":
     Parameters
     ----------
     design
-        A sound design, or the name of a preset or a file.
+        A design that passes its checks, or the name of a preset or a file.
     load_nm
         Torque on the output [N m]; by default the magnitude of the design's load, or its nominal torque if that is 0.
 
