@@ -31,9 +31,9 @@ def report(
 ) -> int:
     """Write an HTML report of one or more logged runs.
 
-    The report contains run conditions, a table of findings, zoomable diagrams (among them Figs 5-9 of Hsieh 2014), the
-    animated mechanism with forces, load sharing, order spectrum, losses, warnings and provenance. The page needs no
-    network and can be printed.
+    The report contains run conditions, a table of measured values, zoomable diagrams (among them Figs 5-9 of Hsieh
+    2014), the animated mechanism with forces, load sharing, order spectrum, losses, warnings and provenance. The page
+    needs no network and can be printed.
     """
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed

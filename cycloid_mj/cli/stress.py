@@ -263,7 +263,7 @@ def _read_logs(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three as `_Job`.
+    """Read the logs to study, mesh the requested parts, and check that the results can be written; return a `_Job`.
 
     `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts.
     """
@@ -281,9 +281,10 @@ def _simulate(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Mesh the requested parts, claim the files of the results, and simulate one turn of each design under a load.
+    """Mesh the requested parts, check that the results can be written, and simulate one turn of each design under load.
 
-    `load` is the load torque [N m]; None: that of the design, or its nominal torque. RV reducers are not simulated.
+    `load` is the load torque [N m]; None: that of the design, or its nominal torque. RV reducers are not simulated. The
+    `_Job` that is returned has the runs, the meshes and the destination of the results.
     """
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.log import read

@@ -27,7 +27,7 @@ def describe_error(error: CycloptsError) -> str:
 
 
 def correct_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
-    """Correct a word of a command line that differs from a flag's allowed value in capital letters only.
+    """Correct a word of a command line that differs from an allowed value of its flag only in upper and lower case.
 
     `error` is that of cyclopts, `words` is the command line. Returns the corrected words, or None if the flag has no
     fixed values or none of them matches.

@@ -721,7 +721,7 @@ class Material(Section):
     def _fill_from_library(cls, value: Any) -> Any:
         """Add the values that a material table does not set, from the library, by the material's name.
 
-        A table that sets numbers but no name has those of the default material.
+        A table that sets numbers but no name has all other values from the default material.
         """
         if not isinstance(value, Mapping):
             return value
@@ -1229,8 +1229,8 @@ class Design(Section, Presented):
     def socket_play(self) -> float:
         """Clearance of the housing around a ring pin or sleeve of ``ring.pin_radius`` [m]; 0 for a pressed-in pin.
 
-        For a sleeve it is `SHARES.sleeve_room` times its radius. The sleeve does not touch the housing, which supports
-        both ends of the pin inside it.
+        A pin with a sleeve is supported by the housing at both ends. The sleeve must not touch the housing, so its
+        clearance is `SHARES.sleeve_room` times its radius.
         """
         if self.ring.has_sleeves:
             return SHARES.sleeve_room * self.ring.pin_radius

@@ -242,9 +242,9 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def preset_reasons(name: str, design: Design) -> dict[str, str]:
-    """Return the reasons for values of the preset with a name, by ``table.name`` of the model.
+    """Return the reasons for values of the preset called `name`, by ``table.name`` of the model; empty for other names.
 
-    Values that differ in `design`, which is derived from the preset, are left out. Empty for other names.
+    `design` is derived from the preset; values that differ from the preset are left out.
     """
     name = name.casefold()
     return {

@@ -172,7 +172,9 @@ def log_columns(model: Model, reducer: Reducer) -> Groups:
 
 
 def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", held: Held = "crank") -> Model:
-    """Compile a reducer for a solver and a kind of contact; `held` (exact profiles only) is as in ``mjcf.build``.
+    """Compile a reducer for a solver and a kind of contact.
+
+    `held` is the shaft with a servo, as in ``mjcf.build``; with convex meshes, it is the crank.
 
     Raises
     ------

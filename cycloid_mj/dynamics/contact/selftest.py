@@ -216,7 +216,7 @@ def describe_difference(forces: dict[Any, float], weights: dict[Any, float], rto
 
 
 def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Map the mass [kg] of the moving body of each contact to its number in `values`.
+    """Return the element of `values` that belongs to each contact, by the mass [kg] of the moving body in contact.
 
     The result is empty if the number of `values` is not the number of contacts.
     """

@@ -138,7 +138,7 @@ def xml(spec: Any) -> str:
 
 
 def empty_spec(reducer: Reducer, impratio: float) -> Any:
-    """Return an editable model with the options of every model of a design, and only a light and a camera in it.
+    """Return an editable model that has only a light, a camera, and the options that all models of a design share.
 
     `impratio` is MuJoCo's ratio of frictional to normal impedance, see `law.impratio`.
     """
@@ -210,8 +210,9 @@ def servo_gains(inertia: float) -> tuple[float, float]:
 def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
     """Add the explicit contact pairs of all mating pairs with the law of each; return the compiled model.
 
-    `laws` are the contact laws by disc and kind. The attributes of pairs depend on the weights of the compiled bodies;
-    they are set in both the editable and the compiled model, because compiling once more takes as long.
+    `laws` are the contact laws by disc and kind. The attributes of a pair depend on MuJoCo's inverse weights of its
+    bodies, which are known after compilation. They are set in both the editable and the compiled model, which is faster
+    than to compile again.
     """
     elements = []
     for pair in pairs:

@@ -20,7 +20,7 @@ def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -
     few of many degrees of freedom.
 
     If the output is `loaded`, islands are enabled: the loaded pins form one island with gear and output, and a step
-    costs 0.91 to 0.95 of a step without islands. Without a load it would cost 1.17 of it.
+    takes 0.91 to 0.95 times as long as without islands. Without a load it would take 1.17 times as long.
     """
     if loaded:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
