@@ -267,9 +267,8 @@ class ExportFlags:
 
     def require_supported(self, reducer: Reducer) -> None:
         """Raise UsageError for a flag that does not support the layout of the reducer."""
-        if isinstance(reducer, RvReducer) and (self.plate or self.drawings):
-            name = "--plate" if self.plate else "--drawings"
-            raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove {name}')
+        if isinstance(reducer, RvReducer) and self.plate:
+            raise UsageError(f'--plate does not support layout = "rv" ({reducer.design.name}): remove --plate')
 
     def print_settings(self, reducer: Reducer) -> "PrintSettings":
         """Return accuracy, offset, seat of the cam bearing and bed size of a print plate [m]."""
@@ -327,7 +326,7 @@ def export(
         files |= plates.files
     if flags.assembly:
         files |= _assembly_files(reducer, sizes)
-    if flags.drawings and sizes:
+    if flags.drawings and (sizes or isinstance(reducer, RvReducer)):
         files |= _drawing_files(reducer, sizes)
     directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, delivery.force)
     stem = f"{design.name}-parts"
@@ -514,7 +513,7 @@ def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Cas
     return sizes
 
 
-def _drawing_files(reducer: Reducer, sizes: "Casing") -> dict[str, bytes]:
+def _drawing_files(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
     """Draw all manufactured parts: one PDF, and a DXF of each part."""
     from cycloid_mj.plots.drawings import drawing_files
 

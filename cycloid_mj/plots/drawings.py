@@ -14,9 +14,10 @@ from cycloid_mj.parts.export.drawing import (
     part_drawings,
     sheet_ends,
 )
+from cycloid_mj.parts.export.rv_drawing import rv_part_drawings
 from cycloid_mj.plots.save import document
 from cycloid_mj.plots.style import with_style
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 PAGE = (16.54, 11.69)
 """Size of a page, A3 [in]."""
@@ -24,11 +25,11 @@ PAGE = (16.54, 11.69)
 ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
 
 
-def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
+def drawing_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
     """Draw the manufactured parts of a drive, and return the contents of the files: file name -> bytes.
 
     The files are ``drawings.pdf`` with a page for each part, and ``NAME-drawing.dxf`` for each part. `sizes` are the
-    dimensions of the covers.
+    dimensions of the covers; None for an RV reducer, which has no covers.
 
     Raises
     ------
@@ -37,7 +38,10 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
     CycloidError
         The package ezdxf is not installed.
     """
-    drawings = part_drawings(reducer, sizes)
+    if isinstance(reducer, RvReducer):
+        drawings = rv_part_drawings(reducer)
+    else:
+        drawings = part_drawings(reducer, sizes) if sizes else ()
     pages = [drawing_figure(drawing) for drawing in drawings]
     return {"drawings.pdf": document(pages)} | {f"{item.name}-drawing.dxf": drawing_dxf(item) for item in drawings}
 

@@ -6,7 +6,7 @@ the face at the lower end; general tolerances of ISO 22081 and ISO 2768-m.
 
 import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,44 +124,69 @@ def _draw_part(
     joints
         All joints of the drive, for fits and threads.
     """
-    prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     material, is_printed_part = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
-    front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
-    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
-    diameters = tuple(_diameters(reducer, part, name, joints))
-    faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
-    lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])
+    diameters = section_diameters(
+        part, names.CAM, lambda radius, inner: _tolerance_zone(reducer, name, joints, radius, inner=inner)
+    )
     notes = (
         *_describe_holes(name, joints),
         *_describe_tolerances(reducer, name, diameters),
         *_describe_broken_edges(broken_edges(reducer, sizes, part)),
-        *_describe_surface(reducer, name, material, is_printed_part),
+        *describe_surface(name, material, is_printed_part),
     )
-    title = (
-        f"{reducer.design.name}: {name}",
-        f"{count} off, {material.name or 'own material'}",
-        _describe_treatment(material),
-    )
+    return lay_out_drawing(part, name, title_block(reducer, name, count, material), diameters, notes)
+
+
+def title_block(reducer: Reducer, name: str, count: int, material: Material) -> tuple[str, ...]:
+    """Return the lines of the title block: design and part, number of copies with the material, and heat treatment."""
+    count_line = f"{count} off, {material.name or 'own material'}"
+    treatment = next((text for key, text in HARDNESS if key in material.name), "no heat treatment")
+    return f"{reducer.design.name}: {name}", count_line, treatment
+
+
+def lay_out_drawing(
+    part: Part, name: str, title: tuple[str, ...], diameters: tuple[Dimension, ...], notes: tuple[str, ...]
+) -> PartDrawing:
+    """Return the drawing of a part with its section, its front view, and its lengths from the lower face.
+
+    `title` are the lines of the title block, `diameters` the dimensions of `section_diameters`.
+    """
+    prisms = part.solid(VISUAL_CHORD_ERROR).prisms
+    front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
+    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
+    faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
+    lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])
     return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
 
 
-def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint]) -> Iterator[Dimension]:
-    """Yield each diameter of a part about its axis, or about its cam, with its ends along z and its tolerance zone."""
+def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool], str]) -> tuple[Dimension, ...]:
+    """Return each diameter of a part about its axis or about an eccentric, with its ends along z and tolerance zone.
+
+    Parameters
+    ----------
+    part
+        The part.
+    eccentric
+        Word in the names of segments that are cylinders about an eccentric axis.
+    zone_of
+        Gives the tolerance zone, such as ``H7``, of a radius [m] and whether it is a bore; empty if it is free.
+    """
     spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
     for segment in part.segments:
         for contour, inner in ((segment.outline, False), *((hole, True) for hole in segment.holes)):
             circle = circle_of(contour)
             centre = (0.0, 0.0) if circle is None else circle.centre
-            if circle and (np.hypot(*centre) <= SAME_LENGTH or (not inner and names.CAM in segment.name)):
+            if circle and (np.hypot(*centre) <= SAME_LENGTH or (not inner and eccentric in segment.name)):
                 key = round(circle.radius, 9), inner, centre
                 spans.setdefault(key, []).extend((segment.z0, segment.z1))
+    dimensions = []
     for (radius, inner, centre), ends in spans.items():
-        eccentricity = float(np.hypot(*centre))
-        zone = _tolerance_zone(reducer, name, joints, radius, inner=inner)
+        eccentricity, zone = float(np.hypot(*centre)), zone_of(radius, inner)
         limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
         text = f"⌀{_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
         text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± 0.005" if eccentricity > SAME_LENGTH else ""
-        yield Dimension(text, min(ends), max(ends), radius)
+        dimensions.append(Dimension(text, min(ends), max(ends), radius))
+    return tuple(dimensions)
 
 
 def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
@@ -234,13 +259,13 @@ def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimens
         yield f"{design.output.pins} x ⌀{_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
 
 
-def _describe_surface(reducer: Reducer, name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
-    """Yield the notes on roughness, edges and general tolerances of a part."""
+def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
+    """Yield the notes on roughness, edges and general tolerances of a part, by its name."""
     if is_printed_part:
         yield PRINTED
     else:
         teeth = f"; teeth {ROUGHNESS['teeth']}" if names.family(name) in (names.GEAR, names.HOUSING) else ""
-        is_turned = names.family(name) in (names.SHAFT, names.CAM)
+        is_turned = names.family(name) in (names.SHAFT, names.CAM, names.CRANK)
         race = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
         yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
     yield EDGES
@@ -257,10 +282,6 @@ def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:
             if is_fillet
             else f"{diameters}: chamfer {_mm(size)} x 45°"
         )
-
-
-def _describe_treatment(material: Material) -> str:
-    return next((text for key, text in HARDNESS if key in material.name), "no heat treatment")
 
 
 def _mm(length: float) -> str:

@@ -1,0 +1,134 @@
+"""Drawings of the manufactured parts of an RV reducer: discs, ring, cranks, sun, planets and flanges of the carrier.
+
+Fits of the crank bearings: the load is at rest on the outer rings of the tapered bearings and turns on their inner
+rings, so H7 and k6 (SKF, Rolling bearings, 2018); raceways of needles without rings h5 and G6 (INA needle roller
+bearings). Splines, screws and main bearings have no drawn geometry, as in ``parts.rv``.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.geometry.involute import InvoluteGear
+from cycloid_mj.parts.accuracy import SAME_LENGTH
+from cycloid_mj.parts.export.drawing import (
+    PartDrawing,
+    describe_surface,
+    lay_out_drawing,
+    section_diameters,
+    title_block,
+)
+from cycloid_mj.parts.export.rv_assembly import place_rv_parts
+from cycloid_mj.parts.part import Part
+from cycloid_mj.parts.rv import CRANK, FLANGES, NEEDLE, PLANET, SUN, crank_centres, post_centres, rv_parts
+from cycloid_mj.reducer import RvReducer
+
+INNER_RING, OUTER_RING, NEEDLE_SHAFT, NEEDLE_BORE = "k6", "H7", "h5", "G6"
+"""Tolerance zones of the seats of tapered bearings on crank and in flange, and of the raceways of needles."""
+
+POSITION, RUN_OUT = 0.01, 0.01
+"""Position of crank bores, and run-out of seats and teeth [mm] (assumed)."""
+
+MATERIAL_OF = {CRANK: names.SHAFT, PLANET: names.SHAFT, SUN: names.SHAFT, **dict.fromkeys(FLANGES, names.OUTPUT)}
+"""Part of the mechanism that sets the material of a part; a part that is not in it has its own."""
+
+
+def rv_part_drawings(reducer: RvReducer) -> tuple[PartDrawing, ...]:
+    """Return the drawings of all manufactured parts of an RV reducer; pins and needles are bought.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured.
+    """
+    counts = Counter(place.part for place in place_rv_parts(reducer))
+    made = (part for part in rv_parts(reducer).values() if part.name not in (NEEDLE, names.PIN))
+    return tuple(_draw_part(reducer, part, counts[part.name]) for part in made)
+
+
+def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
+    """Return the drawing of a part of which a drive has `count` copies."""
+    material = reducer.design.material_of(MATERIAL_OF.get(part.name, names.family(part.name)))
+    diameters = section_diameters(part, "eccentric", lambda radius, inner: _zone(reducer, part.name, radius, inner))
+    datum = "datum B: the face at the lower end of the lengths"
+    notes = (*_describe_part(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
+    return lay_out_drawing(part, part.name, title_block(reducer, part.name, count, material), diameters, notes)
+
+
+def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
+    """Return the tolerance zone of a surface of a part about its axis; empty if it is free. `radius` is in [m]."""
+    if name != CRANK or inner:
+        return ""
+    on_eccentric = abs(radius - reducer.cranks.eccentric_radius) < SAME_LENGTH
+    return NEEDLE_SHAFT if on_eccentric else INNER_RING
+
+
+def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
+    """Yield the notes on datums, teeth, holes and their tolerances of a part."""
+    design, cranks = reducer.design, reducer.cranks
+    profile = MILLIMETRES * 0.5 * getattr(design.clearance, design.tooth_pair)
+    if name == names.HOUSING:
+        teeth = "sockets" if design.ring.kind == "pin" else "teeth"
+        circle = _mm(2.0 * design.ring.pin_circle_radius)
+        yield f"{design.ring.teeth} {teeth} on ⌀{circle}, profile {profile:.4f} to the axis (datum A)"
+    elif names.family(name) == names.GEAR:
+        yield (
+            f"{design.lobes} lobes, N = {design.ring.teeth}, E = {_mm(design.ring.pin_circle_radius)}, "
+            f"c = {_mm(design.gear.eccentricity)}, rho = {_mm(design.ring.pin_radius)}: outline from the DXF, "
+            f"profile of a line {profile:.4f} to A, the axis of the crank bores' circle"
+        )
+        yield _holes(crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION)
+        yield _holes(post_centres(reducer), reducer.window_radius, "", "windows for the posts", 0.2)
+    elif name in FLANGES:
+        yield _holes(crank_centres(reducer), cranks.taper_radius, OUTER_RING, "seats of the tapered bearings", POSITION)
+        if name == FLANGES[1]:
+            yield _holes(post_centres(reducer), cranks.post_radius, "", "posts", 0.2)
+        yield "bore both flanges together; datum A: axis of the circle of the seats; screws and main bearings not drawn"
+    elif name == CRANK:
+        angles = ", ".join(f"{math.degrees(phase) % 360.0:.4g}°" for phase in reducer.phases)
+        yield f"datum A: common axis of both journals; eccentrics at {angles}, parallel to A within {RUN_OUT}"
+        yield f"run-out of the journals to A: {RUN_OUT}; spline for the planet not drawn"
+        yield f"fillets next to the journals R{_mm(reducer.journal_fillet)}"
+    else:
+        sun, planet = reducer.stage_gears
+        yield from _describe_teeth(sun if name == SUN else planet)
+        yield f"radial run-out of the teeth to the bore: {RUN_OUT}" if name == PLANET else "shaft of the sun not drawn"
+
+
+def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
+    """Yield the table of an involute gear: module, teeth, pressure angle, profile shift, and span over k teeth."""
+    count, span = span_measurement(gear)
+    yield (
+        f"z = {gear.teeth}, m = {_mm(gear.module)}, alpha = {math.degrees(gear.pressure_angle):.4g}°, x = "
+        f"{gear.shift:.4f}, basic rack ISO 53 A, tip ⌀{_mm(2.0 * gear.tip_radius)}, root ⌀{_mm(2.0 * gear.root_radius)}"
+    )
+    yield f"span over {count} teeth W{count} = {MILLIMETRES * span:.4f}; flank tolerance class 6, ISO 1328-1 (assumed)"
+
+
+def span_measurement(gear: InvoluteGear) -> tuple[int, float]:
+    """Compute the number k of teeth and the span W [m] over them, from flank to flank along the base tangent.
+
+    W = m cos(alpha) ((k - 1/2) pi + z inv(alpha) + 2 x tan(alpha)) less the thinning times cos(alpha) (DIN 3960, 3.5).
+    """
+    angle = gear.pressure_angle
+    count = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)
+    involute = math.tan(angle) - angle
+    terms = (count - 0.5) * math.pi + gear.teeth * involute + 2.0 * gear.shift * math.tan(angle)
+    return count, math.cos(angle) * (gear.module * terms - gear.thinning)
+
+
+def _holes(centres: Array, radius: float, zone: str, use: str, position: float) -> str:
+    """Return the note of equal holes or posts on a circle: number, diameter, zone, circle and first angle."""
+    circle = 2.0 * float(np.hypot(*centres.T).mean())
+    angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
+    size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{_mm(circle)}"
+    return f"{size}, the first at {angle:.4g}°, position ⌀{position:g} to A ({use})"
+
+
+def _mm(length: float) -> str:
+    return f"{MILLIMETRES * length:.5g}"
