@@ -20,7 +20,7 @@ from cycloid_mj.life.modified_life import (
     life_factor,
     reference_viscosity,
 )
-from cycloid_mj.life.output_bearing import balls_of, output_bearing_forces
+from cycloid_mj.life.output_bearing import balls_of, equivalent_load, output_bearing_forces
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
@@ -152,7 +152,9 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
 
 
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
-    """Return the magnitude of the force on each bearing with a key [N], shape (m, bearings), at m crank angles.
+    """Return the load on each bearing with a key [N], shape (m, bearings), at m crank angles.
+
+    It is the magnitude of the radial force; the equivalent load of bearings of the output includes their preload.
 
     `bearing_key` is a key of `bearings_of`; equal bearings, such as those of all cams, share a key. `loading` has the
     solved forces at the crank angles.
@@ -165,7 +167,8 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
         force = loading.shaft[:, FAR if bearing_key.endswith("far") else NEAR]
     else:
         inner, outer = output_bearing_forces(reducer, loading)
-        force = inner if bearing_key.endswith("inner") else outer
+        force = rolling.magnitudes(inner if bearing_key.endswith("inner") else outer)
+        return equivalent_load(casing(reducer).hub, force)[:, np.newaxis]
     return rolling.magnitudes(force)[:, np.newaxis]
 
 
@@ -187,23 +190,27 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Compute the friction loss of each bearing of shaft and output [W], by key: mu F d/2 times the bearing's speed.
+    """Compute the friction loss of each bearing of shaft and output [W], by key.
 
-    This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
-    coefficient of the cam if that has a rolling bearing, or else that of needles in `ASSUMED_ROLLERS`. Bearings of cams
-    and output rollers are left out, because statics includes their losses.
+    Bearings of cams and output rollers are left out, because statics includes their losses.
     """
-    design = reducer.design
-    mu = design.friction_of("cam") if design.gear.bearing == "rolling" else ASSUMED_ROLLERS.needle_friction
     return {
-        bearing.key: 0.5
-        * mu
-        * bearing.bore
-        * float(bearing_forces(reducer, bearing.key, loading).mean())
+        bearing.key: friction_torque(reducer, bearing, float(bearing_forces(reducer, bearing.key, loading).mean()))
         * bearing.speed(reducer, loading.point.speed)
         for bearing in bearings_of(reducer)
         if bearing.bore
     }
+
+
+def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
+    """Compute the friction torque of a bearing of shaft or output by a load P [N]: mu P d/2 [N m].
+
+    This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
+    coefficient of the cam if that has a rolling bearing, or else that of needles in `ASSUMED_ROLLERS`.
+    """
+    design = reducer.design
+    mu = design.friction_of("cam") if design.gear.bearing == "rolling" else ASSUMED_ROLLERS.needle_friction
+    return 0.5 * mu * load * bearing.bore
 
 
 def cam_ratings(reducer: Reducer) -> Ratings:

@@ -7,11 +7,14 @@ shaft seals, ISO/TR 14179-2. Viscosity: Walther, lg lg (nu + 0.7) = A - B lg T.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from cycloid_mj.design import Design
 from cycloid_mj.design.lubricants import lubricant, walther
 from cycloid_mj.design.stock import has_inner_ring
-from cycloid_mj.life.bearings import Bearing, bearings_of
+from cycloid_mj.life.bearings import Bearing, bearings_of, friction_torque
 from cycloid_mj.life.loading import relative_speed
+from cycloid_mj.life.output_bearing import equivalent_load
 from cycloid_mj.lubrication.bearings import idle_torque
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import shaft_bearing
@@ -69,7 +72,8 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
 
     `speed` is that of the crank [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is
-    that of the grease. The torque of bearings is Palmgren's M0, that of seals follows ISO/TR 14179-2.
+    that of the grease. The torque of bearings is Palmgren's M0, that of seals follows ISO/TR 14179-2; a preloaded pair
+    adds the torque by its preload.
 
     Friction that statics includes is left out: contacts of teeth and pins; seals, if the design sets a torque in
     ``[drag]``; and with the friction law ``film`` cam bearings and seals.
@@ -81,7 +85,8 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
         mean, low, high = 0.5 * sum(factors), *factors
         unit = count * share * idle_torque(1.0, diameter, share * abs(speed), viscosity)
         torques.append((mean * unit, low * unit, high * unit))
-    bearings, low, high = (sum(column) for column in zip(*torques, strict=True))
+    preload = _preload_torque(reducer, crank_speed)
+    bearings, low, high = (preload + sum(column) for column in zip(*torques, strict=True))
     seals = _seal_torque(reducer, crank_speed)
     return NoLoadTorque(bearings, seals, low + seals, high + seals)
 
@@ -124,6 +129,17 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
     on_shaft = shaft_bearing(reducer)
     ball = on_shaft is not None and has_inner_ring(on_shaft)
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
+
+
+def _preload_torque(reducer: Reducer, crank_speed: float) -> float:
+    """Return the torque by the preload of the output's bearings referred to the crank [N m]; see `_seal_torque`."""
+    return sum(
+        friction_torque(reducer, bearing, float(equivalent_load(casing(reducer).hub, np.zeros(1))[0]))
+        * bearing.speed(reducer, crank_speed)
+        / crank_speed
+        for bearing in bearings_of(reducer)
+        if bearing.key.startswith("output_bearing")
+    )
 
 
 def _seal_torque(reducer: Reducer, crank_speed: float) -> float:

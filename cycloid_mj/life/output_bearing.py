@@ -35,9 +35,11 @@ class BallBearingData:
         Diameter of balls over D - d (Harris).
     max_axial_share
         Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018).
-    axial_factor, static_axial_factor
-        Equivalent loads P = Y F_a and P_0 = Y_0 F_a of an axial load alone at a contact angle of 25 deg (ISO 281, Table
-        3; ISO 76, Table 2).
+    radial_factor, axial_factor, static_axial_factor
+        Equivalent loads P = X F_r + Y F_a and, of an axial load alone, P_0 = Y_0 F_a at a contact angle of 25 deg (ISO
+        281, Table 3; ISO 76, Table 2).
+    preload_share
+        Preload of a pair over the dynamic rating: the least load of ball bearings (SKF, Rolling bearings, 2018).
     no_clearance, usual_clearance
         Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual clearance (Stribeck).
     approach
@@ -46,8 +48,10 @@ class BallBearingData:
 
     ball_share: float = 0.3
     max_axial_share: float = 0.25
+    radial_factor: float = 0.41
     axial_factor: float = 0.87
     static_axial_factor: float = 0.38
+    preload_share: float = 0.01
     no_clearance: float = 4.37
     usual_clearance: float = 5.0
     approach: float = 0.44
@@ -124,6 +128,15 @@ class OutputBearings:
         ball_force = ball_load_factor * bearing_force / (self.row.balls * cosine)
         approach = 1e-6 * BALL_BEARINGS.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0) / cosine
         return bearing_force * self.spacing**2 / (2.0 * approach) if bearing_force else 0.0
+
+
+def equivalent_load(bearing: StockBearing, radial_force: Array) -> Array:
+    """Compute the equivalent load of radial forces and of the preload, if the bearing has one [N]."""
+    if not bearing.contact_angle:
+        return radial_force
+    preload = BALL_BEARINGS.preload_share * bearing.dynamic
+    with_preload = BALL_BEARINGS.radial_factor * radial_force + BALL_BEARINGS.axial_factor * preload
+    return np.maximum(radial_force, with_preload)
 
 
 def balls_of(bearing: StockBearing) -> BallRow:

@@ -9,9 +9,11 @@ import pytest
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
+from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.loading import FAR, solve_loading
-from cycloid_mj.life.output_bearing import BALL_BEARINGS, output_bearing_forces, output_bearings
+from cycloid_mj.life.no_load import no_load_torque
+from cycloid_mj.life.output_bearing import BALL_BEARINGS, equivalent_load, output_bearing_forces, output_bearings
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
@@ -106,3 +108,21 @@ def test_the_bearings_of_the_hub_are_rated() -> None:
     assert found.life == pytest.approx(1e6 * (found.limit / found.value) ** 3 / turns)
     peak = 2.0 * output_bearings(TWO).own[0]
     assert items["output_bearing_inner_static"].value == pytest.approx(peak)
+
+
+def test_the_preload_of_a_pair_loads_its_bearings_and_rubs() -> None:
+    """By hand, of 71816: preload 0.01 C, P = max(F, 0.41 F + 0.87 F_p), torque 0.5 x 0.002 x P x 80 mm per bearing."""
+    pair = Reducer(PRESETS["twodisc"].but(output={"main_bearings": "angular_contact"}))
+    bearing = output_bearings(pair).bearing
+    preload = 0.01 * bearing.dynamic
+    loads = equivalent_load(bearing, np.array([0.0, preload, 10.0 * preload]))
+    np.testing.assert_allclose(loads, np.array([0.87, 1.28, 10.0]) * preload)
+    np.testing.assert_array_equal(equivalent_load(output_bearings(TWO).bearing, np.array([0.0, 5.0])), [0.0, 5.0])
+    still = constant_duty(1e-3 * pair.design.rated_torque, pair.design.drive.speed).points[0]
+    losses = bearing_losses(pair, solve_loading(pair, still))
+    speed = pair.design.drive.speed / pair.design.reduction
+    mu = pair.design.friction_of("cam")
+    assert losses["output_bearing_outer"] == pytest.approx(0.5 * mu * 0.87 * preload * 80e-3 * abs(speed), rel=0.1)
+    angular, deep = (no_load_torque(reducer, 100.0, 20.0).bearings for reducer in (pair, TWO))
+    expected = 2.0 * 0.5 * mu * 0.87 * preload * 80e-3 / pair.design.reduction
+    assert angular - deep == pytest.approx(expected, rel=1e-3)
