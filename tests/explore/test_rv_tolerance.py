@@ -57,7 +57,7 @@ def test_a_single_tolerance_has_the_variance_of_its_closed_form() -> None:
 def test_a_design_without_tolerances_and_other_figures_are_refused() -> None:
     with pytest.raises(UsageError, match="crank_tolerance"):
         tolerance(PRESETS["rv80e"], 10)
-    with pytest.raises(UsageError, match="Limit te_errors_arcsec instead"):
+    with pytest.raises(UsageError, match="Use --limit with te_errors_arcsec instead"):
         tolerance(toleranced(phase="uniform 3"), 10, limits=["backlash_arcmin<=1"])
     with pytest.raises(UsageError, match="remove --verify"):
         tolerance(toleranced(phase="uniform 3"), 10, verify=1)
