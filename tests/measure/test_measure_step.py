@@ -95,7 +95,9 @@ def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkey
         raise problem("a contact is deep")
 
     monkeypatch.setattr(bench, "locked_run", failing)
-    with pytest.raises(RunError, match=r"57\.3 deg, up to 5 N m .*: a contact is deep .*0\.5 us, halved 3 times"):
+    with pytest.raises(
+        RunError, match=r"57\.3 deg and up to 5 N m .* 3 times to 0\.5 us: a contact is deep\. Reduce the torque"
+    ):
         bench.run_with_step_retries(
             Reducer(override(PRESETS["pin"], ["settings.timestep_us=4"])), 1.0, np.zeros_like, 5.0, 0.01, 10
         )

@@ -457,7 +457,7 @@ def test_a_run_without_forces_is_drawn_without_arrows(design):
 
 def test_a_run_of_something_else_is_refused(design):
     strange = Run(np.arange(3.0), {"x": np.arange(3.0)}, {"x": "m"})
-    with pytest.raises(LogError, match="no column 'crank_angle'; choose"):
+    with pytest.raises(LogError, match="no column 'crank_angle'; its columns are x"):
         mechanism(Reducer(design), strange)
     with pytest.raises(LogError, match=r"design\.toml"):
         figures(strange)
