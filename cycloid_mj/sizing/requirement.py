@@ -289,8 +289,8 @@ class Requirement:
         """Raise UsageError if the fit is unknown or an interference fit, or if a clearance is set in addition to it."""
         if self.clearance:
             raise UsageError(
-                f"a fit ({self.fit}) and a clearance ({1e6 * self.clearance:g} um) are both set, but each determines "
-                "the other: remove one of them"
+                f"fit = {self.fit} and clearance_um = {1e6 * self.clearance:g} are both set, but each of them "
+                "determines the clearances between the parts: remove one of the two"
             )
         try:
             tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)

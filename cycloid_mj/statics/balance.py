@@ -277,9 +277,9 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
     if limit < JAM.max_friction:
         near_limit = ", and close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            f"no static equilibrium {location}: friction jams the drive under this load at any crank torque. Even "
-            f"without clearance, the parts are in equilibrium only up to {limit:.0%} of the friction coefficients of "
-            f"the design{near_limit}. Reduce the friction coefficients (friction.*)"
+            f"no static equilibrium {location}: friction jams the drive under this load at any crank torque. A "
+            f"drive without clearance has an equilibrium only if its friction coefficients are at most {limit:.0%} of "
+            f"those of the design{near_limit}. Reduce the friction coefficients (friction.*)"
         )
     raise RunError(
         f"{failure}. Friction is not the cause: a drive without clearance has an equilibrium even if its friction "

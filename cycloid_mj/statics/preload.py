@@ -44,13 +44,14 @@ def preloaded(design: Named) -> Design:
 
     upper = ARCMINUTE
     try:
-        while torque_residual(upper) < 0.0:
-            upper *= 2.0
-            if upper > MAX_ANGLE:
+        while (residual := torque_residual(upper)) < 0.0:
+            if 2.0 * upper > MAX_ANGLE:
                 raise DesignError(
-                    f"{design.name}: ring.preload_torque_nm = {torque:g} is too large, because the largest preload "
-                    f"angle allowed, {MAX_ANGLE / ARCMINUTE:g} arcmin, produces less. Reduce this torque"
+                    f"{design.name}: ring.preload_torque_nm = {torque:g} is too large: the largest preload angle "
+                    f"tried, {upper / ARCMINUTE:g} arcmin, produces only {torque + residual:.4g} N m. Reduce the "
+                    "torque to less than this"
                 )
+            upper *= 2.0
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(

@@ -224,7 +224,7 @@ def test_an_empty_range_of_ratios_is_refused() -> None:
         ({"backlash": math.nan}, "the backlash is nan arcmin"),
         ({"fit": "H7"}, "a fit is the zone of a hole and that of a shaft"),
         ({"fit": "H7/p6"}, "the fit H7/p6 is an interference fit"),
-        ({"fit": "H7/g6", "clearance": 1e-5}, "are both set, but each determines the other"),
+        ({"fit": "H7/g6", "clearance": 1e-5}, "are both set, but each of them determines the clearances"),
     ],
 )
 def test_absurd_requirements_are_refused(changes: dict[str, float], message: str) -> None:
