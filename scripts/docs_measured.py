@@ -103,8 +103,9 @@ def format_comparison(data: Mapping[str, Any]) -> str:
     starts = max(run["starts"] for run in runs)
     condition = (
         f"The table has results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. All values but the efficiency\n"
-        f"are rms differences from the ideal motion. Without load, there are {starts} independent starts: the table\n"
-        f"has their smallest and largest value, and the mean in parentheses. Time steps: {steps} us."
+        f"are rms differences from the ideal motion. Runs without load are repeated from {starts} independent\n"
+        f"starts. The table shows the smallest and the largest result and, in parentheses, the mean.\n"
+        f"Time steps: {steps} us."
     )
     rows = [(label, *(_level(run["figures"][label]) for run in runs)) for label, *_ in LEVELS]
     shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)
