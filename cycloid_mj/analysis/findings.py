@@ -224,7 +224,7 @@ class Findings(Presented):
         return str(self.condition) + ("" if self.window.phase == "hold" else " (not reached: in the ramp)")
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to dicts, lists, numbers, text and None only."""
+        """Convert the findings to JSON values, by the names of the attributes; NaN and infinities become None."""
         return dict(to_json_values(vars(self)))
 
 

@@ -178,7 +178,7 @@ class Curve(Presented):
         return f"{self.panel}: {self.name}, {len(self.x)} points; {self.x_label}, {self.y_label}"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the curve's labels, units and points as JSON values."""
+        """Convert the curve to JSON values: its names, the labels of the axes with their units, and the points."""
         x, y = self.x.tolist(), self.y.tolist()
         return {
             "panel": self.panel,
@@ -234,7 +234,7 @@ class Table(Presented):
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the table to JSON values."""
+        """Convert the table to JSON values: ``title``, ``columns`` (names) and ``rows`` (lists of cells)."""
         return {"title": self.title, "columns": list(self.header), "rows": [list(row) for row in self.rows]}
 
 
@@ -289,7 +289,7 @@ class Condition:
         return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
 
     def as_json(self) -> dict[str, float | str]:
-        """Convert load [N m], speed [rpm] and solver to JSON values."""
+        """Convert the condition to JSON values; keys end in their units, and values that are not set are omitted."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         solver = {"solver": self.solver} if self.solver else {}
         warm = {"temperature": self.temperature} if self.temperature else {}
@@ -321,7 +321,7 @@ class Value:
     spread: tuple[float, float] | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the value to JSON values."""
+        """Convert the value to JSON values: ``value`` and ``spread`` (both ends, or None) in ``unit``, and ``text``."""
         spread = None if self.spread is None else list(self.spread)
         return {"value": self.value, "unit": self.unit, "spread": spread, "text": self.text}
 
@@ -347,7 +347,7 @@ class Range:
     source: str
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the range to JSON values."""
+        """Convert the range to JSON values, by the names of the attributes."""
         return dict(vars(self))
 
 
@@ -360,7 +360,7 @@ class Removal:
     verdict: Verdict
 
     def as_json(self) -> dict[str, str]:
-        """Convert the removal to JSON values."""
+        """Convert the removal to JSON values: ``taken_away`` (the effect), ``ours`` (our value) and ``verdict``."""
         return {"taken_away": self.what, "ours": self.ours, "verdict": str(self.verdict)}
 
 
@@ -412,7 +412,12 @@ class Claim:
     p: float | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the claim of the paper, our result and its verdict to JSON values."""
+        """Convert the claim to JSON values.
+
+        ``paper`` is the claim with the value of the source, ``ours`` our value, ``at_rated_load`` our value at the
+        rated load. ``removals`` and ``ranges_searched`` are `removals` and `searched`; other keys are names of
+        attributes.
+        """
         return {
             "key": self.key,
             "figure": self.figure,

@@ -52,7 +52,11 @@ class ValidationRow:
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
-        """Return the row as a flat dict of JSON values, with its verdict."""
+        """Convert the row to a flat dict of JSON values.
+
+        ``ours`` and ``reference`` are in ``unit``, ``error`` and ``bound`` in ``error_unit``. ``rung`` is the name of
+        the validation step.
+        """
         return {
             "quantity": self.measured.name,
             "ours": self.measured.value,

@@ -306,7 +306,12 @@ class Calibration(Presented):
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert values, intervals, loop figures, loops, compared models and notes to JSON values."""
+        """Convert the calibration to JSON values; keys end in their units.
+
+        ``parameters`` are the fitted values with intervals. ``measured`` and ``model`` are the loop figures
+        (`DEFINITIONS`) of measured loops and fitted model. ``loops`` are the measured loops, ``misses`` the deviations
+        of the model by section of each loop, ``models`` and ``losses`` the compared models.
+        """
         figures = self.measured.in_units()
         return {
             "design": self.design.name,
@@ -353,7 +358,11 @@ class Calibration(Presented):
 
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
-    """Convert a fitted value in its unit, its intervals of 95 %, and its prior, to JSON values."""
+    """Convert a fitted value to JSON values.
+
+    ``ci95`` and ``noise95`` are its intervals of 95 %, with the assumed model error and from the noise alone.
+    ``prior`` is None if the value has none. All are in the ``unit`` of the value.
+    """
     prior = {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
     return {
         **{key: getattr(estimate, key) for key in ("value", "unit", "identified", "meaning")},
@@ -362,16 +371,21 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def _loop_json(fit: Fitted, number: int) -> dict[str, Any]:
-    """Convert the loop with the index `number` to JSON values, with its residual and its offsets in the fit."""
-    loop, rms, offset = fit.loops[number], fit.rms(number), fit.offsets[number]
+def _loop_json(fit: Fitted, loop_index: int) -> dict[str, Any]:
+    """Convert a measured loop and its deviation from the fitted model to JSON values; the keys end in their units.
+
+    ``height`` is the range of the measured deflection, and ``residual_rms`` the rms difference of the model from it.
+    ``offset_torque`` and ``offset`` are the fitted zero offsets of torque and deflection. Shares are relative to the
+    height.
+    """
+    loop, rms, offset = fit.loops[loop_index], fit.rms(loop_index), fit.offsets[loop_index]
     return {
         "name": loop.name,
         "points": len(loop.torque),
         "height_deg": loop.height / DEGREE,
         "residual_rms_deg": rms / DEGREE,
         "residual_share": rms / loop.height,
-        "residual_share_without_offset": fit.rms_without_offset(number) / loop.height,
+        "residual_share_without_offset": fit.rms_without_offset(loop_index) / loop.height,
         "width_at_zero_torque_deg": loop_width(loop).value / DEGREE,
         "offset_torque_nm": float(offset[0]),
         "offset_deg": float(offset[1]) / DEGREE,
@@ -612,7 +626,11 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert a fit to JSON values: residuals as shares of the loops' heights, information criteria and values."""
+    """Convert the fit of a model to JSON values.
+
+    ``residual_shares`` are the rms deviations from the loops over their heights, ``bic`` and ``aic`` the Bayesian and
+    Akaike's information criterion, and ``values`` the fitted values in the units of the parameters.
+    """
     criteria = {"bic": item.bayesian, "aic": item.akaike}
     return {
         "key": item.key,

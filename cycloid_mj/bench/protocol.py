@@ -163,7 +163,7 @@ class Protocol(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table with value and interval of each line of `LINES` for model and bench, a row each; NaN for no value."""
+        """Table with a row for each test figure (`LINES`): simulated and measured value and interval, or NaN."""
         sources = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
@@ -174,7 +174,12 @@ class Protocol(Presented):
         return Frame({**text, **columns})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert values and intervals of model and bench, with definitions, to JSON values, by the keys of `LINES`."""
+        """Convert the protocol to JSON values.
+
+        ``lines`` has an entry for each test figure, by the keys of `LINES`, which end in the unit. Each has name, unit,
+        definition and source of the figure. Its ``model`` and ``bench`` are the simulated and the measured figure:
+        value and interval, or None.
+        """
         return {
             "design": self.design,
             "nominal_torque_nm": self.rated,

@@ -140,7 +140,11 @@ class BenchComparison(Presented):
         return Table(f"{self.measured.name} compared with {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison to JSON values: load, rms values [arcsec], and amplitude and phase of each order."""
+        """Convert the comparison to JSON values; keys end in their units.
+
+        ``explained`` is the share of the variance, or of the power of an order, that the model explains. ``orders`` has
+        the amplitudes of each order, the strongest first. Its ``phase`` is positive if the model leads.
+        """
         return {
             "design": self.design,
             "load_nm": self.load,

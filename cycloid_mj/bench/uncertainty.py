@@ -65,21 +65,21 @@ class FitUncertainty:
 
     @cached_property
     def half_widths(self) -> Array:
-        """Half widths of the intervals of coverage `INTERVAL.confidence`, shape (v,)."""
+        """Half widths of the confidence intervals of the values at `INTERVAL.confidence`, shape (v,)."""
         return self.quantiles(INTERVAL.confidence) * self.errors
 
     def quantiles(self, confidence: float) -> Array:
-        """Compute the half width of each value's interval in standard errors, shape (v,)."""
+        """Return the half width of each value's confidence interval, over its standard error [1], shape (v,)."""
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
 
     def quantile_along(self, direction: Array, confidence: float) -> float:
-        """Compute the half width of the confidence interval of a linear combination of the values, in standard errors.
+        """Return the half width of the confidence interval of a sum of the values, over its standard error [1].
 
-        `direction` are its coefficients, shape (v,). The half width is the quantile of Student's t distribution. If few
-        points determine the combination, its error is estimated from few residuals. The degrees of freedom are
-        therefore Satterthwaite's, (sum a)^2 / sum a^2, where a is the share of each independent point in the variance
-        of the combination (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ.
-        Stat. 98, 2016, 701-712).
+        The sum is `direction` @ values. `direction` (v,) has the coefficients of the v fitted values. The result is the
+        quantile of Student's t distribution. It is larger if few points determine the sum, because its standard error
+        is then estimated from few residuals. The degrees of freedom are Satterthwaite's, (sum a)^2 / sum a^2. a is the
+        contribution of an independent point to the variance of the sum (Bell and McCaffrey, Survey Methodology 28,
+        2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat. 98, 2016, 701-712).
         """
         shares = (self.influence @ direction) ** 2
         squares = float(self.point_count @ shares**2)

@@ -66,7 +66,7 @@ class Check:
         return judge(math.inf if self.passed else 0.0, decisive=self.severity == "error")
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the check to JSON values, without its `changes`."""
+        """Convert the check to JSON values: its attributes without `changes`, by the names in `COLUMNS`."""
         return {name: getattr(self, name) for name in COLUMNS}
 
     def __str__(self) -> str:

@@ -78,7 +78,11 @@ class Comparison(Presented):
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison to dicts, lists, numbers, text and None only."""
+        """Convert the comparison to JSON values.
+
+        The keys are the names of the attributes. ``runs`` are the `trials`, with the measures of the first start and
+        the spreads over all starts. ``sensitivity`` has the changes of the figures with each assumption.
+        """
         content = {
             "designs": self.designs,
             "solver": self.solver,

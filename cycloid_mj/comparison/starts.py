@@ -46,7 +46,7 @@ class StartSpread:
         return max(self.values)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert values, least, mean and largest to JSON values."""
+        """Convert the values of all starts, and their minimum, mean and maximum, to JSON values in the same unit."""
         return {"values": list(self.values), "least": self.low, "mean": self.mean, "largest": self.high}
 
     @property

@@ -176,7 +176,12 @@ class Optimum(Tabular):
         return make_frame(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert best point, front, limits, rejections and checks to JSON values, without the list of evaluations."""
+        """Convert the result to JSON values, without the list of evaluations.
+
+        ``best`` and ``start`` have values by keys of the design file, in its units; ``figures`` are by key of the
+        figure. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
+        rejected by each check or limit, ``verified`` the checks of the best design.
+        """
         best, objectives = self.best, self.task.objectives
         objective_values = None if best is None else [self.figures(best)[objective.key] for objective in objectives]
         return {
@@ -284,7 +289,11 @@ class Optimum(Tabular):
     ran_into = deprecated_attribute("Optimum", "ran_into", "active_bounds")
 
     def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
-        """Convert the checks of the best design to JSON: "statics", "dynamics" and "tolerances", None if missing."""
+        """Convert the checks of the best design to JSON values.
+
+        ``statics`` are figures by key, ``dynamics`` those of a run with their differences, and ``tolerances`` a study
+        of tolerances. ``statics`` and ``tolerances`` are None if missing.
+        """
         dynamics = best_checks.dynamics
         return {
             "statics": {key: quantity.value for key, quantity in best_checks.sheet.quantities.items()}

@@ -266,7 +266,12 @@ class Tolerances(Tabular):
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the study to JSON values, without the values of single samples."""
+        """Convert the study to JSON values, without the values of single samples.
+
+        ``samples`` of ``asked`` samples were computed. ``yield`` and ``jam_probability`` are shares of the samples [1],
+        ``pressed_unloaded`` the share in which each kind of part is preloaded. ``quantities`` are the distributions of
+        the figures, ``budget`` the shares of the variance of the figure ``budget_of``.
+        """
         return {
             "design": self.design,
             "condition": self.condition,

@@ -61,7 +61,7 @@ class MapPoint:
     spread: Spread
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the point to JSON values."""
+        """Convert the point to JSON values; ``value`` and its interval, ``low`` to ``high``, are in ``unit``."""
         return {
             "quantity": self.quantity,
             "unit": self.unit,

@@ -32,7 +32,7 @@ class CamCase:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert stiffness [N/m], load [N] and life [h] to JSON values; an unlimited life is None."""
+        """Convert the case to JSON values; ``cam_n_m`` is the stiffness [N/m], and an unlimited life is None."""
         return {
             "name": self.name,
             "cam_n_m": self.stiffness,
@@ -59,7 +59,7 @@ class CamCompliance:
         )
 
     def as_json(self) -> list[dict[str, Any]]:
-        """Convert the rows to JSON values."""
+        """Convert the cases to JSON values, a dict each (`CamCase.as_json`)."""
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:

@@ -73,7 +73,11 @@ class Measurement(Presented):
         return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the measurement to JSON values."""
+        """Convert the measurement to JSON values.
+
+        ``quantities`` are by their keys, ``figures`` by the keys of the figure catalogue, each with value and unit.
+        ``condition`` is load and speed in words. The `details` are included under their own keys.
+        """
         return {
             "measure": self.measure,
             "design": self.design.name,

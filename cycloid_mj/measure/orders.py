@@ -57,7 +57,7 @@ class Cause:
         return np.isclose(ratio, nearest, atol=1e-6) & (nearest > 0) & self.takes(nearest)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the cause to JSON values."""
+        """Convert the cause to JSON values; ``shows_in`` is the signal (`Place`), ``base_order`` that of its orders."""
         return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
 
 

@@ -189,7 +189,8 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
     """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values.
 
-    `effects` are those of the inputs.
+    `effects` are those of the inputs. ``sensitivity`` has the ends of each input, ``low`` and ``high``, in ``unit``,
+    and the rates there, ``value_low`` and ``value_high`` [1].
     """
     low, high = spread(design_rate, effects)
     return {

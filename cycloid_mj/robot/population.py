@@ -119,7 +119,12 @@ class Population(Tabular):
         return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
 
     def as_json(self) -> dict[str, Any]:
-        """Return distributions and correlations of the parameters, and ranges of the drawn inputs, as JSON values."""
+        """Convert the population to JSON values.
+
+        ``parameters`` has unit, nominal value, mean, standard deviation and percentiles of each parameter.
+        ``correlation`` has their correlation matrix, ``ranges`` the ranges from which inputs were drawn. ``samples`` of
+        ``asked`` drives can be assembled.
+        """
         return {
             "samples": self.samples,
             "asked": self.requested,

@@ -147,7 +147,12 @@ class Sheet(Presented):
         return known_difference(quantity) if self.has_known_differences else None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values: conditions, assumptions, and quantities by key."""
+        """Convert the sheet to JSON values.
+
+        ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest relative
+        difference from the runs that ``known_difference_from`` names, or None. ``parts`` says whether the parts are
+        perfect.
+        """
         return {
             "design": self.design,
             "condition": self.condition,

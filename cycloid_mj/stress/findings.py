@@ -96,7 +96,10 @@ class Peak:
     safety: float
 
     def as_json(self) -> dict[str, Any]:
-        """Convert stress [MPa], crank angle [deg], position [mm], contact and safety factor to JSON values."""
+        """Convert the maximum to JSON values; keys end in their units, and ``place_mm`` is the position.
+
+        Values that are not finite become None.
+        """
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
@@ -113,9 +116,10 @@ def _finite(value: float) -> float | None:
 
 @dataclass(frozen=True)
 class Refinement:
-    """The grid of a study, and a finer one.
+    """Bulk stress of a part on the grid of a study, and on a finer grid.
 
-    Their `unknowns`, and their bulk `stress` [Pa] (2, a) at crank `angle` [rad] (a,).
+    `unknowns` are the numbers of unknowns of both grids. `stress` (2, a) [Pa] is the largest bulk stress on each of
+    them at the crank angles `angle` (a,) [rad]. Bulk stress is the stress away from the contact areas.
     """
 
     unknowns: tuple[int, int]
@@ -124,13 +128,13 @@ class Refinement:
 
     @property
     def change(self) -> float:
-        """Change of the largest stress from the study's grid to the finer one, relative; 0 without stress."""
+        """Relative change of the largest stress from the study's grid to the finer one [1]; 0 without stress."""
         coarse, finer = self.stress.max(axis=1)
         return float(abs(coarse / finer - 1.0)) if finer > 0.0 else 0.0
 
     @property
     def scatter(self) -> float:
-        """Change of the stress at each of these angles, rms, relative to the largest."""
+        """Rms over the crank angles of the change from grid to grid, relative to the largest stress [1]."""
         change, largest = rms(self.stress[0] - self.stress[1]), float(self.stress[1].max())
         return change / largest if largest > 0.0 else 0.0
 
@@ -140,7 +144,12 @@ class Refinement:
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
-        """Convert numbers of unknowns, bulk stresses [MPa] by crank angle [deg], and their change to JSON values."""
+        """Convert the comparison of both grids to JSON values; keys end in their units.
+
+        ``unknowns`` has an entry for each grid, ``bulk_mpa`` the largest bulk stress on each grid by ``angle_deg``, the
+        crank angles. ``change`` and ``scatter_rms`` [1] are the properties `change` and `scatter`. ``holds`` is whether
+        ``change`` is below ``bound``.
+        """
         return {
             "unknowns": list(self.unknowns),
             "angle_deg": np.degrees(self.angle).tolist(),
@@ -255,7 +264,11 @@ class PartFindings:
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Convert stresses [MPa], positions [mm] and angles [deg] to JSON values; values not finite become None."""
+        """Convert the findings to JSON values; keys end in their units, and values that are not finite become None.
+
+        ``bulk_mpa`` and ``contact_mpa`` are the largest stresses by crank angle ``angle_deg``. Lists of pairs, such as
+        ``sensitivity``, become lists of dicts. ``range`` is the stress range for fatigue, or None.
+        """
         return {
             "part": self.part,
             "unknowns": self.unknowns,
@@ -306,7 +319,7 @@ class Reference:
     load: float
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the reference to JSON values."""
+        """Convert the reference to JSON values: ``source``, ``below_mpa`` (upper limit, or None) and ``load_nm``."""
         below = None if self.below is None else self.below / MEGAPASCAL
         return {"source": self.source, "below_mpa": below, "load_nm": self.load}
 
@@ -349,7 +362,11 @@ class StressFindings:
         return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert design, load [N m], yield strength [MPa] and the findings of each part to JSON values."""
+        """Convert the findings to JSON values; keys end in their units.
+
+        ``parts`` has the findings of each part and its published stress (``reference``, or None).
+        ``cranks_and_gears`` is None except for an RV reducer.
+        """
         references = {part: reference.as_json() for part, reference in self.references.items()}
         return {
             "design": self.design,

@@ -48,7 +48,10 @@ class ToothRootStress:
         return self.nominal * self.form_factor * self.correction_factor
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
-        """Convert force [N], factors, stress [MPa], and its safety against a yield strength [Pa], to JSON values."""
+        """Convert the root stress to JSON values; keys end in their units.
+
+        ``safety_against_yield`` [1] is `yield_strength` [Pa] over the stress; None without stress.
+        """
         return {
             "part": self.part,
             "force_n": self.force,
@@ -87,7 +90,7 @@ class RvStrength:
         return {CRANK: crank} | {item.part: item.stress for item in self.roots}
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the stresses to JSON values in MPa, mm and degrees."""
+        """Convert the stresses to JSON values: ``crank`` (sections), ``needle_pressure_mpa`` and ``tooth_roots``."""
         return {
             "crank": [item.as_json(self.yield_strength) for item in self.shoulders],
             "needle_pressure_mpa": self.needle_pressure / MEGAPASCAL,

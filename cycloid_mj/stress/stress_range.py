@@ -30,7 +30,7 @@ class StressRange:
     position: Array
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the range to JSON values in MPa and mm."""
+        """Convert the range to JSON values: ``amplitude_mpa``, ``mean_mpa`` and the position ``place_mm``."""
         return {
             "amplitude_mpa": self.amplitude / MEGAPASCAL,
             "mean_mpa": self.mean / MEGAPASCAL,
