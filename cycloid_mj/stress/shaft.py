@@ -179,14 +179,14 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
     unit_loads, imbalances = elastic.balance_loads(part, unit_loads)
     unit_displacements = elastic.displacements(part, unit_loads)
-    cam_loads = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
-    shares = np.vstack([*cam_loads, loads.torque, mass_coefficients(loads)])
+    cam_factors = [factor for cam in range(len(cams)) for factor in _cam_load_factors(shaft, loads, cam)]
+    load_factors = np.vstack([*cam_factors, loads.torque, mass_coefficients(loads)])
     relief, compliance = _pad_compliance(part, pads)
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
         """Solve for the response at the angles with the indices `angles`, shape (c,), without tension in pads."""
-        weights = shares[:, angles]
+        weights = load_factors[:, angles]
         open_forces = np.column_stack(
             [
                 solve_open_pads(pads, compliance, pad_displacements)
@@ -207,11 +207,12 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     return LoadCase(part, solve_response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
-def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
-    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` that result in the loads on a cam at k angles.
+def _cam_load_factors(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
+    """Yield the factor (k,) of each unit load of a cam, in the order of `_cam_unit_loads`, at k crank angles.
 
-    Each harmonic of the pressure has the factor of its cosine and, except order 0, of its sine [N]; the last factor is
-    the moment about the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
+    The sum of the unit loads times their factors is the load on the cam. First come the factors of the pressures [N]:
+    for each harmonic that of the cosine and that of the sine (order 0 has no sine). The last factor is the moment about
+    the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
 
     Parameters
     ----------
