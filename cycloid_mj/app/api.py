@@ -83,7 +83,7 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     ----------
     content
         Request of the page: ``play`` is the factor by which the drawn clearances are magnified (default 1),
-        ``required`` are the fields of the start form, the limits with which the figures of the header are compared.
+        ``required`` are the values in the start form by field name, with which the figures of the header are compared.
     """
     magnification = content.get("play", 1.0)
     if not isinstance(magnification, int | float) or not 1.0 <= magnification <= REQUESTS.magnification:

@@ -63,9 +63,9 @@ POSES = 61
 def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """Return ratio, diameter and mass for the header of the page, as JSON values.
 
-    ``verdicts`` compares ratio and diameter with `required`, the fields of the start form. Covers increase the
-    diameter. Therefore a diameter without covers that is within its limit has no verdict; `life` judges the diameter
-    with covers.
+    ``verdicts`` compares ratio and diameter with `required`, the values in the start form of the app by field name.
+    Covers increase the diameter. Therefore a diameter without covers that is within its limit has no verdict; `life`
+    judges the diameter with covers.
     """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part cannot be built: the checks say which
@@ -104,11 +104,12 @@ def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures that statics computes for a valid design at its load, as JSON values; raises as `quick_sheet`.
+    """Return the figures that statics computes for a valid design at its load, as JSON values.
 
     ``rows`` has name, value and note of each figure in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
     powers of crank and output, and of each source of friction [W]. ``verdicts`` compares the backlash with `required`,
-    the fields of the start form.
+    the values in the start form of the app by field name; it is empty without `required`. The errors that
+    `quick_sheet` raises are not caught.
     """
     design = reducer.design
     sheet = quick_sheet(reducer)
@@ -142,9 +143,9 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
     """Rate a valid design at its load; return rated items, life, and rated torque for its required life as JSON values.
 
-    ``verdicts`` compares rated torque, diameter and length with `required`, the fields of the start form, and the life
-    with the required life of the design. Diameter and length are those with covers for the motor. If the covers do not
-    fit, the requirements on diameter and length count as not met.
+    ``verdicts`` compares rated torque, diameter and length with `required`, the values in the start form of the app by
+    field name, and the life with the required life of the design. Diameter and length are those with covers for the
+    motor. If the covers do not fit, the requirements on diameter and length count as not met.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))

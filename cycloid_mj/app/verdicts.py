@@ -51,7 +51,7 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
     Parameters
     ----------
     required
-        Fields of the form; a value that is not a positive number is no requirement.
+        Values in the form by field name, or None; a value that is not a positive number is no requirement.
     figures
         Figures by their keys; a requirement whose figure is missing is not judged.
 

@@ -105,7 +105,7 @@ def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
 
 
 def _test_contact() -> str:
-    """Install the contact functions in MuJoCo; return a sentence on success.
+    """Install the contact functions in MuJoCo; return a text for the report that states the release of MuJoCo.
 
     The installation tests memory layout, gaps and forces, once for each release of MuJoCo.
 
@@ -124,6 +124,8 @@ def _test_contact() -> str:
 
 def _simulate_self_test() -> str:
     """Simulate a millisecond of a reducer with fixed pins, and compare the disc's angle with the closed form.
+
+    Returns a text for the report: the number of samples and the largest difference of the angle [rad].
 
     Raises
     ------

@@ -32,12 +32,15 @@ OnlyFlag = Annotated[
 def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Compare the simulation with closed forms and published cases.
 
-    Steps, from simple to complex: two-body, friction, mechanism, backlash, sharing, cam,
-    published, energy, steps, mirror, gravity, witness. A row has quantity, our value,
-    reference, source, error, bound and result. Failed rows are always printed, all rows
-    only with --all. The result "stated" means that the row has no bound for its error;
-    a note explains the error. The exit code is 1 if a row fails. Takes some minutes in
-    two processes (--workers changes that).
+    The steps are, from simple to complex: two-body (a single contact), friction (bodies on
+    an incline), mechanism (gaps and forces of the static model), backlash, sharing (load
+    sharing of the teeth), cam (load on the cam), published (published results), energy
+    (energy balance), steps (shorter time steps), mirror (reversed rotation), gravity (effect
+    of the weight), witness (MuJoCo against the planar solver). A row has quantity, our
+    value, reference, source, error, bound and result. Failed rows are always printed, all
+    rows only with --all. The result "stated" means that the row has no bound for its error;
+    a note explains the error. The exit code is 1 if a row fails. The validation takes some
+    minutes in two processes (--workers changes their number).
     """
     note("starting")
     from cycloid_mj.life import witnesses

@@ -254,7 +254,8 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     """Compute the temperature rises of the parts [K] over time [s] from a start at the temperature of the air.
 
     The losses at each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
-    and in the steady state. If the steady state is not converged, they are constant: its last losses.
+    and in the steady state. If the iteration for the steady state did not converge, the losses are constant and equal
+    to those of its last round.
     """
     design = reducer.design
     duration = settings.time_constants * steady_state.network.time_constant

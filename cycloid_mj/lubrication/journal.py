@@ -77,9 +77,11 @@ def solve_journal(
     Parameters
     ----------
     force
-        Load [N], more than 0.
-    entrainment, sliding
-        Speeds of the surfaces past the load line, half of their sum and their difference [m/s]; signs have no effect.
+        Load [N], more than 0. `force`, `entrainment`, `sliding` and `clearance` broadcast to the shape of the result.
+    entrainment
+        Half of the sum of the speeds of both surfaces relative to the line of the load [m/s]; its sign has no effect.
+    sliding
+        Difference of these two speeds [m/s]; its sign has no effect.
     radius, clearance, length
         Radius, radial clearance and length [m].
     viscosity

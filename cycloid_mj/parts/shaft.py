@@ -97,18 +97,21 @@ class JournalContour(CircleContour):
 
 @dataclass(frozen=True)
 class CounterweightContour:
-    """The outline of the counterweight: the lower half disc joined to the full circle of the shaft, the `journal`."""
+    """The outline of the counterweight: a half circle below the axis, and the upper half of the shaft (`journal`)."""
 
     radius: float
     journal: JournalContour
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the outline as a polygon (n, 2) [m] with chords of an error `chord_error` [m], the half disc first."""
+        """Return the outline as a polygon (n, 2) [m] whose chords deviate by up to `chord_error` [m] from the arcs.
+
+        The points of the half circle come first.
+        """
         lower, journal = arc(self.radius, math.pi, 2 * math.pi, chord_error), self.journal.polygon(chord_error)
         return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the outline: the arc of the half disc, an edge, the arc of the journal, and the other edge.
+        """Return the outline of the counterweight: its half circle, an edge, the arc of the journal, the other edge.
 
         `splines` has no effect, because arcs and edges are exact without splines.
         """

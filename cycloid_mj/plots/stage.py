@@ -45,7 +45,7 @@ SOCKET_STYLE = {"facecolor": "white", "edgecolor": PART_STYLES["ring"]["edgecolo
 
 @dataclass(frozen=True, eq=False)
 class AnimatedFigure:
-    """The figure, and its artists that change from frame to frame.
+    """The figure of an animation, and its artists that change from picture to picture.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class AnimatedFigure:
 
 @dataclass(frozen=True, eq=False)
 class Script:
-    """The motion and the forces of n frames.
+    """The motion and the forces in the n pictures of an animation.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Script:
 
 
 def create_stage(script: Script, width: int) -> AnimatedFigure:
-    """Draw the first frame of an animation, and return the figure with the artists that later frames change.
+    """Draw the first picture of an animation, and return the figure with the artists that later pictures change.
 
     `width` is the width of the figure [pixels].
     """
@@ -119,7 +119,7 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Show the frame with index `row` of a script: move the parts, force arrows and load bars of the figure `stage`."""
+    """Change the figure `stage` to the picture `row` of an animation: move the parts, force arrows and load bars."""
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
     _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
@@ -142,7 +142,7 @@ def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
 
 
 def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Show the contact forces of the frame with index `row` of a script, as force arrows and load bars of `stage`.
+    """Set the force arrows and load bars of `stage` to the contact forces in picture `row` of an animation.
 
     Contacts without force have no arrow.
     """
@@ -176,9 +176,10 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 
 def _other_disc_poses(script: Script, row: int) -> list[Array]:
-    """Return the ideal poses of the discs drawn as dashed outlines, in the frame with index `row` of a script.
+    """Return the ideal poses of the other discs, drawn as dashed outlines, in picture `row` of an animation.
 
-    A pose has shape (3,): x [m], y [m] and angle [rad].
+    The other discs are all but the disc that is shown with its forces. A pose has shape (3,): x [m], y [m] and angle
+    [rad].
     """
     gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
@@ -198,7 +199,7 @@ def _draw_housing(axes: Axes, reducer: Reducer) -> Any:
 
 
 def _update_ring(housing: Any, script: Script, row: int) -> None:
-    """Set the outline of an internal gear, the patch `housing`, to the frame with index `row`."""
+    """Set the outline of an internal gear, the artist `housing`, to that in picture `row` of an animation."""
     ring = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, SCREEN_CHORD_ERROR)

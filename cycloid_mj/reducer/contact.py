@@ -1,7 +1,8 @@
 """Contacts by kind of mating pair: working force, stiffness and pressure.
 
-A line contact stiffens with its force; the model keeps one stiffness for a run, the secant at the working force. By
-default that is what ideal sharing puts on the most loaded contact of the kind under the load torque.
+The stiffness of a line contact increases with its force. The model has a constant stiffness for each kind of pair: the
+secant stiffness at a typical force, the working force. By default, the working force is the force on the most loaded
+contact of the kind if the load torque is shared ideally.
 """
 
 import math
@@ -51,7 +52,11 @@ CONTACT = ContactSettings()
 
 
 Source = Literal["given", "working load", "load", "preload", "weight and inertia"]
-"""Source of a working force: the design file, or a torque; without a load, weight and inertia of the disc."""
+"""Origin of a working force.
+
+"given" is the design file. The others name the load from which the force is computed: ``contact.working_load``, the
+load torque, the nominal torque of a preloaded ring, or weight and inertia of the discs if these cause larger forces.
+"""
 
 Value = TypeVar("Value")
 
@@ -71,8 +76,8 @@ class CurvatureLaw:
     stiffness
         Stiffness of a pin on a flat [N/m].
     deflection
-        Deflection of a pin on a flat under the working force [m]: lines with a smaller gap between them are one patch;
-        0 keeps all lines separate.
+        Deflection of a pin on a flat under the working force [m]. Contact lines with a smaller gap between them form a
+        single contact area, a patch, and share a spring. 0 keeps all lines separate.
     """
 
     reference: float
@@ -129,9 +134,10 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Origin of the working force: "given" (in the design file), or the load that it follows from.
+        """Origin of the working force (`force`), at which the stiffness of the pair is computed.
 
-        The values are those of `Source`.
+        It is "given" if the design file states the force. Otherwise it is the load from which the force is computed,
+        one of the values of `Source`.
         """
         design = self._reducer.design
         if getattr(design.working_force, self.kind) or design.contact.working_force:
@@ -503,7 +509,7 @@ class Contacts:
         return ", ".join(forces)
 
     def _describe_source(self, source: Source) -> str:
-        """Describe a `source` of working forces (`Contact.source`) in words, with the torque that they follow from."""
+        """Describe a `source` of working forces (`Contact.source`) in words, with the torque from which they follow."""
         return {
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",

@@ -238,8 +238,8 @@ class RvReducer(Reducer):
         """Backlash of the output [rad] with rigid parts without errors, while the sun is fixed.
 
         It is the sum of the backlash of the planets, the clearance of the crank bearings and the clearance of the
-        teeth, each converted to the output (principle of virtual work). The clearance of the bearings acts along the
-        circle of the cranks and across the eccentricity.
+        teeth, each converted to the output (principle of virtual work). The clearance of the crank bearings contributes
+        twice: along the circle of the crank axes, and perpendicular to the eccentricity.
         """
         design, clearance = self.design, self.bearing_clearance
         tooth = getattr(design.clearance, design.tooth_pair) + design.pin_play

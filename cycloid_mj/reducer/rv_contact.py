@@ -23,12 +23,12 @@ class SpringContact(Contact):
 
     @property
     def force(self) -> float:
-        """Mean force of the pair under the working load [N], by ideal sharing."""
+        """Working force [N]: the mean force of the pair under `Contacts.working_load`, by ideal sharing."""
         return self._kept(SpringContact.force, self._compute_force)
 
     @property
     def source(self) -> Source:
-        """Source of the working force."""
+        """Load from which the working force is computed, one of the values of `Source`."""
         if self._rv.design.contact.working_load:
             return "working load"
         return "load" if abs(self._rv.design.load.torque) >= self._rv.contacts.working_load else "weight and inertia"

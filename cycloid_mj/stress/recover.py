@@ -154,10 +154,11 @@ def principal(stress: Array) -> Array:
 
 
 def _nodal_fit(grid: Grid, points: Array) -> Any:
-    """Return the sparse operator (n, p) from values at the quadrature points (p, d) [m] to values at the nodes.
+    """Return the sparse operator (n, p) that maps values at the p quadrature points to values at the n nodes.
 
-    The points are in the order of the elements. A vertex has the value of the polynomial that is fitted to the points
-    of its elements; the middle of an edge has the mean of the polynomials of both ends (Zienkiewicz and Zhu 1992).
+    `points` (p, d) are the coordinates of the quadrature points [m], in the order of the elements. A quadratic
+    polynomial is fitted to the values at the points of the elements around each vertex. It determines the value at the
+    vertex. A node in the middle of an edge has the mean of the polynomials of both ends (Zienkiewicz and Zhu 1992).
     """
     table, is_used = _points_around_vertices(grid, len(points))
     scale = np.zeros(len(table))
@@ -172,7 +173,8 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
 def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
     """Return the operator that fits a quadratic polynomial of t terms around each of v vertices, by least squares.
 
-    It fits values at all quadrature points `points`. The quadratic terms have a small ridge (Tikhonov regularisation).
+    The data of the fit are values at the quadrature points. The quadratic terms have a small ridge (Tikhonov
+    regularisation).
 
     Parameters
     ----------
@@ -191,7 +193,7 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
     offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     scale = np.linalg.norm(offsets, axis=2).max(axis=1)
     terms = _terms(offsets / scale[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
-    # regularisation of the quadratic terms, for patches with few points, as at a surface
+    # regularisation of the quadratic terms, for vertices with few points, as at a surface
     ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * 0.03)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
     used_entries = np.broadcast_to(used[:, np.newaxis], fit.shape)

@@ -65,7 +65,10 @@ def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def patch_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the nonpin ring, whose nearby contact lines share one patch, with ideal forces of shared springs."""
+    """Compare the simulated tooth forces of an ideal internal gear (nonpin) with the forces of `patch_forces`.
+
+    Neighbouring contact lines form one contact area (patch) and share a spring.
+    """
     note = "an arc and a root line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
     return [_ideal_row(NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick)]
@@ -87,7 +90,7 @@ def _ideal_row(
     kind
         Kind of ring.
     reference
-        Function from reducer and crank angle [rad] to the forces [N], shape (N, 2).
+        Function from reducer and crank angle [rad] to the forces on the disc [N], shape (pins or lobes, 2).
     separate_lines
         Whether each contact line is a spring of its own.
     quantity, source, note
@@ -102,7 +105,7 @@ def _ideal_row(
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the ideal forces of ring pins or ring lobes on the disc [N], shape (N, 2), at a crank angle [rad]."""
+    """Compute the ideal forces on the disc [N] at a crank angle [rad], shape (ring pins or lobes, 2)."""
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     indices, normals, _ = _ideal_contacts(reducer, crank)
@@ -113,10 +116,11 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the forces of an ideal internal gear whose nearby contact lines share springs [N], shape (N, 2).
+    """Compute the forces of the lobes of an ideal internal gear on the disc [N], shape (lobes, 2).
 
-    `crank` is the crank angle [rad]. A contact line with the weight w (`_patch_weights`) and the lever arm l has the
-    force T w l/sum(w l^2) under the load torque T.
+    `crank` is the crank angle [rad]. A contact line on the arc of a lobe and a line at the root next to it share one
+    spring if they are so close that they form a single contact area (patch). A line with the weight w
+    (`_patch_weights`) and the lever arm l has the force T w l/sum(w l^2) under the load torque T.
     """
     gear = reducer.tooth_profile
     indices, normals, B = _ideal_contacts(reducer, crank)
@@ -229,10 +233,10 @@ def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """Compute the weight [1] of each contact line of the ideal internal gear at a crank angle [rad], shape (n,).
 
-    It is the stiffness of the line divided by that of a separate spring. Arcs come first, then root lines. A root line
-    and the arc of its lobe have the weight (1 + s)/2 each. s is the gap half-way between both lines divided by the
-    deflection under the working force, at most 1. If an arc is next to two root lines, its weight is the product of
-    both values.
+    The weight is the stiffness of the line divided by that of a line with a spring of its own. Arcs come first, then
+    root lines. A root line and the arc of its lobe have the weight (1 + s)/2 each. s is the gap half-way between both
+    lines divided by the deflection under ``contact.working_force``, at most 1. If an arc is next to two root lines, its
+    weight is the product of both values.
     """
     design = reducer.design
     gear = tooth_profile(design)

@@ -51,11 +51,11 @@ def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
 def _share_patches(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
-    """Return the stiffness [N/m], shape (n,), after division among the contact lines of one patch.
+    """Return the stiffness of each contact line [N/m], shape (n,), less for lines that form one contact area (patch).
 
     A root line and the arc of its lobe form a patch if the gap half-way between them exceeds the larger of their own
-    gaps by less than the deflection under the working force. The smaller this excess, the closer is the sum of their
-    stiffnesses to that of a single line.
+    gaps by less than the deflection of the teeth under their working force (`Contact.force`). The smaller this excess,
+    the closer is the sum of their stiffnesses to that of a single line.
 
     Parameters
     ----------

@@ -28,9 +28,10 @@ class Motion(NamedTuple):
     Attributes
     ----------
     q, v
-        Positions and speeds at the end of the last step.
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at the end of the last step, shape (unknowns,).
+        The module ``system`` describes the order of the unknowns.
     midpoint, before
-        Midpoint speeds of the last step and of the one before it.
+        Speeds of all unknowns at the midpoint of the last step, and of the step before it.
     peak
         Largest normal force of each pair since the last sample [N].
     """
@@ -52,7 +53,7 @@ class Stepper:
     timestep
         Time step [s].
     positions, speeds
-        Values of all unknowns at time 0, and their rates.
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at time 0, shape (unknowns,).
     stride
         Time steps from one sample to the next.
     midpoint_pins
@@ -287,9 +288,9 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `q` and `v` are positions and speeds of all unknowns. `iterations` is the largest number of Newton iterations in the
-    steps since the last sample; only the last contact search of a step counts. `unconverged` is the number of these
-    steps whose contact geometry did not converge.
+    `q` and `v` are positions and speeds of all unknowns (`Motion`) at the midpoint of the step. `iterations` is the
+    largest number of Newton iterations in the steps since the last sample; only the last contact search of a step
+    counts. `unconverged` is the number of these steps whose contact geometry did not converge.
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
@@ -315,6 +316,7 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
+    `q` and `v` are positions and speeds of all unknowns (`Motion`), `command` (2,) the commands of output and input.
     The columns of a floating sun's position and velocity come after those of its rotation, which is the input. Angles
     of cranks are relative to the carrier, positions of pins to the seats in the ring.
     """
@@ -387,7 +389,8 @@ def _write_shaft(
 ) -> int:
     """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft from a column on; return the next column.
 
-    `shaft` is its index in `System.servo`, `unknown` that of its rotation in q and v.
+    `q` and `v` are positions and speeds of all unknowns (`Motion`), `command` (2,) the commands of output and input.
+    `shaft` is the index of the shaft in `command`, `unknown` that of its rotation in `q` and `v`.
     """
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
     torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]
@@ -398,7 +401,11 @@ def _write_shaft(
 
 @njit
 def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
-    """Compute the energies of all bodies at positions q and speeds v; all but the first `size` unknowns are of pins.
+    """Compute the energies of all bodies.
+
+    `q` and `v` (unknowns,) are positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns, in the order that the
+    module ``system`` describes. The first `size` unknowns are those of discs, sun, output and cranks; the others are
+    x, y and rotation of each moving pin.
 
     Returns
     -------

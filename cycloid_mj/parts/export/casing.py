@@ -530,7 +530,10 @@ def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | 
 
 
 def flange_centres(sizes: Casing) -> Array:
-    """Compute the centres of the holes of the flange (n, 2) [m]: screws and threads for the load in turn."""
+    """Compute the centres of the holes of the flange (n, 2) [m].
+
+    Holes of the flange's screws (even indices) alternate with threaded holes for the load (odd indices).
+    """
     count = sizes.flange_screws
     return sizes.flange_circle * unit(math.pi * np.arange(2 * count) / count)
 

@@ -169,7 +169,8 @@ def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool
     eccentric
         Word in the names of segments that are cylinders about an eccentric axis.
     zone_of
-        Gives the tolerance zone, such as ``H7``, of a radius [m] and whether it is a bore; empty if it is free.
+        Function of a radius [m] and a flag that is true for a bore. It returns the tolerance zone, such as ``H7``, or
+        an empty string if the diameter has none.
     """
     spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
     for segment in part.segments:

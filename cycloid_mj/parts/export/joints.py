@@ -198,7 +198,7 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
 
 
 def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of both covers by screws, through the ring or outside of it, with its holes and threads."""
+    """Return the joint of both covers by screws, which pass through the ring or outside of it."""
     screws, bolt, ring_half_width = sizes.screws, sizes.screws.bolt, sizes.end
     centres, end = screws.centres(), ring_half_width - sizes.play if screws.outside else -ring_half_width
     engagement = screws.length - sizes.grip - ring_half_width + end
@@ -221,7 +221,10 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of motor and cover: by threads in the cover, or by screws from within into a tapped motor."""
+    """Return the joint of motor and cover.
+
+    If the motor has tapped holes, screws lead from inside the cover into it. Otherwise, the cover has threaded holes.
+    """
     motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
     name, parts = "screws of the motor", (MOTOR, MOTOR_COVER)
     if not motor.tapped:
@@ -283,7 +286,10 @@ def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of flange and load: threads in the flange between its screws."""
+    """Return the joint of output flange and load: threaded holes in the flange for the screws of the load.
+
+    They are on the circle of the flange's own screws, each midway between two of these.
+    """
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
     inserts = tuple(_inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))

@@ -87,12 +87,12 @@ class Path(NamedTuple):
 def solve_by_arclength(
     springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, path: Path, system: System
 ) -> float:
-    """Solve for displacements z (u,) [m] at crank angle `k` by pseudo-arclength continuation in friction and clearance.
+    """Solve for displacements z (u,) [m] by pseudo-arclength continuation in friction and clearance.
 
-    `springs` are those at all crank angles and `load` (u,) [N] is the generalised load. `tolerance` [N] is the residual
-    norm of a solution. `z` is an output array. `path` is a result of `allocate_path`; `path` and `system` are
-    overwritten. Returns the residual norm [N]: infinity if the path ends before full friction and clearance, or if
-    friction wedges parts.
+    `springs` are those at all crank angles, `k` is the index of an angle, and `load` (u,) [N] the generalised load.
+    `tolerance` [N] is the residual norm of a solution. `z` is an output array. `path` is a result of `allocate_path`;
+    `path` and `system` are overwritten. Returns the residual norm [N]: infinity if the path ends before full friction
+    and clearance, or if friction wedges parts.
 
     Notes
     -----

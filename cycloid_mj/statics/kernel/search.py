@@ -200,7 +200,7 @@ def _continue(
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for displacements at crank angle `k` by Newton's method, or by the continuation of `SearchSettings`.
+    """Solve for displacements at the crank angle `k` (index), by Newton's method or continuation (`SearchSettings`).
 
     `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
     of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. `warm_start` and `system` are
@@ -253,11 +253,12 @@ def _continue(
 def _continue_by_arclength(
     springs: KernelSprings, k: int, load: Array, z: Array, smallest_norm: float, tolerance: float, system: System
 ) -> float:
-    """Solve at crank angle `k` by `solve_by_arclength`, after Newton's method has failed from `system.begun` (u,).
+    """Solve for equilibrium at the crank angle `k` (index) by `solve_by_arclength`, after Newton's method failed.
 
-    Paths with each of `PARAMETER_ORDERS` are followed until one reaches equilibrium within `tolerance` [N]. The
-    solution is written to `z` (u,) [m]. `smallest_norm` [N] is the smallest residual norm so far; returns the updated
-    value.
+    `springs` are those at all crank angles, `load` (u,) [N] is the generalised load. The solution is written to `z`
+    (u,) [m]. The start values are those of Newton's method, `system.begun` (u,). A path is followed for each of
+    `PARAMETER_ORDERS`, the orders in which friction and clearance are increased, until one reaches a residual norm of
+    at most `tolerance` [N]. Returns the smallest residual norm [N]; `smallest_norm` is that of the earlier attempts.
     """
     has_friction = springs.rubbing.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
@@ -279,8 +280,9 @@ def _grow_clearances(
 ) -> float:
     """Solve without friction for increasing clearances, from none to the full; return the last residual norm [N].
 
-    Each step is a descent of the energy. The arguments are those of `solve_scaled`; `z` (u,) [m] ends at the solution,
-    and `clearance` (n,) [m] is workspace.
+    Each step is a descent of the energy. The arguments are those of `solve_scaled`: `k` is the index of the crank
+    angle, `load` (u,) [N] the generalised load. `z` (u,) [m] ends at the solution, and `clearance` (n,) [m] is
+    workspace.
     """
     norm, count = math.inf, _SEARCH.clearance_steps
     for step in range(count + 1):
