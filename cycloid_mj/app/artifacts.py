@@ -23,7 +23,7 @@ from cycloid_mj.parts.export import (
     widen_clearances,
 )
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 MIN_CRANK_TURNS = 1.25
 """Crank turns of a run after the start has settled."""
@@ -51,7 +51,7 @@ def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
 
-    return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
+    return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(reducer_of(design))))}
 
 
 def part_files(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:

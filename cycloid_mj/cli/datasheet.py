@@ -10,9 +10,12 @@ from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import by_key, quantity_table
 from cycloid_mj.cli.delivery import RUNS, Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, PRESET, Delivery, PresetOptions, out_flag
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from cycloid_mj.base.result import Quantity
     from cycloid_mj.life.datasheet import Datasheet
 
 
@@ -57,7 +60,7 @@ def datasheet(
     stem = f"{design.name}-datasheet"
     destination = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, with_page=True)
     progress = count_progress("data sheet", delivery.quiet)
-    sheet = computed(Reducer(design), life_h or 0.0, progress)
+    sheet = computed(reducer_of(design), life_h or 0.0, progress)
     inheritance = design_options.inheritance()
     if inheritance and inheritance.note:
         sheet = replace(sheet, notes=(*sheet.notes, inheritance.note))
@@ -70,6 +73,18 @@ HEADLINE = (
     *("drive_efficiency_percent", "drive_mass_kg", "drive_length_mm"),
 )
 """Keys of the quantities that the terminal shows first."""
+
+MECHANISM = {"drive_efficiency_percent": "efficiency", "drive_mass_kg": "mass", "drive_length_mm": "length"}
+"""Key of a quantity of the complete drive -> key of the same quantity of the mechanism."""
+
+
+def _headline_keys(quantities: "Mapping[str, Quantity]") -> "Iterator[str]":
+    """Yield the keys of `HEADLINE` that a sheet has; if it has none of the complete drive, the key of the mechanism."""
+    for key in HEADLINE:
+        if key in quantities:
+            yield key
+        elif MECHANISM.get(key) in quantities:
+            yield MECHANISM[key]
 
 
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
@@ -85,7 +100,7 @@ def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
     return Outcome(
         title=f"data sheet: {sheet.design.name}",
         condition=f"rated for {sheet.life:g} h",
-        headline=headline(quantities[key] for key in HEADLINE if key in quantities),
+        headline=headline(quantities[key] for key in _headline_keys(quantities)),
         summary=paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
         notes=sheet.notes,

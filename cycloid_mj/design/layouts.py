@@ -10,6 +10,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "rv": (
         "analyze",
         "build",
+        "datasheet",
         "design new",
         "design show",
         "design check",

@@ -18,7 +18,8 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
-from cycloid_mj.figures import figure, quantities, quantity, values_json
+from cycloid_mj.design.layouts import applies
+from cycloid_mj.figures import figure, quantities, values_json
 from cycloid_mj.life.as_built import SETTINGS, has_tolerances
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import DutyPoint, constant_duty
@@ -34,16 +35,38 @@ from cycloid_mj.life.rated import (
     rated_and_momentary_torque,
     rated_torque,
 )
-from cycloid_mj.life.sheet_rows import environment_rows, hysteresis, mounting_rows, no_load_curves, torques_without_load
+from cycloid_mj.life.rv_sheet_rows import (
+    compute_rv_limits,
+    is_rv_life,
+    rv_axial_extent,
+    rv_efficiency_curve,
+    rv_further_groups,
+    rv_input_inertia,
+    rv_notes,
+    rv_performance_groups,
+    rv_wind_up_curve,
+    toleranced_error_rows,
+)
+from cycloid_mj.life.sheet_rows import (
+    describe_speed,
+    environment_rows,
+    figure_row,
+    hysteresis,
+    mounting_rows,
+    no_load_curves,
+    torques_without_load,
+    with_interval,
+    with_name,
+)
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.film import film_text
-from cycloid_mj.statics.film_spread import Spread, efficiency_spread, lost_powers
+from cycloid_mj.statics.film_spread import efficiency_spread, lost_powers
 from cycloid_mj.statics.sheet import Sheet, sheet
 from cycloid_mj.statics.springs import at_rest
 
@@ -79,7 +102,7 @@ DRIVE_FIGURES = {
 """Key of a figure of the complete drive -> name and condition."""
 
 
-BY_GEOMETRY_ALONE = ("ratio", "nominal_torque", "input_speed", "largest_speed_rpm")
+BY_GEOMETRY_ALONE = ("ratio", "nominal_torque", "input_speed", "output_speed", "largest_speed_rpm")
 """Keys of quantities in the groups of loads and motions that do not depend on the errors of the parts."""
 
 
@@ -173,6 +196,8 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     def advance() -> None:
         progress(next(done), total)
 
+    if isinstance(reducer, RvReducer):
+        return _rv_datasheet(reducer, life, advance)
     static = sheet(reducer, design.rated_torque)
     advance()
     momentary, stop = momentary_torque(reducer)
@@ -209,9 +234,43 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         life=life,
         groups=groups,
         curves=curves,
-        notes=_notes(reducer, life, static),
+        notes=_notes(reducer, (_describe_ratings(life),), static),
         figures=figures,
         weakest=weakest,
+    )
+
+
+def _rv_datasheet(reducer: RvReducer, life: float, advance: Callable[[], None]) -> Datasheet:
+    """Compute the data sheet of an RV reducer for a `life` [h]; `advance` is called after each step."""
+    design = reducer.design
+    static = sheet(reducer, design.rated_torque)
+    advance()
+    limits = compute_rv_limits(reducer, life)
+    advance()
+    groups = {
+        heading: _note_parts(reducer, group)
+        for heading, group in rv_performance_groups(reducer, life, limits, static).items()
+    }
+    groups["Accuracy and stiffness"] += toleranced_error_rows(reducer)
+    groups |= rv_further_groups(reducer)
+    advance()
+    curves = (
+        life_curve(reducer, life, limits.momentary[0], limits.lasting[0], advance, is_rv_life),
+        rv_efficiency_curve(reducer, CURVES.torque_shares),
+        rv_wind_up_curve(reducer, CURVES.torsion_shares),
+        *(no_load_curves(reducer) if design.has_film else ()),
+    )
+    advance()
+    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
+    advance()
+    return Datasheet(
+        design=design,
+        life=life,
+        groups=groups,
+        curves=curves,
+        notes=_notes(reducer, rv_notes(reducer, life), static),
+        figures=figures,
+        weakest=limits.rated[1],
     )
 
 
@@ -253,7 +312,7 @@ def _rating_rows(
     """
     design = reducer.design
     speed, direction = design.drive.speed, "same" if design.ratio > 0 else "opposite"
-    condition = f"{_speed(reducer)} input"
+    condition = f"{describe_speed(reducer)} input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = rated_limit, momentary_limit
     acceleration_torque, strength_item = min(
@@ -332,10 +391,10 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
-        _with_name(quantities["backlash"], "Backlash", "without load, mean over a turn"),
-        _with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}"),
-        _with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, input locked"),
-        _with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow"),
+        with_name(quantities["backlash"], "Backlash", "without load, mean over a turn"),
+        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}"),
+        with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, input locked"),
+        with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow"),
         hysteresis(reducer),
     )
 
@@ -347,21 +406,23 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """
     design = reducer.design
     quantities = static.quantities
-    law = f", {film_text(reducer)}" if design.has_film else ""
-    condition = f"{design.rated_torque:.4g} N m, {_speed(reducer)}{law}"
+    law, speed = f", {film_text(reducer)}" if design.has_film else "", describe_speed(reducer)
+    condition = f"{design.rated_torque:.4g} N m, {speed}{law}"
     with_film = "with seals, and grease in the cams, without bearings of shaft and output"
     bare = f"{with_film}{law}" if design.has_film else "without seals, grease and bearings"
     housing = rate_at_rated_load(reducer).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
         _drive_efficiency(reducer, f"{condition}, all bearings included"),
-        _with_name(
+        with_name(
             quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
-        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{bare}; against drive.torque_nm"),
-        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{bare}; slow"),
-        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{bare}; on the crank, {_speed(reducer)}"),
-        _figure(reducer, "starting_torque_nm", "Starting torque", f"{bare}; on the crank"),
+        with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{bare}; against drive.torque_nm"),
+        figure_row(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{bare}; slow"),
+        figure_row(
+            reducer, "no_load_torque_nm", "No-load running torque", f"{bare}; on the crank, {describe_speed(reducer)}"
+        ),
+        figure_row(reducer, "starting_torque_nm", "Starting torque", f"{bare}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
         *_thermal_rows(reducer),
     )
@@ -372,13 +433,13 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 
     With the friction law ``film`` it has an interval. `condition` is the note of the row: torque and speed in words.
     """
-    efficiency = _figure(reducer, "drive_efficiency_percent", "Efficiency", condition)
+    efficiency = figure_row(reducer, "drive_efficiency_percent", "Efficiency", condition)
     torque = reducer.design.rated_torque
     if not reducer.design.has_film:
         return efficiency
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     in_bearings = delivered * (100.0 / efficiency.value - 1.0) - lost_powers(reducer, torque)[0]
-    return _with_interval(efficiency, efficiency_spread(reducer, torque, further_loss=in_bearings))
+    return with_interval(efficiency, efficiency_spread(reducer, torque, further_loss=in_bearings))
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
@@ -401,14 +462,14 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of the continuous, the intermittent and the largest input speed [rpm]."""
     return (
-        _figure(
+        figure_row(
             reducer,
             "continuous_speed_rpm",
             "Continuous input speed",
             "nominal torque, S1, limited by heat and bearings",
         ),
-        _figure(reducer, "intermittent_speed_rpm", "Intermittent input speed", "nominal torque, S3 25 %"),
-        _figure(
+        figure_row(reducer, "intermittent_speed_rpm", "Intermittent input speed", "nominal torque, S3 25 %"),
+        figure_row(
             reducer,
             "largest_speed_rpm",
             "Maximum input speed",
@@ -427,21 +488,21 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     bearings, is_angular = f"2 x {seat.bearing.designation}", seat.bearing.contact_angle > 0.0
     centres = f"load centres {1e3 * seat.spacing:.4g} mm apart"
     return (
-        _figure(
+        figure_row(
             reducer,
             "output_tilting_capacity_nm",
             "Tilting moment",
             f"{torque}; {bearings}, {centres if is_angular else f'{1e3 * seat.spacing:.4g} mm apart'}, ISO 281 and 76",
         ),
-        _figure(
+        figure_row(
             reducer,
             "output_tilting_stiffness_nm_per_arcmin",
             "Tilting stiffness",
             "at half the tilting moment, Palmgren; "
             + ("preloaded" if is_angular else f"{loose_stiffness:.3g} with the usual clearance, closed"),
         ),
-        _figure(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
-        _figure(
+        figure_row(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
+        figure_row(
             reducer, "output_axial_load_n", "Axial load", f"alone, {'ISO 281, 76' if is_angular else '0.25 C0 (SKF)'}"
         ),
     )
@@ -484,30 +545,6 @@ def _threads(count: int, thread: float) -> str:
     return f"{count} x M{1e3 * thread:g}"
 
 
-def _speed(reducer: Reducer) -> str:
-    """Format the design's speed."""
-    return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
-
-
-def _figure(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
-    """Compute a figure of the catalogue for a line of the sheet; if that fails, its note says why."""
-    computed = quantity(reducer, key)
-    note = condition if math.isfinite(computed.value) else computed.note
-    return _with_interval(Quantity(key, name, computed.value, computed.unit, note=note), computed)
-
-
-def _with_name(quantity: Quantity, name: str, condition: str) -> Quantity:
-    """Return a quantity with another name, and a condition as its note if it has none."""
-    note = condition if quantity.low is not None else quantity.note or condition
-    return _with_interval(Quantity(quantity.key, name, quantity.value, quantity.unit, note=note), quantity)
-
-
-def _with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
-    """Return a row with an interval and its causes, which are also added to its note; unchanged without an interval."""
-    row = replace(row, low=interval.low, high=interval.high, causes=interval.causes)
-    return replace(row, note=f"{row.note}; {row.interval_text}") if row.interval_text else row
-
-
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return rows of mass [kg], inertia [kg cm2] and dimensions [mm] of the mechanism and of a drive with covers."""
     design = reducer.design
@@ -520,7 +557,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn, without covers and bearing rings"),
         Quantity("inertia", "Inertia of the mechanism", 1e4 * input_inertia(reducer), "kg cm2", note="at the input"),
         *(
-            _figure(reducer, key, name, condition)
+            figure_row(reducer, key, name, condition)
             for key, (name, condition) in DRIVE_FIGURES.items()
             if figure(key).applies_to(reducer)
         ),
@@ -540,11 +577,13 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def input_inertia(reducer: Reducer) -> float:
-    """Compute the moment of inertia of the mechanism at the input [kg m2].
+    """Compute the moment of inertia of the mechanism at the input [kg m2]; that of an RV reducer by `rv_input_inertia`.
 
     It is the sum of the crank, the discs on their orbit, and the slow parts divided by the square of the ratio. The
     rotation of pins in a fixed ring is left out, about 1e-4 of the total.
     """
+    if isinstance(reducer, RvReducer):
+        return rv_input_inertia(reducer)
     design, masses = reducer.design, moving_masses(reducer)
     shaft, discs = masses[SHAFT], [masses[disc.part] for disc in reducer.mechanism.discs]
     crank = shaft.inertia[2, 2] + shaft.mass * float(np.sum(shaft.centroid[:2] ** 2))
@@ -554,6 +593,8 @@ def input_inertia(reducer: Reducer) -> float:
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:
     """Compute the ends of the mechanism along z [m]."""
+    if isinstance(reducer, RvReducer):
+        return rv_axial_extent(reducer)
     drawn = parts(reducer, VISUAL_CHORD_ERROR).values()
     ends = [end for solid in drawn for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
@@ -565,6 +606,7 @@ def life_curve(
     momentary: float = np.inf,
     rated: float = 0.0,
     on_point: Callable[[], None] = lambda: None,
+    limits_torque: Callable[[str], bool] | None = None,
 ) -> Curve:
     """Compute the rated output torque [N m] for a life over the input speed [rpm], at `CURVES.speed_shares`.
 
@@ -580,6 +622,8 @@ def life_curve(
         Rated torque at the design's own speed, if it is known [N m].
     on_point
         Called after each speed.
+    limits_torque
+        Which items limit the torque, as in `rated_torque`.
     """
     points: list[tuple[float, float]] = []
     for share in CURVES.speed_shares:
@@ -589,7 +633,13 @@ def life_curve(
             if not torque:
                 guess = points[-1][1] if points else rated
                 torque, _ = rated_torque(
-                    reducer, speed, life, start_torque=guess, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol
+                    reducer,
+                    speed,
+                    life,
+                    limits_torque,
+                    start_torque=guess,
+                    crank_angles=CURVES.crank_angles,
+                    rtol=CURVES.rtol,
                 )
             points.append((speed / RPM, min(torque, momentary)))
         on_point()
@@ -614,7 +664,7 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
     for torque, bearing_loss in zip(torques, np.interp(torques, ends, lost_torque), strict=True):
         contacts = powers(reducer, float(torque))
         shares.append(contacts.delivered / (contacts.supplied + bearing_loss))
-    panel = f"Efficiency at {_speed(reducer)}"
+    panel = f"Efficiency at {describe_speed(reducer)}"
     return Curve(
         panel, "all bearings included", torques, 100.0 * np.array(shares), "output torque [N m]", "efficiency [%]"
     )
@@ -635,20 +685,27 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
     return Curve(panel, "mean over a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
 
 
-def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
-    """Return the assumptions of the data sheet, a sentence each, with those of the quantities by statics, `static`.
+def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[str, ...]:
+    """Return the assumptions of the data sheet, a sentence each.
 
-    `life` [h] is that of the rated torque.
+    They include those of the `ratings` and those of the quantities by statics, `static`.
     """
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
-        f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
-        f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "
-        "first yield, dents, bent or sheared pins, a skipped tooth, or a joint that slips. Both have a safety factor "
-        "of 1.",
+        *ratings,
         _material_text(reducer),
         f"Lubricant: {_lubricant_text(reducer.design)}.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
+    )
+
+
+def _describe_ratings(life: float) -> str:
+    """Describe what limits the rated torque for a life [h], and the momentary torque."""
+    return (
+        f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
+        f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "
+        "first yield, dents, bent or sheared pins, a skipped tooth, or a joint that slips. Both have a safety factor "
+        "of 1."
     )
 
 
@@ -661,10 +718,13 @@ def _material_text(reducer: Reducer) -> str:
     """Return a sentence on the material of each part, and a sentence on the clearances [um]."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
-    clearances = ", ".join(
-        f"{kind.replace('_', ' ')} {1e6 * getattr(design.clearance, kind):.4g}" for kind in design.pair_kinds
-    )
-    return f"Materials: {materials}. Clearances [um]: {clearances}."
+    kinds = [kind for kind in design.pair_kinds if applies(design.layout, "clearance", kind)]
+    clearances = {kind.replace("_", " "): getattr(design.clearance, kind) for kind in kinds}
+    if isinstance(reducer, RvReducer):
+        clearances["crank bearing, radial"] = reducer.bearing_clearance
+        clearances["planet backlash"] = reducer.planet.backlash
+    text = ", ".join(f"{name} {1e6 * value:.4g}" for name, value in clearances.items())
+    return f"Materials: {materials}. Clearances [um]: {text}."
 
 
 @shows_progress
@@ -694,4 +754,4 @@ def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent
     RunError
         No static equilibrium exists, for example because friction jams the reducer.
     """
-    return datasheet(Reducer(resolve(design)), life_h, progress)
+    return datasheet(reducer_of(resolve(design)), life_h, progress)

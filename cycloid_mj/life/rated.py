@@ -39,7 +39,7 @@ class TorqueSearch:
 
 SEARCH = TorqueSearch()
 
-BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers"
+BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers", "crank_needles", "crank_tapers"
 """Beginnings of the keys of bearings."""
 
 STOPS, STATIC, WEAR = ("peak_", "joint_"), "_static", "_wear"

@@ -24,8 +24,9 @@ from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.film import state_seals
+from cycloid_mj.statics.film_spread import Spread
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 from cycloid_mj.statics.sheet import Sheet
 from cycloid_mj.statics.springs import turn_evenly
@@ -56,6 +57,30 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 """ISO 492:2014, normal class, K_ia: largest bore [mm] and radial run-out of an inner ring [um]."""
 
 
+def describe_speed(reducer: Reducer) -> str:
+    """Format the design's speed."""
+    return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
+
+
+def figure_row(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
+    """Compute a figure of the catalogue for a line of the sheet; if that fails, its note says why."""
+    computed = quantity(reducer, key)
+    note = condition if math.isfinite(computed.value) else computed.note
+    return with_interval(Quantity(key, name, computed.value, computed.unit, note=note), computed)
+
+
+def with_name(quantity: Quantity, name: str, condition: str) -> Quantity:
+    """Return a quantity with another name, and a condition as its note if it has none."""
+    note = condition if quantity.low is not None else quantity.note or condition
+    return with_interval(Quantity(quantity.key, name, quantity.value, quantity.unit, note=note), quantity)
+
+
+def with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
+    """Return a row with an interval and its causes, which are also added to its note; unchanged without an interval."""
+    row = replace(row, low=interval.low, high=interval.high, causes=interval.causes)
+    return replace(row, note=f"{row.note}; {row.interval_text}") if row.interval_text else row
+
+
 def hysteresis(reducer: Reducer) -> Quantity:
     """Compute the hysteresis loss [arcmin]: the width of the torque-rotation loop of the output near zero torque.
 
@@ -80,7 +105,7 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running, running_warm, starting, back_driving = (
-        _contact_torque(reducer, key, temperature)
+        contact_torque(reducer, key, temperature)
         for key, temperature in (
             ("no_load_torque_nm", SETTINGS.cold),
             ("no_load_torque_nm", SETTINGS.warm),
@@ -140,7 +165,7 @@ def _torque_row(
     return replace(row, low=low, high=high, causes=contacts.causes) if contacts.causes else row
 
 
-def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
+def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
     """Compute a no-load torque of the contacts [N m], which has a `key` in the catalogue, at a temperature [°C].
 
     The temperature of the parts has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN
@@ -181,7 +206,9 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     for temperature in (SETTINGS.cold, SETTINGS.warm):
         if reducer.design.has_film or not curves:  # Coulomb friction is the same at both temperatures
             contacts = _contact_torques_by_speed(reducer, speeds, temperature)
-        idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
+        idle_torques = np.zeros(len(speeds))
+        if not isinstance(reducer, RvReducer):  # whose contacts include all bearings and the seal
+            idle_torques += [no_load_torque(reducer, float(speed), temperature).total for speed in speeds]
         name = f"{temperature:g} °C"
         panel = "No-load torque"
         curves.append(

@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.design import Design
 from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.plots.style import NotebookFigure, with_style
 from cycloid_mj.plots.views import draw_views
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def datasheet_pages(sheet: Datasheet) -> list[Figure]:
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     """Return the figures of a data sheet's HTML page: ``views`` (dimensioned views) and ``curves`` (all its curves)."""
     views = NotebookFigure(figsize=(9.0, 6.0))
-    draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
+    draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), reducer_of(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
     panels = _curves_by_panel(sheet)
     for axes, panel in zip(curves.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
@@ -85,7 +86,7 @@ def _mounting_page(sheet: Datasheet) -> Figure:
         top = _draw_table(figure, heading, sheet.groups[heading], top)
     _draw_heading(figure, "Dimensions of the mechanism [mm]", top)
     views = (LAYOUT.left - 0.02, 0.06, LAYOUT.right - LAYOUT.left + 0.04, top - 0.08)
-    draw_views(figure.add_axes(views, anchor="N"), Reducer(sheet.design))
+    draw_views(figure.add_axes(views, anchor="N"), reducer_of(sheet.design))
     return figure
 
 
@@ -114,17 +115,29 @@ def _empty_page(sheet: Datasheet, number: int) -> Figure:
         LAYOUT.left, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center"
     )
     size = f"Ø{sheet.diameter:.4g} mm"
-    kind = "ring pins" if design.ring.kind == "pin" else "an internal gear"
-    discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
+    figure.text(LAYOUT.left, 0.933, describe_kind(design), fontsize=9.5, color="white", va="center")
     figure.text(
-        LAYOUT.left, 0.933, f"Cycloidal speed reducer with {kind}{discs}", fontsize=9.5, color="white", va="center"
+        LAYOUT.right, 0.966, format_ratio(design.reduction), fontsize=21, color="white", ha="right", va="center"
     )
-    figure.text(LAYOUT.right, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
     figure.text(LAYOUT.right, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
     _draw_rule(figure, 0.045, RULE)
     figure.text(LAYOUT.left, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
     figure.text(LAYOUT.right, 0.03, f"{number} / 3", fontsize=6.5, color=SOFT, ha="right")
     return figure
+
+
+def describe_kind(design: Design) -> str:
+    """Describe the kind of a drive, its ring and the number of discs, for the heading of a data sheet."""
+    layout = {"central": "Cycloidal speed reducer", "rv": "RV reducer"}[design.layout]
+    ring = "ring pins" if design.ring.kind == "pin" else "an internal gear"
+    parts = [f"{design.cranks.count} cranks"] if design.cranks else []
+    parts += [f"{design.gear.discs} discs"] if design.gear.discs > 1 else []
+    return ", ".join([f"{layout} with {ring}", *parts])
+
+
+def format_ratio(ratio: float) -> str:
+    """Format a reduction ratio, such as ``35 : 1``."""
+    return f"{ratio:.5g} : 1"
 
 
 def _name_size(name: str) -> float:
@@ -180,7 +193,7 @@ def format_value(quantity: Quantity) -> str:
     if not np.isfinite(quantity.value):
         return "\N{EN DASH}"
     if quantity.key == "ratio":
-        return f"{quantity.value:.0f} : 1"
+        return format_ratio(quantity.value)
     return f"{quantity.value:.3g}" if abs(quantity.value) < 999.5 else f"{float(f'{quantity.value:.4g}'):.0f}"
 
 

@@ -15,6 +15,12 @@ ARROW: dict[str, Any] = {
 OVERSHOOT = 0.012
 """Length of extension lines beyond a dimension line, relative to the height of the axes."""
 
+AXIS: dict[str, Any] = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
+"""Style of centre lines and pitch circles."""
+
+LINE_SPACING = 0.19
+"""Distance between dimension lines, and from the part, relative to the outer radius of the housing."""
+
 
 def draw_dimension(
     axes: Axes, ends: tuple[float, float], level: float, starts: tuple[float, float], text: str, upright: bool

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,12 +14,12 @@ from cycloid_mj.parts import Prism, body_solids, output_centres, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.polygon import rotate_points
-from cycloid_mj.plots.dimension import TEXT, draw_dimension, draw_leader
+from cycloid_mj.plots.dimension import AXIS, LINE_SPACING, TEXT, draw_dimension, draw_leader
 from cycloid_mj.plots.mechanism import PART_STYLES, draw_disc, draw_output_pins, draw_region, draw_ring_pins
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.plots.rv_views import draw_rv_views
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.scene import ring_places
 
-AXIS: dict[str, Any] = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""}
 PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "shaft"}
 """Hatching of a part in the section, and its style."""
@@ -28,15 +27,16 @@ PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "s
 LABEL_ANGLE, RING_LABEL_ANGLE = math.radians(50.0), math.radians(128.0)
 """Angle about which the labelled output pin is, and angle of the label of the ring pins, from +x [rad]."""
 
-LINE_SPACING = 0.19
-"""Distance between dimension lines, and from the part, relative to the outer radius of the housing."""
-
 
 def draw_views(axes: Axes, reducer: Reducer) -> None:
     """Draw the dimensioned front view and, to its right, the axial section of a reducer in mm, at crank angle 0.
 
-    The front view has the reducer's axis at the origin, the section has it at y = 0.
+    The front view has the reducer's axis at the origin, the section has it at y = 0. An RV reducer is drawn by
+    `rv_views`.
     """
+    if isinstance(reducer, RvReducer):
+        draw_rv_views(axes, reducer)
+        return
     outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
     z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     shift = outer * (1.0 + 4.0 * LINE_SPACING) - min(z)

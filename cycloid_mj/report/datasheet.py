@@ -5,7 +5,7 @@ import re
 from markupsafe import Markup
 
 from cycloid_mj.life.datasheet import Datasheet
-from cycloid_mj.plots.datasheet import datasheet_pictures, format_unit, format_value
+from cycloid_mj.plots.datasheet import datasheet_pictures, describe_kind, format_ratio, format_unit, format_value
 from cycloid_mj.plots.save import encode_figure
 from cycloid_mj.report.page import environment
 
@@ -21,6 +21,8 @@ def datasheet_page(sheet: Datasheet) -> str:
             title=f"cycloid_mj: data sheet of {design.name}",
             sheet=sheet,
             design=design,
+            kind=describe_kind(design),
+            ratio=format_ratio(design.reduction),
             format_unit=format_unit,
             format_value=format_value,
             **pictures,

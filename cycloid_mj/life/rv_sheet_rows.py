@@ -1,0 +1,356 @@
+"""Rows, curves and notes of the data sheet of an RV reducer."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, RPM
+from cycloid_mj.explore.rv_samples import draw_rv_samples
+from cycloid_mj.life.as_built import SETTINGS as TOLERANCE_SETTINGS
+from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.items import rate_at_rated_load
+from cycloid_mj.life.no_load import grease_of
+from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
+from cycloid_mj.life.sheet_rows import SETTINGS, contact_torque, describe_speed, figure_row, with_interval, with_name
+from cycloid_mj.life.thermal import thermal
+from cycloid_mj.life.thermal_state import ThermalState
+from cycloid_mj.parts import moving_masses, turning_inertia
+from cycloid_mj.parts.export.rv_assembly import rv_mass
+from cycloid_mj.parts.rv import axial_layout
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics import rv_sheet
+from cycloid_mj.statics.film import film_text
+from cycloid_mj.statics.rv_sheet import balance_rv, friction_powers
+from cycloid_mj.statics.sheet import Sheet
+
+ERROR_SAMPLES = 2_000
+"""Samples of the transmission error of toleranced parts: its 95 % percentile scatters by less than 3 %."""
+
+KG_CM2 = 1e4
+"""kg cm2 in a kg m2."""
+
+NOT_COMPUTED = (
+    "Not computed: acceleration torque, back-driving torques and hysteresis loss; strength of discs, cranks and tooth "
+    "roots (`cycloid-mj stress`), of carrier, posts and screws; load ratings, stiffness, preload and run-out of the "
+    "main bearings; speed limits of bearings and planets; churning of the grease."
+)
+
+
+@dataclass(frozen=True)
+class RvTorqueLimits:
+    """Rated torque, rated torque of the bearings, and momentary torque, each with the item that limits it [N m].
+
+    `lasting` is the rated torque without the limit of the momentary torque.
+    """
+
+    lasting: tuple[float, RatedItem]
+    bearings: tuple[float, RatedItem]
+    momentary: tuple[float, RatedItem]
+
+    @property
+    def rated(self) -> tuple[float, RatedItem]:
+        """Rated torque [N m] and its limiting item; it is at most the momentary torque."""
+        return min(self.lasting, self.momentary, key=lambda limit: limit[0])
+
+
+def is_rv_stop(key: str) -> bool:
+    """Return whether an item of an RV rating, by its key, limits the momentary torque: static factors, first yield."""
+    return is_momentary(key) or key.endswith("_yield")
+
+
+def is_rv_life(key: str) -> bool:
+    """Return whether an item of an RV rating, by its key, limits the rated torque: lives of bearings and teeth."""
+    return not is_rv_stop(key)
+
+
+def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
+    """Compute rated and momentary torque of an RV reducer, for a life [h] at the design's speed.
+
+    The momentary torque is extrapolated from the rating at the nominal torque, with safety factors in proportion to
+    1/torque. Raises as `rated_torque`.
+    """
+    design, speed = reducer.design, reducer.design.drive.speed
+    duty = constant_duty(design.rated_torque, speed)
+    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_rv_stop(item.key))
+    stop = min(stops, key=lambda item: item.safety or 0.0)
+    lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (is_rv_life, is_bearing_life))
+    return RvTorqueLimits(lasting, bearings, (duty.peak * (stop.safety or 0.0), stop))
+
+
+def rv_performance_groups(
+    reducer: RvReducer, life: float, limits: RvTorqueLimits, static: Sheet
+) -> dict[str, tuple[Quantity, ...]]:
+    """Return the groups of loads and motions of a data sheet: heading -> quantities.
+
+    `static` has the quantities by statics at the nominal torque, `limits` the torques for a `life` [h].
+    """
+    state = None if reducer.design.thermal.applied else thermal(reducer.design)
+    return {
+        "Ratings": tuple(_rating_rows(reducer, life, limits)),
+        "Accuracy and stiffness": tuple(_accuracy_rows(reducer, static)),
+        "Efficiency and heat": tuple(_efficiency_rows(reducer, static, state)),
+        **({"Without load": tuple(_no_load_rows(reducer))} if reducer.design.has_film else {}),
+    }
+
+
+def rv_further_groups(reducer: RvReducer) -> dict[str, tuple[Quantity, ...]]:
+    """Return the groups that do not depend on errors of the parts: heading -> quantities."""
+    return {
+        "Mass and size": tuple(_mass_rows(reducer)),
+        "Lubrication and environment": tuple(_environment_rows(reducer)),
+    }
+
+
+def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Iterator[Quantity]:
+    """Yield the rows of ratio, torques [N m] and rated speeds [rpm]; arguments as in `rv_performance_groups`."""
+    design, (rated, weakest), (momentary, stop) = reducer.design, limits.rated, limits.momentary
+    bearing_torque, bearing = limits.bearings
+    condition, direction = f"{describe_speed(reducer)} input", "same" if design.ratio > 0 else "opposite"
+    yield Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction")
+    yield Quantity(
+        "rated_torque",
+        f"Rated torque, {life:g} h",
+        rated,
+        "N m",
+        note=f"{condition}, without heat; limited by {weakest.name}",
+    )
+    yield Quantity(
+        "bearing_torque",
+        "Rated torque of the crank bearings alone",
+        bearing_torque,
+        "N m",
+        note=f"{life:g} h, {condition}; limited by {bearing.name}",
+    )
+    yield Quantity(
+        "momentary_torque",
+        "Momentary torque, emergency stop",
+        momentary,
+        "N m",
+        note=f"crank bearings and teeth only; limited by {stop.name}",
+    )
+    yield Quantity(
+        "nominal_torque",
+        "Nominal torque",
+        design.rated_torque,
+        "N m",
+        note="motor torque times the ratio (drive.torque_nm); figures below are at this torque",
+    )
+    yield Quantity("input_speed", "Rated input speed", abs(design.drive.speed) / RPM, "rpm", note="of the sun")
+    yield Quantity(
+        "output_speed", "Rated output speed", abs(reducer.output_speed) / RPM, "rpm", note="input over ratio"
+    )
+
+
+def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
+    """Yield the rows of backlash, lost motion, stiffness, and transmission errors by load, errors and tolerances.
+
+    `static` has the quantities by statics at the nominal torque.
+    """
+    quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    error = quantities["output_peak_to_peak_loaded_forward_speed"]
+    yield with_name(quantities["backlash"], "Backlash", "without load, mean over a turn of the carrier, sun locked")
+    yield with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}, sun locked")
+    yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, sun locked")
+    yield with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow")
+    if quantities["te_errors"].value:
+        condition = "cranks, bores, carrier, planets; without clearance and load"
+        yield with_name(quantities["te_errors"], "Transmission error by errors, peak to peak", condition)
+
+
+def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
+    """Return the row of the transmission error of parts within ``[crank_tolerance]`` [arcsec]; empty without any."""
+    percentile = TOLERANCE_SETTINGS.percentile
+    try:
+        samples = draw_rv_samples(reducer, ERROR_SAMPLES, TOLERANCE_SETTINGS.seed, 0)
+    except UsageError:
+        return ()
+    return (
+        Quantity(
+            "te_errors_toleranced",
+            "Transmission error, toleranced parts",
+            float(np.percentile(samples.values, percentile)),
+            "arcsec",
+            note=f"{percentile:g} % percentile of {ERROR_SAMPLES} samples, peak to peak; without clearance, load and "
+            "errors of the pins",
+        ),
+    )
+
+
+def _efficiency_rows(reducer: RvReducer, static: Sheet, state: ThermalState | None) -> Iterator[Quantity]:
+    """Yield the rows of efficiency, torques without load, temperature rise and thermal limits.
+
+    `static` has the quantities by statics at the nominal torque, `state` the steady temperatures at this torque.
+    """
+    design = reducer.design
+    included = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
+    law = f"; {film_text(reducer)}" if design.has_film else ""
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {included}{law}"
+    yield with_name(static.quantities["efficiency"], "Efficiency", condition)
+    if design.has_film:
+        place = f"on the sun, main bearings without preload{law}"
+        at_speed = f"{describe_speed(reducer)}, {place}"
+        yield figure_row(reducer, "no_load_torque_nm", "No-load running torque", at_speed)
+        yield figure_row(reducer, "starting_torque_nm", "Starting torque", place)
+    if state is not None:
+        yield from _thermal_rows(reducer, state)
+
+
+def _thermal_rows(reducer: RvReducer, state: ThermalState) -> Iterator[Quantity]:
+    """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] of a steady state."""
+    temperatures = state.temperatures
+    cooling = f"{_describe_cooling(reducer)}, S1"
+    condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling}"
+    rise = temperatures["housing"] - reducer.design.service.ambient_temperature
+    hottest = max(temperatures, key=lambda part: temperatures[part])
+    yield Quantity(
+        "temperature_rise",
+        "Temperature rise",
+        rise,
+        "K",
+        note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
+    )
+    if math.isfinite(state.torque):
+        note = f"{describe_speed(reducer)}, {cooling}; limit: {state.limited_by}"
+        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
+    if math.isfinite(state.speed):
+        note = f"nominal torque, {cooling}; limited by heat only"
+        yield Quantity("continuous_speed_rpm", "Continuous input speed", state.speed / RPM, "rpm", note=note)
+    note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
+    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=note)
+
+
+def _describe_cooling(reducer: RvReducer) -> str:
+    """Describe the heat transfer to the air."""
+    coefficient = reducer.design.service.film_coefficient
+    return f"{coefficient:g} W/(m2 K)" if coefficient else "still air"
+
+
+def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
+    """Yield the rows of no-load and starting torques on the sun [N m], by the friction law ``film``."""
+    for key, name, figure_key, temperature in (
+        ("running_torque_cold", "No-load torque, 20 °C", "no_load_torque_nm", SETTINGS.cold),
+        ("running_torque_warm", "No-load torque, 60 °C", "no_load_torque_nm", SETTINGS.warm),
+        ("starting_torque_drive", "Starting torque, 20 °C", "starting_torque_nm", SETTINGS.cold),
+    ):
+        torque = contact_torque(reducer, figure_key, temperature)
+        note = "on the sun, with seal and grease; main bearings without preload"
+        row = Quantity(key, name, torque.value, "N m", note=note if math.isfinite(torque.value) else torque.note)
+        yield with_interval(row, torque)
+
+
+def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
+    """Yield the rows of mass [kg], inertia [kg cm2] and dimensions [mm]."""
+    design, discs = reducer.design, reducer.design.gear.discs
+    yield Quantity(
+        "mass",
+        "Mass of the mechanism",
+        rv_mass(reducer),
+        "kg",
+        note="without main bearings, screws, grease and the shaft of the sun",
+    )
+    inertia = KG_CM2 * rv_input_inertia(reducer)
+    note = "at the sun; without its shaft, needles and motor"
+    yield Quantity("inertia", "Inertia of the mechanism", inertia, "kg cm2", note=note)
+    diameter = 2.0 * MILLIMETRES * design.housing.outer_radius
+    yield Quantity("outer_diameter", "Outer diameter", diameter, "mm", note="housing, without a mounting flange")
+    near, far = rv_axial_extent(reducer)
+    length = MILLIMETRES * (far - near)
+    yield Quantity("length", "Length of the mechanism", length, "mm", note="planets to the outer face of the carrier")
+    width = MILLIMETRES * design.gear.face_width
+    yield Quantity("face_width", "Face width", width, "mm", note=f"of {discs} disc{'s'[: discs > 1]}")
+
+
+def rv_input_inertia(reducer: RvReducer) -> float:
+    """Compute the moment of inertia of an RV reducer at the sun [kg m2].
+
+    It is the sum of the sun, the cranks with their planets about their axes, the discs on their orbit, and the slow
+    parts divided by the square of the ratio. Needles and the rotation of ring pins in a fixed ring are left out.
+    """
+    design, masses = reducer.design, moving_masses(reducer)
+    sun, crank = masses[names.SUN], masses[names.CRANK]
+    speed_ratio = reducer.orbit_speed / design.drive.speed
+    about_axis = float(crank.inertia[2, 2]) + crank.mass * float(np.sum(crank.centroid[:2] ** 2))
+    orbit = sum(masses[disc].mass for disc in reducer.gears) * design.gear.eccentricity**2
+    fast = (reducer.cranks.count * about_axis + orbit) * speed_ratio**2
+    return float(sun.inertia[2, 2]) + fast + turning_inertia(reducer) / design.reduction**2
+
+
+def rv_axial_extent(reducer: RvReducer) -> tuple[float, float]:
+    """Compute the ends of an RV reducer along z [m]: face of the planets, and outer face of the second flange."""
+    axial = axial_layout(reducer)
+    return min(axial.planets[0], axial.flanges[0][0]), axial.flanges[1][1]
+
+
+def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
+    """Yield the rows of grease viscosity, ambient temperatures, and permissible duty at nominal torque and speed.
+
+    The rises of all temperatures are taken as in proportion to the share of the time. The largest ambient temperature
+    is left out if the nominal torque allows no temperature in the range of the grease.
+    """
+    design, grease = reducer.design, grease_of(reducer.design)
+    yield Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name)
+    yield Quantity(
+        "ambient_min", "Ambient temperature, from", grease.coldest, "°C", note="assumed: the grease (K2K-20)"
+    )
+    if design.thermal.applied:
+        return
+    state, ambient = thermal(design), design.service.ambient_temperature
+    limit = min(heat_limits(reducer), key=lambda item: item.temperature)
+    rise = max(state.temperatures.values()) - ambient
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {_describe_cooling(reducer)}"
+    reached = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
+    if limit.temperature - rise >= grease.coldest:
+        warmest, note = limit.temperature - rise, f"{condition}, S1; then {reached}"
+        yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
+    share = 100.0 * min((limit.temperature - ambient) / rise, 1.0) if rise > 0.0 else 100.0
+    note = f"{condition}; limit: {reached}"
+    yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
+
+
+def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
+    """Compute the efficiency [%] over the output torque [N m] at the design's speed; `shares` of the nominal torque."""
+    torques = np.array(shares) * reducer.design.rated_torque
+    delivered = torques * abs(reducer.output_speed)
+    lost = [sum(_losses(reducer, torque).values()) for torque in torques.tolist()]
+    efficiency = 100.0 * delivered / (delivered + np.array(lost))
+    name = "all bearings included" if reducer.design.has_film else "without main bearings and seals"
+    panel = f"Efficiency at {describe_speed(reducer)}"
+    return Curve(panel, name, torques, efficiency, "output torque [N m]", "efficiency [%]")
+
+
+def _losses(reducer: RvReducer, torque: float) -> dict[str, float]:
+    """Return the mean power lost by source [W] at an output torque [N m]."""
+    loaded = reducer.but(load={"torque": torque})
+    return friction_powers(loaded, torque, rv_sheet.SETTINGS.rotation_angles)
+
+
+def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
+    """Compute the rotation of the output [arcmin] over its torque [N m], at a fixed sun and without friction.
+
+    `shares` are the positive torques over the nominal torque; the curve also has the same negative torques.
+    """
+    torques = reducer.design.rated_torque * np.array([*(-np.array(shares[::-1])), *shares])
+    count = rv_sheet.SETTINGS.rotation_angles
+    turns = [
+        reducer.share * float(np.mean(balance_rv(reducer, torque, count).carrier_turn)) / ARCMINUTE
+        for torque in torques.tolist()
+    ]
+    name, panel = "mean over a turn of the carrier", "Torsion, sun locked"
+    return Curve(panel, name, torques, -np.array(turns), "output torque [N m]", "output turn [arcmin]")
+
+
+def rv_notes(reducer: RvReducer, life: float) -> tuple[str, ...]:
+    """Return the assumptions of the ratings of an RV reducer for a life [h], a sentence each."""
+    return (
+        f"Rated torque: limited by crank bearings (ISO 281, 90 %) and pitting of cycloid teeth and sun for {life:g} h, "
+        "and by the momentary torque; heat and wear are left out. Momentary torque (emergency stop): limited by dents "
+        "in the crank bearings (ISO 76) and first yield of the cycloid teeth, with a safety factor of 1.",
+        NOT_COMPUTED,
+    )
