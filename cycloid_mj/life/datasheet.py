@@ -279,7 +279,7 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 
     Quantities that do not depend on such errors (`BY_GEOMETRY_ALONE`) are unchanged.
     """
-    parts = f"parts {reducer.parts_text}" if reducer.deviations.largest else "perfect parts"
+    parts = f"parts {reducer.parts_text}" if reducer.has_errors else "perfect parts"
     return tuple(
         item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
         for item in group

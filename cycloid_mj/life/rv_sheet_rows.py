@@ -24,7 +24,7 @@ from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.parts import moving_masses, turning_inertia
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
-from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.film import film_text
 from cycloid_mj.statics.rv_sheet import balance_rv, friction_powers
@@ -91,11 +91,10 @@ def rv_performance_groups(
 
     `static` has the quantities by statics at the nominal torque, `limits` the torques for a `life` [h].
     """
-    state = None if reducer.design.thermal.applied else thermal(reducer.design)
     return {
         "Ratings": tuple(_rating_rows(reducer, life, limits)),
         "Accuracy and stiffness": tuple(_accuracy_rows(reducer, static)),
-        "Efficiency and heat": tuple(_efficiency_rows(reducer, static, state)),
+        "Efficiency and heat": tuple(_efficiency_rows(reducer, static)),
         **({"Without load": tuple(_no_load_rows(reducer))} if reducer.design.has_film else {}),
     }
 
@@ -183,10 +182,10 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
     )
 
 
-def _efficiency_rows(reducer: RvReducer, static: Sheet, state: ThermalState | None) -> Iterator[Quantity]:
+def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """Yield the rows of efficiency, torques without load, temperature rise and thermal limits.
 
-    `static` has the quantities by statics at the nominal torque, `state` the steady temperatures at this torque.
+    `static` has the quantities by statics at the nominal torque.
     """
     design = reducer.design
     included = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
@@ -198,12 +197,19 @@ def _efficiency_rows(reducer: RvReducer, static: Sheet, state: ThermalState | No
         at_speed = f"{describe_speed(reducer)}, {place}"
         yield figure_row(reducer, "no_load_torque_nm", "No-load running torque", at_speed)
         yield figure_row(reducer, "starting_torque_nm", "Starting torque", place)
-    if state is not None:
-        yield from _thermal_rows(reducer, state)
+    if not design.thermal.applied:
+        yield from _thermal_rows(reducer)
 
 
-def _thermal_rows(reducer: RvReducer, state: ThermalState) -> Iterator[Quantity]:
-    """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] of a steady state."""
+@once
+def _solve_nominal_state(reducer: RvReducer) -> ThermalState:
+    """Return the steady state at nominal torque and speed."""
+    return thermal(reducer.design)
+
+
+def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
+    """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] by the steady state."""
+    state = _solve_nominal_state(reducer)
     temperatures = state.temperatures
     cooling = f"{_describe_cooling(reducer)}, S1"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling}"
@@ -301,7 +307,7 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     )
     if design.thermal.applied:
         return
-    state, ambient = thermal(design), design.service.ambient_temperature
+    state, ambient = _solve_nominal_state(reducer), design.service.ambient_temperature
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
     rise = max(state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {_describe_cooling(reducer)}"
@@ -334,8 +340,10 @@ def _losses(reducer: RvReducer, torque: float) -> dict[str, float]:
 def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     """Compute the rotation of the output [arcmin] over its torque [N m], at a fixed sun and without friction.
 
-    `shares` are the positive torques over the nominal torque; the curve also has the same negative torques.
+    `shares` are the positive torques over the nominal torque; the curve also has the same negative torques. A positive
+    torque brakes the drive, and a positive rotation is in its direction.
     """
+    sense = float(np.sign(reducer.design.drive.speed))
     torques = reducer.design.rated_torque * np.array([*(-np.array(shares[::-1])), *shares])
     count = rv_sheet.SETTINGS.rotation_angles
     turns = [
@@ -343,7 +351,7 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
         for torque in torques.tolist()
     ]
     name, panel = "mean over a turn of the carrier", "Torsion, sun locked"
-    return Curve(panel, name, torques, -np.array(turns), "output torque [N m]", "output turn [arcmin]")
+    return Curve(panel, name, torques, -sense * np.array(turns), "output torque [N m]", "output turn [arcmin]")
 
 
 def rv_notes(reducer: RvReducer, life: float) -> tuple[str, ...]:

@@ -216,7 +216,12 @@ class Reducer:
         """Manufacturing errors of the parts in words, for figures that depend on them."""
         if not self.design.measured.is_empty:
             return "as measured, with the errors of the design"
-        return "with the errors of the design" if self.deviations.largest else "perfect"
+        return "with the errors of the design" if self.has_errors else "perfect"
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any part has a manufacturing error."""
+        return self.deviations.largest > 0.0
 
     @property
     def is_ideal(self) -> bool:

@@ -61,6 +61,12 @@ class RvReducer(Reducer):
         return _required(self.design.crank_tolerance)
 
     @property
+    def has_errors(self) -> bool:
+        """Whether any part has a manufacturing error, with those of cranks, bores, carrier and planets."""
+        errors = self.crank_errors.model_dump().values()
+        return super().has_errors or any(any(error) if isinstance(error, tuple) else error for error in errors)
+
+    @property
     def kinematics(self) -> "RvKinematics":
         """Speed ratios, and orders of periodic errors, which follow from the numbers of teeth."""
         from cycloid_mj.geometry.rv import RvKinematics

@@ -4,14 +4,12 @@ import json
 import math
 import re
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.text import Text
+from page_texts import require_separate_texts
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.result import Quantity
@@ -174,22 +172,7 @@ def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> Non
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     pages = datasheet_pages(replace(sheet, design=design))
     for page in pages if name == "twodisc" else pages[1:2]:
-        canvas = FigureCanvasAgg(page)
-        canvas.draw()
-        # labels of ticks beyond an axis are there, but not drawn
-        ruled = [axis for axes in page.axes for axis in (axes.xaxis, axes.yaxis)]
-        ticks = {text for axis in ruled for text in axis.findobj(Text) if text is not axis.label}
-        boxes = {
-            (text.get_text(), text): text.get_window_extent(canvas.get_renderer())
-            for text in page.findobj(Text)
-            if text.get_text().strip() and text not in ticks
-        }
-        assert len(boxes) > 15
-        for (words, _), box in boxes.items():
-            assert 0 <= box.x0 < box.x1 <= page.bbox.x1, words
-            assert 0 <= box.y0 < box.y1 <= page.bbox.y1, words
-        for (one, first), (other, second) in combinations(boxes.items(), 2):
-            assert not first.padded(-0.5).overlaps(second.padded(-0.5)), (one[0], other[0])
+        require_separate_texts(page)
 
 
 @pytest.mark.slow
