@@ -395,12 +395,30 @@ def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reduce
     """Build the drive of a candidate, loaded by a torque [N m]; return None if it cannot be built or assembled."""
     try:
         reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
-        sizes_with_motor = casing_of(requirement, reducer)
-        if _fails(sound_checks(reducer)) or 2.0 * sizes_with_motor.outer > requirement.diameter + ROUNDING:
-            return None
     except CycloidError:
         return None
-    return reducer
+    return reducer if _is_buildable(requirement, reducer) else None
+
+
+def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reducer | None:
+    """Return a drive with a preloaded pair of angular contact bearings at its output.
+
+    None if it cannot be built, if its parts are of plastic, or if the bearings are required.
+    """
+    key = "output.main_bearings"
+    if Material(name=requirement.made_of).is_plastic or any(item.startswith(key) for item in requirement.changes):
+        return None
+    changed = reducer.but(output={"main_bearings": "angular_contact"})
+    return changed if _is_buildable(requirement, changed) else None
+
+
+def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
+    """Return whether a drive passes its checks, and its covers fit into the required diameter."""
+    try:
+        outer = casing_of(requirement, reducer).outer
+        return not _fails(sound_checks(reducer)) and 2.0 * outer <= requirement.diameter + ROUNDING
+    except CycloidError:
+        return False
 
 
 def design_of(requirement: Requirement, sizes: Sizes, torque: float = 1.0) -> Design:

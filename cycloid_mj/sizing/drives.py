@@ -96,6 +96,7 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
     title, why
         Title, such as "lightest", and a sentence on why the drive is shown.
     """
+    rated = solution.pool.with_preloaded_bearings(rated)
     reducer = rated.reducer
     figures = _figures(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:

@@ -56,6 +56,8 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
         yield "gear.discs", "required; they balance each other" if requirement.discs else "one disc is not enough"
     parts = "identical parts" if are_discs_identical(gear.discs, output.pins, design.lobes) else "different parts"
     yield "output.pins", found if gear.discs == 1 else f"{found}; the discs are {parts}"
+    if output.main_bearings == "angular_contact":
+        yield "output.main_bearings", "several times the tilting moment and stiffness of deep groove bearings"
     if not output.has_needles:
         yield "output.roller_bearing", "a turned sleeve on the dowel: thinner than a needle bearing"
     else:

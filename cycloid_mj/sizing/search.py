@@ -21,7 +21,15 @@ from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, casing_of, decode, design_of
+from cycloid_mj.sizing.candidates import (
+    DIMENSIONS,
+    Sizes,
+    build_drive,
+    casing_of,
+    decode,
+    design_of,
+    with_preloaded_bearings,
+)
 from cycloid_mj.sizing.estimate import FIGURES, Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -432,6 +440,12 @@ class Pool:
         torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
+
+    def with_preloaded_bearings(self, drive: Rated) -> Rated:
+        """Return a drive with preloaded output bearings if it passes its study within the length; else the drive."""
+        reducer = with_preloaded_bearings(self.requirement, drive.reducer)
+        full = self._study_at(reducer, drive.torque) if reducer else None
+        return full if full and full.passed and full.figures["length"] <= self.requirement.length else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
         """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study to the result.

@@ -23,7 +23,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
 from cycloid_mj.statics.kernel import PATH_RESIDUAL_RTOL, KernelSprings, Rubbing, follow_path
-from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 Held = Literal["crank", "output"]
@@ -45,6 +45,8 @@ class FrictionPathSettings:
         Smallest travel over which constant friction builds up [rad].
     max_rows
         Largest number of rows of a path with jumps, per point of the path.
+    min_step
+        Smallest part of a step of the path: a step that has no equilibrium is halved until it has one.
     """
 
     sticking_stiffness: float = 20.0
@@ -52,6 +54,7 @@ class FrictionPathSettings:
     seal_elements: int = 8
     min_travel: float = 1e-6
     max_rows: int = 4
+    min_step: float = 1.0 / 16.0
 
 
 _SETTINGS = FrictionPathSettings()
@@ -108,37 +111,63 @@ def follow_torque_path(
     Returns
     -------
     tuple of Array
-        Positions on the path as fractional indices of `torque`, and rotations there [rad], shape (rows,) each. Each
-        point of the path has a row. If the output rotates by more than `max_rotation` between two points, there are
-        rows between them, so that a jump across the backlash appears at its torque.
+        Positions on the path as fractional indices of `torque`, and rotations there [rad], shape (rows,) each: a row
+        for each point, and further rows where the output rotates by more than `max_rotation` between two points.
 
     Raises
     ------
     RunError
-        A step has no equilibrium, for example because friction jams the reducer.
+        A step has no equilibrium, even in small parts, for example because friction jams the reducer.
     """
     resting_reducer = reducer.but(drive={"speed": 0.0})
     if locked_shaft == "output":
         resting_reducer = resting_reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(resting_reducer, [crank], friction=False)
+    rubbing = build_friction_elements(resting_reducer, springs.contacts, crank, losses, locked_shaft)
+    points = np.arange(len(torque), dtype=float)
+    while True:
+        point_torque = np.interp(points, np.arange(len(torque)), torque)
+        residual, positions, turns = _solve_path(springs, rubbing, point_torque, max_rotation)
+        if not residual:
+            break
+        failed = int(positions[-1]) + 1 if len(positions) else 0
+        if failed == 0 or points[failed] - points[failed - 1] <= _SETTINGS.min_step:
+            step = f"step {math.ceil(points[failed]) + 1} of {len(torque)}"
+            raise _no_equilibrium(float(point_torque[failed]), locked_shaft, step, residual)
+        points = np.insert(points, failed, 0.5 * (points[failed - 1] + points[failed]))
+    positions = np.interp(positions, np.arange(len(points)), points)
+    if math.isinf(max_rotation):
+        positions, turns = (values[positions == np.floor(positions)] for values in (positions, turns))
+    return positions, turns + wind_up(reducer) * np.interp(positions, np.arange(len(torque)), torque)
+
+
+def _solve_path(springs: Springs, rubbing: Rubbing, torque: Array, max_rotation: float) -> tuple[float, Array, Array]:
+    """Solve the equilibria along a torque path [N m] from rest, as far as they exist.
+
+    Returns
+    -------
+    tuple
+        Residual of the failed step over the largest load [1], or 0; and of each row the position on the path as a
+        fractional index, and the rotation of the output by contacts alone [rad], shape (rows,) each.
+    """
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / radius
-    rubbing = build_friction_elements(resting_reducer, springs.contacts, crank, losses, locked_shaft)
     max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
     displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():
         residual, rows = follow_path(springs.contacts, rubbing, path, max_rotation * radius, positions, displacements)
-    if residual.force:
-        failed_step = int(positions[rows - 1]) + 1 if rows else 0
-        shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
-        raise RunError(
-            f"no static equilibrium at {torque[failed_step]:.4g} N m on the {shaft}, step {failed_step + 1} of "
-            f"{len(torque)} of the torque loop: the residual is {residual.force:.3g} of the largest load, but at most "
-            f"{PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
-        )
-    torsion = wind_up(reducer) * np.interp(positions[:rows], np.arange(len(torque)), torque)
-    return positions[:rows], displacements[:rows, -1] / radius + torsion
+    return residual.force, positions[:rows], displacements[:rows, -1] / radius
+
+
+def _no_equilibrium(torque: float, locked_shaft: Held, step: str, residual: float) -> RunError:
+    """Return the error of a path without equilibrium at a torque [N m], with the residual over the largest load [1]."""
+    shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
+    return RunError(
+        f"no static equilibrium at {torque:.4g} N m on the {shaft}, {step} of the torque loop: the residual is "
+        f"{residual:.3g} of the largest load, but at most {PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at "
+        "more points, or reduce its torque"
+    )
 
 
 def build_friction_elements(

@@ -19,6 +19,7 @@ from cycloid_mj.design import PRESETS, Design, load, loads, stock
 from cycloid_mj.design.file import dump
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.explore.tolerances import tolerance
+from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.datasheet import datasheet
 from cycloid_mj.life.figures import drive_length
@@ -29,6 +30,7 @@ from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
+from cycloid_mj.sizing.candidates import with_preloaded_bearings
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.estimate import capacity
 from cycloid_mj.sizing.requirement import Requirement, required
@@ -99,6 +101,29 @@ def test_the_drives_meet_the_requirement_and_differ(small: Answer) -> None:
         assert all(drive.figures[key] == max(one.figures[key] for one in small.drives) for key in best)
         assert all(drive.figures[key] > 1.05 * lightest.figures[key] for key in best)
     assert len({drive.design.but(name="same") for drive in small.drives}) == len(small.drives) > 1
+
+
+def test_metal_drives_have_preloaded_output_bearings(small: Answer) -> None:
+    for drive in small.drives:
+        pair = Reducer(drive.design)
+        assert drive.design.output.main_bearings == "angular_contact"
+        plain = pair.but(output={"main_bearings": "deep_groove"})
+        for key in ("output_tilting_capacity_nm", "output_tilting_stiffness_nm_per_arcmin"):
+            assert figure(key).value(pair) > 2.0 * figure(key).value(plain)
+        assert casing(pair).outer <= 0.5 * SMALL.diameter + 1e-5
+        assert "output.main_bearings" in drive.reasons
+
+
+def test_required_output_bearings_and_those_of_plastic_drives_are_kept() -> None:
+    pair = {"output": {"main_bearings": "angular_contact"}}
+    drive = candidate(SMALL)
+    found = with_preloaded_bearings(SMALL, drive)
+    assert found
+    assert found.design == drive.design.but(**pair)
+    required_bearings = SMALL.but(changes=("output.main_bearings=deep_groove",))
+    assert with_preloaded_bearings(required_bearings, drive) is None
+    assert with_preloaded_bearings(SMALL.but(process="printed"), drive) is None
+    assert with_preloaded_bearings(SMALL.but(diameter=0.9 * SMALL.diameter), drive) is None
 
 
 @pytest.mark.slow
