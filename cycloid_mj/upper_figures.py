@@ -3,8 +3,12 @@
 from collections.abc import Callable, Iterable
 
 from cycloid_mj.base.units import with_unit
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.reducer import Reducer
+
+BOTH: tuple[Layout, ...] = ("central", "rv")
+"""Layouts of figures of all reducers."""
 
 _RATED = "at the nominal torque and speed"
 
@@ -44,12 +48,13 @@ def _make_figures(
     module: str,
     rows: Iterable[tuple[str, str, str, str]],
     exists: Callable[[Reducer], bool] = lambda _: True,
+    layouts: tuple[Layout, ...] = ("central",),
 ) -> tuple[Figure, ...]:
     """Return the figures that `cycloid_mj.<module>` computes, one per row.
 
     A row is the key without unit, the unit, the name and the definition. The function of the module that computes a
     figure has the name of its key, or the name in `_FUNCTIONS`. `need` states what the figures are computed from.
-    `exists` returns whether a reducer has the figures.
+    `exists` returns whether a reducer of these `layouts` has the figures.
     """
     return tuple(
         Figure(
@@ -61,6 +66,7 @@ def _make_figures(
             function=f"cycloid_mj.{module}:{_FUNCTIONS.get(key, key)}",
             aliases=() if key == column else _ALIASES.get(key, (key,)),
             exists=exists,
+            layouts=layouts,
         )
         for key, unit, name, definition in rows
     )
@@ -93,7 +99,7 @@ def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple
             definition=definition.format(words),
             need=Need.STRESS,
             function=_part_function(kind, key),
-            layouts=("central", "rv") if kind in ("gear", "ring", "pin") else ("central",),
+            layouts=BOTH if kind in ("gear", "ring", "pin") else ("central",),
         )
         for kind, words in PARTS.items()
     )
@@ -110,10 +116,12 @@ UPPER_FIGURES = (
     ]),
     *_make_figures(Need.GEOMETRY, "life.figures", [
         ("input_inertia", "kg cm2", "inertia at the input",
-         "Inertia at the crank: crank, discs on their orbit, all other parts over the ratio squared."),
+         "Inertia at the crank (RV reducer: at the sun): crank, discs on their orbit, all other parts over the ratio "
+         "squared."),
         ("length", "mm", "length of the mechanism",
-         "Distance along the axis from the input journal to the far side of the output disc."),
-    ]),
+         "Distance along the axis from the input journal (RV reducer: from the planets) to the far side of the output "
+         "disc."),
+    ], layouts=BOTH),
     *_make_figures(Need.GEOMETRY, "life.figures", [
         ("drive_mass", "kg", "mass of the drive",
          "Mass including covers, bearings, screws, dowels and output flange, without motor and grease."),
@@ -155,16 +163,21 @@ UPPER_FIGURES = (
          f"Shortest life of the bearings by ISO 281, {_RATED}."),
         ("least_safety", "1", "smallest safety factor",
          f"Smallest safety factor of `cycloid-mj rate`, {_RATED}."),
+    ], layouts=BOTH),
+    *_make_figures(Need.LIFE, "life.figures", [
         ("drive_efficiency", "%", "efficiency with all bearings",
          f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}."),
         ("temperature_rise", "K", "temperature rise",
          f"Temperature of the housing above ambient, in still air, {_RATED}."),
+    ]),
+    *_make_figures(Need.LIFE, "life.figures", [
         ("momentary_torque", "N m", "momentary torque",
-         "Torque on the output in an emergency stop with a safety factor of 1 of contacts, pins, bearings and joints."),
+         "Torque on the output in an emergency stop with a safety factor of 1 of contacts, pins, bearings and joints "
+         "(RV reducer: of cycloid teeth and crank bearings)."),
         ("torque_for_6000_h", "N m", "torque for 6000 h",
          "Rated torque on the output for service.life_h (by default 6000 h) at the design's speed; at most the "
-         "momentary torque."),
-    ]),
+         "momentary torque (RV reducer: without heat)."),
+    ], layouts=BOTH),
     *_make_part_figures(
         "stress_mpa", "MPa", "largest stress of {}",
         "Largest von Mises stress of {} away from contacts, or at a fillet by its notch factor, over a turn of the "

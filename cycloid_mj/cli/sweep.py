@@ -23,7 +23,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.flags import whole as whole_number
 from cycloid_mj.cli.terminal import tell
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.points import Points
@@ -144,7 +144,9 @@ def sweep(
 
     points_to_evaluate = _choose_points(vary, table, sample, points, seed)
     engine = delivery.engine()
-    task = define_task(Reducer(design_options.resolve()), points_to_evaluate, measure, quick, real_pins, follow, solver)
+    task = define_task(
+        reducer_of(design_options.resolve()), points_to_evaluate, measure, quick, real_pins, follow, solver
+    )
     resumed = has_study(Path(delivery.out or OUT), SWEEP)
     destination = claim_destination(delivery, STEM, FILES, OUT, with_page=True, resumed=resumed)
     directory = destination.folder or Path(OUT)

@@ -21,6 +21,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "simulate",
         "statics",
         "stress",
+        "sweep",
         "thermal",
         "tolerance",
         "view",

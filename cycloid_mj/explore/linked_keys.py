@@ -9,7 +9,7 @@ from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import Design, declaration_of, override, value_of
 from cycloid_mj.explore.points import Value
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 _EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
 
@@ -156,7 +156,7 @@ def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> De
         A formula has no value, or a value that its key does not allow.
     """
     for link in links:
-        reducer = Reducer(link.apply(nominal, reducer))
+        reducer = reducer_of(link.apply(nominal, reducer))
     return reducer.design
 
 

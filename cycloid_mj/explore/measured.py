@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 @dataclass(frozen=True)
@@ -218,18 +218,22 @@ def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Mea
     return _compute_figure(figure(name), reducer, options)
 
 
-def require_measures(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of measures and figures without duplicates.
+RV_MEASURES = ("statics", "mass", "checks", "figures")
+"""Measures of `MEASURED` that support RV reducers."""
+
+
+def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of measures and figures of a reducer without duplicates.
 
     Raises
     ------
     UsageError
-        A name is neither a measure nor a figure of the catalogue, or there is no name.
+        A name is neither a measure nor a figure of the catalogue, the layout of the reducer does not have it, or there
+        is no name.
     """
     measure_names = tuple(dict.fromkeys(names))
     for name in measure_names:
-        if name not in MEASURED:
-            _require_figure(name)
+        _require_measure(reducer, name)
     if not measure_names:
         raise UsageError(
             f"no measure is given (--measure): choose at least one of {', '.join(MEASURED)}, or a quantity listed "
@@ -238,12 +242,25 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
     return measure_names
 
 
-def _require_figure(name: str) -> None:
-    """Raise UsageError unless the catalogue has a figure of this name."""
+def _require_measure(reducer: Reducer, name: str) -> None:
+    """Raise UsageError unless a name is that of a measure or figure, and the layout of the reducer has it."""
+    design = reducer.design
+    if name in MEASURED:
+        if isinstance(reducer, RvReducer) and name not in RV_MEASURES:
+            raise UsageError(
+                f'the measure {name!r} does not support layout = "{design.layout}" ({design.name}): choose one of '
+                f"{', '.join(RV_MEASURES)}, or a quantity listed by `cycloid-mj figures`"
+            )
+        return
     try:
-        figure(name)
+        known_figure = figure(name)
     except UsageError as error:
         raise UsageError(
             f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a quantity listed by "
             f"`cycloid-mj figures` ({error})"
         ) from error
+    if reducer.LAYOUT not in known_figure.layouts:
+        raise UsageError(
+            f'the figure {known_figure.key} does not apply to layout = "{design.layout}" ({design.name}): '
+            f"`cycloid-mj statics {design.name} --all` lists the figures of statics that do"
+        )

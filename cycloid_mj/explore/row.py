@@ -11,7 +11,7 @@ from cycloid_mj.design import override
 from cycloid_mj.explore.linked_keys import Link, apply_links, linked_values
 from cycloid_mj.explore.measured import MEASURED, MeasuredFigures, MeasureSettings, measure_design
 from cycloid_mj.explore.points import Value
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 
 @dataclass(frozen=True)
@@ -61,14 +61,14 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     start = time.thread_time()
     try:
         changed_design = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
-        design = apply_links(task.reducer, Reducer(changed_design), task.links)
+        design = apply_links(task.reducer, reducer_of(changed_design), task.links)
     except CycloidError as error:
         return PointResult(error=error_line(error), cpu=time.thread_time() - start)
     results: dict[str, MeasuredFigures] = {}
     errors = []
     for name in task.measures:
         try:
-            results[name] = _compute_measure(name, Reducer(design), task.options)
+            results[name] = _compute_measure(name, reducer_of(design), task.options)
         except Exception as error:
             line = error_line(error)
             text = line if isinstance(error, CycloidError) else f"{type(error).__name__}: {line}"
@@ -82,7 +82,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
         warnings=tuple(dict.fromkeys(text for result in results.values() for text in result.warnings)),
         assumptions=tuple(dict.fromkeys(text for result in results.values() for text in result.assumptions)),
         cpu=time.thread_time() - start,
-        followed=dict(linked_values(Reducer(design), task.links)),
+        followed=dict(linked_values(reducer_of(design), task.links)),
     )
 
 

@@ -22,7 +22,7 @@ from cycloid_mj.explore.linked_keys import parse_links
 from cycloid_mj.explore.measured import MeasureSettings, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, draw_points, grid_points, list_rows
 from cycloid_mj.explore.row import PointResult, Task, evaluate_row
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 POINT, WARNINGS, ERROR, CPU, VERSIONS = "point", "warnings", "error", "cpu_s", "versions"
 """Columns of every sweep."""
@@ -172,7 +172,7 @@ def sweep(
     CycloidError
         The folder cannot be written; its rows are kept.
     """
-    reducer, points_to_evaluate = Reducer(resolve(design)), choose_points(vary, table, sample, points, seed)
+    reducer, points_to_evaluate = reducer_of(resolve(design)), choose_points(vary, table, sample, points, seed)
     task = define_task(reducer, points_to_evaluate, measure, quick, real_pins, follow, solver)
     if out is not None:
         return sweep_in_folder(task, points_to_evaluate, create_folder(Path(out)), engine, progress)
@@ -214,7 +214,7 @@ def define_task(
         There is no such measure or figure, or a formula is not valid.
     """
     texts = [measures] if isinstance(measures, str) else measures
-    names = require_measures(name.strip() for text in texts for name in text.split(","))
+    names = require_measures(reducer, (name.strip() for text in texts for name in text.split(",")))
     options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys, solver)
     return Task(reducer, points.keys, names, options, parse_links(reducer, follow, points.keys))
 

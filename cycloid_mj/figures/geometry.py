@@ -8,7 +8,8 @@ from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import attached_parts, mass_properties, parts
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.parts.export.rv_assembly import rv_masses
+from cycloid_mj.reducer import Reducer, RvReducer, once
 
 CHORD_ERROR = 1e-6
 """Largest distance of a chord from its curve [m]; the mass is accurate to about 1e-4."""
@@ -16,7 +17,12 @@ CHORD_ERROR = 1e-6
 
 @once
 def masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the masses of the parts [kg] by name, including all ring pins (or sleeves), spacers and rollers."""
+    """Compute the masses of the parts [kg] by name, including all ring pins (or sleeves), spacers and rollers.
+
+    Those of an RV reducer are `rv_masses`, with needles and the tapered bearings of the cranks.
+    """
+    if isinstance(reducer, RvReducer):
+        return rv_masses(reducer)
     carried_parts = Counter(
         part for body in (names.SHAFT, names.OUTPUT) for part, _ in attached_parts(reducer, body).values()
     )
@@ -83,11 +89,11 @@ OF_GEOMETRY = (
             "Outer diameter of the housing.",
             lambda reducer: 2.0 * MILLIMETRES * reducer.design.housing.outer_radius, "outer_diameter"),
     _make_figure("mass_kg", "mass of all parts", "kg",
-            "Mass of all parts as drawn, without covers and the rings of bearings.",
-            mass, "mass", layouts=("central",)),
+            "Mass of all parts as drawn, without covers and the rings of bearings; of an RV reducer with needles and "
+            "tapered bearings, without main bearings.", mass, "mass"),
     _make_figure("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
             "Nominal torque over the mass of all parts as drawn.",
-            specific_torque, layouts=("central",)),
+            specific_torque),
     _make_figure("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
             "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
             least_convex_radius),

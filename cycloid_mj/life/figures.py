@@ -8,9 +8,10 @@ from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.life.rated import is_bearing_life, rated_torque
+from cycloid_mj.life.rv_sheet_rows import is_rv_life, rv_momentary_torque
 from cycloid_mj.parts.export import cam_bearing, drive
 from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 
 KG_CM2 = 1e4
 """kg cm2 in a kg m2."""
@@ -136,11 +137,14 @@ def temperature_rise(reducer: Reducer) -> float:
 @once
 def momentary(reducer: Reducer) -> float:
     """Compute the momentary torque, with a safety factor of 1 [N m]."""
+    if isinstance(reducer, RvReducer):
+        return rv_momentary_torque(reducer)[0]
     torque, _ = datasheet.momentary_torque(reducer)
     return torque
 
 
 def torque_for_life(reducer: Reducer) -> float:
     """Compute the rated torque for the design's life and speed, at most the momentary torque [N m]."""
-    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
+    limits_torque = is_rv_life if isinstance(reducer, RvReducer) else None
+    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life, limits_torque)
     return min(rated, momentary(reducer))

@@ -70,18 +70,25 @@ def is_rv_life(key: str) -> bool:
     return not is_rv_stop(key)
 
 
+def rv_momentary_torque(reducer: RvReducer) -> tuple[float, RatedItem]:
+    """Compute the momentary torque of an RV reducer [N m], and return it with the item that limits it.
+
+    It is extrapolated from the rating at the nominal torque, with safety factors in proportion to 1/torque.
+    """
+    duty = constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
+    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_rv_stop(item.key))
+    stop = min(stops, key=lambda item: item.safety or 0.0)
+    return duty.peak * (stop.safety or 0.0), stop
+
+
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
     """Compute rated and momentary torque of an RV reducer, for a life [h] at the design's speed.
 
-    The momentary torque is extrapolated from the rating at the nominal torque, with safety factors in proportion to
-    1/torque. Raises as `rated_torque`.
+    Raises as `rated_torque`.
     """
-    design, speed = reducer.design, reducer.design.drive.speed
-    duty = constant_duty(design.rated_torque, speed)
-    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_rv_stop(item.key))
-    stop = min(stops, key=lambda item: item.safety or 0.0)
+    speed = reducer.design.drive.speed
     lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (is_rv_life, is_bearing_life))
-    return RvTorqueLimits(lasting, bearings, (duty.peak * (stop.safety or 0.0), stop))
+    return RvTorqueLimits(lasting, bearings, rv_momentary_torque(reducer))
 
 
 def rv_performance_groups(
