@@ -45,13 +45,13 @@ def preloaded(design: Named) -> Design:
     upper = ARCMINUTE
     try:
         while (residual := torque_residual(upper)) < 0.0:
-            if 2.0 * upper > MAX_ANGLE:
+            if upper == MAX_ANGLE:
                 raise DesignError(
-                    f"{design.name}: ring.preload_torque_nm = {torque:g} is too large: the largest preload angle "
-                    f"tried, {upper / ARCMINUTE:g} arcmin, produces only {torque + residual:.4g} N m. Reduce the "
-                    "torque to less than this"
+                    f"{design.name}: ring.preload_torque_nm = {torque:g} is too large: the largest preload angle, "
+                    f"{upper / ARCMINUTE:g} arcmin, produces only {torque + residual:.4g} N m. Reduce the torque to "
+                    "less than this"
                 )
-            upper *= 2.0
+            upper = min(2.0 * upper, MAX_ANGLE)
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(

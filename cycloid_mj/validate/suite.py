@@ -34,9 +34,6 @@ STEP_NAMES = (
 )
 """Names of the steps, from simple to complex."""
 
-WORKERS = 2
-"""Default number of parallel processes."""
-
 
 def _parts() -> Iterator[ValidationPart]:
     """Yield all validation parts of this package: step, function, and CPU time [s] of quick and full runs."""
@@ -119,7 +116,7 @@ def select_parts(only: Sequence[str] = (), other_parts: Sequence[ValidationPart]
 
 
 def run_parts(
-    parts: Sequence[ValidationPart], quick: bool = False, workers: int = WORKERS
+    parts: Sequence[ValidationPart], quick: bool = False, workers: int = 2
 ) -> Iterator[tuple[int, list[ValidationRow]]]:
     """Run validation parts in parallel processes, the longest first; yield the result of each as it ends.
 
