@@ -46,7 +46,11 @@ NEWTON = RvNewtonSettings()
 
 @dataclass(frozen=True)
 class RvFrictionSettings:
-    """Settings of the fixed-point iteration of friction: a step of `rv80e` changes forces by 5 % of the last change."""
+    """Settings of the fixed-point iteration of friction: a step of `rv80e` changes forces by 5 % of the last change.
+
+    Where a change is larger than the last change, the steps are halved (under-relaxation): the friction of a film can
+    depend so much on the sliding of a pin that full steps oscillate.
+    """
 
     max_steps: int = 50
     rtol: float = 1e-6
@@ -429,16 +433,19 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
     displacements = _minimise_energy(springs, load, np.zeros(load.shape))
     if friction is None:
         return _loads_at(springs, displacements)
-    rubbing, largest_change = np.zeros(load.shape), np.inf
+    rubbing, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
+    change, relaxation = np.full(len(load), np.inf), np.ones(len(load))
     for _ in range(FRICTION.max_steps):
-        previous, rubbing = rubbing, friction.load(_loads_at(springs, displacements))
+        residual, previous_change = friction.load(_loads_at(springs, displacements)) - rubbing, change
+        change = np.max(np.abs(residual), axis=1) / load_size
+        relaxation = np.where(change > previous_change, 0.5 * relaxation, relaxation)
+        rubbing = rubbing + relaxation[:, np.newaxis] * residual
         displacements = _minimise_energy(springs, load + rubbing, displacements)
-        largest_change = float(np.max(np.abs(rubbing - previous) / np.max(np.abs(load), axis=1, keepdims=True)))
-        if largest_change <= FRICTION.rtol:
+        if change.max() <= FRICTION.rtol:
             return _loads_at(springs, displacements)
     raise RunError(
         f"no static equilibrium with friction found: the friction forces of the last two iterations differ by "
-        f"{largest_change:.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
+        f"{change.max():.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
         "coefficients (friction.*, planet.friction)"
     )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.statistics import peak_to_peak
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
@@ -111,13 +112,30 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     return solve_rv_loads(springs, on_carrier, running_friction(reducer, springs.crank, np.sign(on_carrier)))
 
 
+def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+    """Solve for the balance with friction in the direction of rotation of the design, whichever shaft drives.
+
+    `torque` [N m], not 0, acts on the output: it brakes the drive if positive, and drives it if negative. `count` is
+    the number of crank angles over a turn of the carrier. Raises as `solve_rv_loads`.
+    """
+    if torque > 0.0:
+        return balance_running(reducer, torque, count)
+    springs, sense = springs_over_turn(reducer, count), np.sign(torque_on_carrier(reducer, 1.0))
+    friction = running_friction(reducer, springs.crank, sense)
+    return solve_rv_loads(springs, torque_on_carrier(reducer, torque), friction)
+
+
+def output_rotation(reducer: RvReducer, carrier_turn: Array) -> Array:
+    """Convert rotations of the carrier from its ideal angle to those of the output [rad], counter-clockwise."""
+    return (-1.0 if reducer.design.output.turns_ring else 1.0) * reducer.share * carrier_turn
+
+
 def running_rotation(reducer: RvReducer, torque: float) -> Array:
     """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, shape (`error_angles`,).
 
     The rotation is counter-clockwise, with friction; `torque` [N m] is an argument of `balance_running`.
     """
-    towards_carrier = -1.0 if reducer.design.output.turns_ring else 1.0
-    return towards_carrier * reducer.share * balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn
+    return output_rotation(reducer, balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn)
 
 
 @once
@@ -236,9 +254,9 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
     """Compute the mean powers lost to friction under a `load` on the output [N m], over a turn of the carrier.
 
-    The mean is over `count` crank angles. Needles and tapered bearings of a crank both carry the force of the disc.
-    With the law ``coulomb``, their friction acts at the radius of the eccentric. With the law ``film``, "seals" include
-    the main bearings (`rv_film`).
+    A negative load drives the output. The mean is over `count` crank angles. Needles and tapered bearings of a crank
+    both carry the force of the disc. With the law ``coulomb``, their friction acts at the radius of the eccentric. With
+    the law ``film``, "seals" include the main bearings (`rv_film`).
 
     Returns
     -------
@@ -248,7 +266,7 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
     design, planet = reducer.design, reducer.planet
     if design.has_film:
         return _film_losses(reducer, load, count).powers()
-    springs, balanced_loads = springs_over_turn(reducer, count), balance_running(reducer, load, count)
+    springs, balanced_loads = springs_over_turn(reducer, count), balance_forward(reducer, load, count)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
     crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
     sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed
@@ -269,8 +287,36 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
 def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
     """Return the losses of the running drive with the law ``film``; arguments are those of `friction_powers`."""
     springs, torque = springs_over_turn(reducer, count), load + drag_torques(reducer)[1]
-    film = build_rv_film(reducer, springs.crank, np.sign(torque_on_carrier(reducer, torque)))
-    return build_rv_losses(film, springs, balance_running(reducer, torque, count))
+    film = build_rv_film(reducer, springs.crank, np.sign(torque_on_carrier(reducer, 1.0)))
+    return build_rv_losses(film, springs, balance_forward(reducer, torque, count))
+
+
+def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> Powers:
+    """Compute the mean powers through sun and output and the friction losses, as `balance.powers` does.
+
+    Parameters
+    ----------
+    reducer
+        The reducer; its speed must not be 0.
+    torque
+        Torque on the output [N m], not 0: it brakes if positive, and drives if negative.
+    count
+        Number of crank angles over a turn of the carrier.
+
+    Returns
+    -------
+    Powers
+        Mean powers into the reducer through sun and output [W], and lost to friction [W] by the keys of
+        `friction_powers`.
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium.
+    """
+    losses = friction_powers(reducer, torque, count)
+    delivered = torque * abs(reducer.output_speed)
+    return Powers(delivered + sum(losses.values()), -delivered, losses)
 
 
 @once

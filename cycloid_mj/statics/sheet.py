@@ -526,6 +526,13 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("output_power", mean_powers.delivered)
 
 
+def shaft_powers(reducer: Reducer, torque: float) -> Powers:
+    """Compute the mean powers of a reducer of any layout under a torque on its output [N m]; see `powers`."""
+    if isinstance(reducer, RvReducer):
+        return rv_sheet.rv_powers(reducer, torque, rv_sheet.SETTINGS.rotation_angles)
+    return powers(reducer, torque)
+
+
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
     """Solve for the output torque that drives the crank against a torque of `load` [N m] divided by the ratio.
 
@@ -538,18 +545,18 @@ def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
         Powers when the output drives, and the torque on the output [N m]; NaN if the reducer is self-locking.
     """
     torque = load
-    mean_powers = powers(reducer, -torque)
+    mean_powers = shaft_powers(reducer, -torque)
     for _ in range(3):
         if not mean_powers.efficiency > 0.0:
             return mean_powers, math.nan
         torque = load / mean_powers.efficiency
-        mean_powers = powers(reducer, -torque)
+        mean_powers = shaft_powers(reducer, -torque)
     return mean_powers, torque
 
 
 def describe_self_locking(reducer: Reducer, load: float) -> str:
     """Describe self-locking against the crank's share of a load [N m], and whether the output drives a free crank."""
-    drives_free_crank, crank_torque = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
+    drives_free_crank, crank_torque = shaft_powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
     return (
         f"self-locking against {crank_torque:.4g} N m on the crank: friction takes all power of the output; "
         f"{load:.4g} N m on the output {'drives' if drives_free_crank else 'does not drive'} a crank without load"

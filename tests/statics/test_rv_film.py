@@ -26,7 +26,7 @@ from cycloid_mj.statics.rv_film import (
     planet_path,
     planet_speeds,
 )
-from cycloid_mj.statics.rv_sheet import friction_powers, springs_over_turn, torque_on_carrier
+from cycloid_mj.statics.rv_sheet import friction_powers, rv_powers, springs_over_turn, torque_on_carrier
 
 LOAD, FEW_ANGLES = 784.0, 61
 RPM = np.pi / 30.0
@@ -165,3 +165,10 @@ def test_the_map_has_no_back_driving_torque() -> None:
 def test_temperatures_by_part_are_refused() -> None:
     with pytest.raises(DesignError, match="the same temperature of all parts"):
         override(PRESETS["rv80e"], ["thermal.disc_c=40"])
+
+
+def test_friction_that_oscillates_with_the_sliding_of_a_pin_converges() -> None:
+    """Full steps of the fixed-point iteration oscillate at one of these angles, under a torque that drives."""
+    powers = rv_powers(RvReducer(override(PRESETS["rv80e"], ["friction.law=film"])).working_at(LOAD), -907.06)
+    assert powers.crank < 0.0
+    assert powers.efficiency == pytest.approx(0.8643, abs=5e-4)
