@@ -12,7 +12,7 @@ from cycloid_mj.base.result import to_json_values
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -137,16 +137,18 @@ def reduce(
     from cycloid_mj.robot.comparison import compare_with_full_model
     from cycloid_mj.robot.files import choose_scenes, without_slip
     from cycloid_mj.robot.identification import reduce as identify
-    from cycloid_mj.robot.population import draw_population
+    from cycloid_mj.robot.population import draw_population, require_central_crank
     from cycloid_mj.robot.stability import study_time_steps
 
     _require_scene_values(timestep_ms, load_inertia_kgm2)
     samples, seed = _choose_samples(spread, samples, seed)
     design = design_options.resolve_checked()
+    reducer = reducer_of(design)
+    if spread:
+        require_central_crank(reducer)
     destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
     joint = identify(design, level, count_progress("reduce", delivery.quiet))
-    reducer, spread_progress = Reducer(design), count_progress("spread", delivery.quiet)
-    drives = draw_population(reducer, samples, seed, spread_progress) if spread else None
+    drives = draw_population(reducer, samples, seed, count_progress("spread", delivery.quiet)) if spread else None
     free = without_slip(joint)
     comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms

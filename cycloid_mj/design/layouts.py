@@ -17,6 +17,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "export",
         "figures",
         "rate",
+        "reduce",
         "report",
         "simulate",
         "statics",

@@ -9,7 +9,7 @@ from typing import Any
 
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.film_spread import RANGES
 
 
@@ -91,10 +91,13 @@ class InputEffect:
 def assumed_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range.
 
-    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes.
+    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes. Of
+    an RV reducer, the inputs are those of statics.
     """
     design = reducer.design
     mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
+    if isinstance(reducer, RvReducer):
+        return _rv_inputs(reducer, mesh_pairs)
     stiffness = reducer.contacts["cam"].stiffness
     return [
         _clearance_input(reducer, "mesh play", mesh_pairs, INPUTS.clearance),
@@ -111,6 +114,25 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
         _equal_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
         _equal_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
     ]
+
+
+def _rv_inputs(reducer: RvReducer, mesh_pairs: Sequence[str]) -> list[Input]:
+    """Return the inputs of an RV reducer: play of the teeth, and friction of teeth, crank bearings and planets.
+
+    `mesh_pairs` are the kinds of pairs at which teeth slide.
+    """
+    friction = (
+        _film_inputs(reducer)
+        if reducer.design.has_film
+        else [
+            _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
+            _equal_input(
+                reducer, "friction of the crank bearings", "1", "friction", ["cam_rolling"], INPUTS.bearing_friction
+            ),
+            _equal_input(reducer, "friction of the planets", "1", "planet", ["friction"], INPUTS.tooth_friction),
+        ]
+    )
+    return [_clearance_input(reducer, "mesh play", mesh_pairs, INPUTS.clearance), *friction]
 
 
 def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
@@ -138,7 +160,7 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
     ):
         limits = [factor * value for factor in (RANGES[key].low, RANGES[key].high)]
         inputs.append(_equal_input(reducer, RANGES[key].name, unit, "friction", [key], limits, scale))
-    if reducer.design.output.has_needles:
+    if reducer.design.output.has_needles and not isinstance(reducer, RvReducer):
         inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
     return inputs
 

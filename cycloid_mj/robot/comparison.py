@@ -13,13 +13,13 @@ from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import joint_powers
+from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.identification import GRID, Play, solve_play
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.stability import measure_vibration
 from cycloid_mj.robot.transmission import compute_amplitudes, solve_error
 from cycloid_mj.robot.trial import TrialScene, create_trial_scene
-from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
@@ -149,6 +149,9 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
         *(row for rows, _ in transmission for row in rows),
     )
     bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
+    # a backlash below the wind-up at the torque from which it is extrapolated is not resolved
+    smallest = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
+    bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * smallest
     bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*loop_curves, *efficiency_curves, *(curve for _, curves in transmission for curve in curves))
@@ -284,7 +287,7 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
     The torque is positive if the crank drives, negative if the output drives.
     """
     try:
-        return powers(reducer, torque).efficiency
+        return full_model(reducer).powers(torque).efficiency
     except RunError:
         if torque > 0.0:
             raise
@@ -329,17 +332,16 @@ def _compare_transmission_error(
     """
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = compute_amplitudes(errors)
-    turns = round(reduced.ratio)
     harmonics = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
     count = COMPARISON.steps_per_cycle * int(harmonics.max())
-    speed = direction * 2.0 * np.pi * turns / (count * COMPARISON.slow_step)
+    speed = direction * 2.0 * np.pi * reduced.ratio / (count * COMPARISON.slow_step)
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
     scene.press_to_stop(-direction * reduced.way * reduced.rated_torque)
     for _ in range(COMPARISON.steps_per_cycle):
         scene.step()
     angle, deviation = _record_motion(scene, count)
-    order = harmonics / turns
+    order = harmonics / reduced.ratio
     basis = np.exp(-1j * np.outer(order, angle))
     amplitudes = 2.0 * basis @ (deviation - deviation.mean()) / count
     rows = [

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 from xml.etree import ElementTree
 
-from cycloid_mj.base import names
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.units import RPM
 from cycloid_mj.figures.geometry import mass as mechanism_mass
 from cycloid_mj.parts import moving_masses
 from cycloid_mj.parts.export.drive import drive_diameter, drive_length, drive_mass, has_casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.rv import axial_layout
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.files import choose_scenes
 from cycloid_mj.robot.mjcf import MJCF, OUTPUT, joint_xml, scene_xml
@@ -78,11 +78,9 @@ def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: boo
     reducer, and with the mass of the reducer minus output and crank. Covers are included if the casing fits.
     """
     masses = moving_masses(reducer)
-    output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
-    total_mass = drive_mass(reducer) if has_casing(reducer) else mechanism_mass(reducer)
-    radius = 0.5 * drive_diameter(reducer) if has_casing(reducer) else reducer.design.housing.outer_radius
-    gear, output = reducer.design.gear, reducer.design.output
-    length = drive_length(reducer) if has_casing(reducer) else gear.stack_width + output.disc_thickness
+    crank_part = next(body.part for body in reducer.mechanism.bodies if reducer.INPUT_JOINT in body.joints)
+    output_body, crank = masses[reducer.mechanism.turning], masses[crank_part]
+    total_mass, radius, length = _measure_cylinder(reducer)
     housing_mass = total_mass - output_body.mass - crank.mass
     housing_transverse = housing_mass * (3.0 * radius**2 + length**2) / 12.0
     rotor = reduced.rotor_inertia if armature else reflected_rotor(reduced)
@@ -97,6 +95,18 @@ def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: boo
             DESCRIPTION.drive_mass, DESCRIPTION.side_share * rotor, DESCRIPTION.side_share * rotor, rotor
         )
     return links
+
+
+def _measure_cylinder(reducer: Reducer) -> tuple[float, float, float]:
+    """Compute the mass of the reducer [kg], and radius and length [m] of the cylinder that replaces its housing."""
+    if has_casing(reducer):
+        return drive_mass(reducer), 0.5 * drive_diameter(reducer), drive_length(reducer)
+    if isinstance(reducer, RvReducer):
+        layout = axial_layout(reducer)
+        length = layout.flanges[1][1] - layout.planets[0]
+    else:
+        length = reducer.design.gear.stack_width + reducer.design.output.disc_thickness
+    return mechanism_mass(reducer), reducer.design.housing.outer_radius, length
 
 
 def reflected_rotor(reduced: ReducedJoint) -> float:

@@ -18,21 +18,16 @@ from cycloid_mj.base.result import Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
-from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.measure import spread
-from cycloid_mj.parts import mass_properties, turning_inertia
-from cycloid_mj.parts.parts import body_solids
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.robot.friction import FrictionMap
+from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import count_turns, solve_ripple
-from cycloid_mj.statics.balance import loads, powers
 from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import describe_self_locking, solve_back_driving
-from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
-from cycloid_mj.statics.structure import wind_up
-from cycloid_mj.statics.windup import STRAIGHT, solve_windups
+from cycloid_mj.statics.springs import POSES
+from cycloid_mj.statics.windup import STRAIGHT
 
 
 @dataclass(frozen=True)
@@ -90,7 +85,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     RunError
         No static balance exists, for example because friction jams the reducer.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
@@ -102,7 +97,8 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counter.count_one()
     friction = _compute_friction_map(reducer, counter.count_one)
-    rotor, output = crank_and_output_inertia(reducer)
+    model = full_model(reducer)
+    rotor, output = model.inertias()
     joint = ReducedJoint(
         name=reducer.design.name,
         level=level,
@@ -114,7 +110,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         springs=fine.springs,
         polynomial=tuple(fine.polynomial.tolist()),
         polynomial_error=tuple(np.abs(fine.polynomial - coarse.polynomial).tolist()),
-        damping=_compute_damping(reducer),
+        damping=model.damping(),
         rotor_inertia=rotor,
         output_inertia=output,
         friction=friction,
@@ -193,15 +189,14 @@ class Play:
 def solve_play(reducer: Reducer, poses: int) -> Play:
     """Compute play and wind-up of a reducer in static equilibrium with a locked crank, as means over crank angles.
 
-    `poses` is the number of evenly spaced crank angles. Raises the errors of `statics.loads`.
+    `poses` is the number of evenly spaced crank angles. Raises RunError if there is no equilibrium.
     """
     rated_torque = reducer.design.rated_torque
-    resting_reducer = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(resting_reducer, turn_evenly(reducer, poses), friction=False)
+    locked_rotation = full_model(reducer).locked_rotation(poses)
 
     def mean_output_angle(share: float) -> float:
         """Compute the mean rotation of the output [rad] under a share of the nominal torque."""
-        return float(loads(resting_reducer, springs, share * rated_torque).output_turn.mean())
+        return locked_rotation(share * rated_torque)
 
     low, high = (
         2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
@@ -210,26 +205,7 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
         low = high = 0.5 * (low + high)
     shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
     wind_up = {share: 0.5 * (mean_output_angle(share) - high + low - mean_output_angle(-share)) for share in shares}
-    return Play(rated_torque, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
-
-
-def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
-    """Compute the moments of inertia that turn with the crank and with the output.
-
-    The crank has the inertia of shaft and rotor, and that of the orbiting masses of the discs. If the carrier is the
-    output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not rotate, and
-    the output is the ring with its pins.
-
-    Returns
-    -------
-    tuple of float
-        Inertia of the crank and of the output [kg m2].
-    """
-    design = reducer.design
-    masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
-    discs = [masses[body.part] for body in reducer.mechanism.discs]
-    crank = crank_inertia(reducer, masses) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
-    return crank, turning_inertia(reducer)
+    return Play(rated_torque, (low, high), wind_up)
 
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
@@ -294,48 +270,13 @@ def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[
     that of the driving crank. `on_step` is called when the result is ready.
     """
     try:
-        mean_powers = powers(reducer, torque)
+        mean_powers = full_model(reducer).powers(torque)
     except RunError:
         if torque > 0.0:
             raise
-        mean_powers = powers(reducer, -torque)
+        mean_powers = full_model(reducer).powers(-torque)
     on_step()
     return mean_powers.lost / abs(reducer.design.drive.speed)
-
-
-def _compute_damping(reducer: Reducer) -> float:
-    """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
-
-    Each contact is a spring (stiffness K) with a parallel damper (damping C), and all contacts are in series. For slow
-    motion, their total damping is c = k^2 sum(s C/K), with the total stiffness k and the compliance s of each contact
-    at the output [rad/(N m)]. A pin and its seat together have the mean of their time constants C/K, weighted by their
-    compliances 1/K. Bending of output pins and twist of the structure have the time constant of the output contacts.
-    """
-    contact_laws_by_pair, rated_torque = contact_laws(reducer), reducer.design.rated_torque
-    compliances = [
-        windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated_torque)
-    ]
-    mean_compliance = {
-        spring: float(np.mean([compliance_by_spring[spring] for compliance_by_spring in compliances]))
-        for spring in compliances[0]
-    }
-    mean_compliance["twist"] = wind_up(reducer)
-    tooth_contacts = [
-        contact_laws_by_pair[kind]
-        for kind in (reducer.design.tooth_pair, reducer.design.seat_pair)
-        if kind in contact_laws_by_pair
-    ]
-    time_constants = {
-        kind: contact_laws_by_pair[kind].damping / contact_laws_by_pair[kind].stiffness for kind in ("cam", "output")
-    }
-    time_constants["mesh"] = sum(law.damping / law.stiffness**2 for law in tooth_contacts) / sum(
-        1.0 / law.stiffness for law in tooth_contacts
-    )
-    time_constants["bending"] = time_constants["twist"] = time_constants["output"]
-    return (
-        sum(time_constants[spring] * compliance for spring, compliance in mean_compliance.items())
-        / sum(mean_compliance.values()) ** 2
-    )
 
 
 def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
@@ -344,6 +285,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     `fine` and `coarse` are play and wind-up, computed with many and with fewer crank angles; their difference is the
     numerical error.
     """
+    model = full_model(reducer)
     condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
     friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
@@ -383,10 +325,10 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
         joint.no_load_torque,
         "N m",
         abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first, second))),
-        note="weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings",
+        note=model.no_load_note,
     )
-    parts = "shaft, rotor and the discs' orbit"
-    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {parts}", joint.rotor_inertia, "kg m2", 0.0)
+    name = f"inertia on the crank: {model.crank_parts}"
+    yield Quantity("rotor_inertia_kg_m2", name, joint.rotor_inertia, "kg m2", 0.0)
     yield Quantity("output_inertia_kg_m2", "inertia of discs and output", joint.output_inertia, "kg m2", 0.0)
     name = "inertia at the output, crank free"
     yield Quantity("reflected_inertia_kg_m2", name, joint.reflected_inertia, "kg m2", 0.0)
@@ -398,14 +340,16 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
     def rate(varied_reducer: Reducer) -> float:
         try:
-            return powers(varied_reducer, reducer.design.rated_torque).efficiency
+            return full_model(varied_reducer).powers(reducer.design.rated_torque).efficiency
         except RunError:
             return 0.0
 
     assumed_inputs = spread.assumed_inputs(reducer)
     return spread.spread_text(
         rate(reducer),
-        spread.input_effects(assumed_inputs, {end: rate(Reducer(end)) for item in assumed_inputs for end in item.ends}),
+        spread.input_effects(
+            assumed_inputs, {end: rate(reducer_of(end)) for item in assumed_inputs for end in item.ends}
+        ),
     )
 
 
@@ -415,11 +359,8 @@ def _efficiency_error(reducer: Reducer, share: float) -> float:
     Their number is multiplied by `GRID.angles_factor`. `share` is the output torque as a share of the nominal torque,
     negative if the output drives.
     """
-    torque = share * reducer.design.rated_torque
-    return abs(
-        powers(reducer, torque).efficiency
-        - powers(reducer, torque, turn_evenly(reducer, GRID.angles_factor * POSES)).efficiency
-    )
+    torque, model = share * reducer.design.rated_torque, full_model(reducer)
+    return abs(model.powers(torque).efficiency - model.powers(torque, GRID.angles_factor * POSES).efficiency)
 
 
 def _convert_with_error(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:

@@ -14,13 +14,13 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Engine, Progress, silent
-from cycloid_mj.base.errors import CycloidError, RunError
+from cycloid_mj.base.errors import CycloidError, DesignError, RunError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
 from cycloid_mj.explore import sampling
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, assumed_inputs
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.robot.standalone import PARAMETERS as KEYS
 
 PLAY, _, FRICTION, LOSS, _ = KEYS
@@ -153,6 +153,17 @@ class Population(Tabular):
         }
 
 
+def require_central_crank(reducer: Reducer) -> None:
+    """Raise DesignError if the reducer is an RV reducer, whose drives cannot be drawn at random."""
+    name = reducer.design.name
+    if isinstance(reducer, RvReducer):
+        raise DesignError(
+            f'{name}: reduce --spread draws the parts of drives with a central crank, but {name} has layout = "rv": '
+            f"remove --spread to reduce the nominal drive, or use `cycloid-mj tolerance {name}` for the transmission "
+            "error of many drives"
+        )
+
+
 def draw_population(
     reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent, engine: Engine | None = None
 ) -> Population:
@@ -172,10 +183,11 @@ def draw_population(
     Raises
     ------
     DesignError
-        A tolerance has an unknown form.
+        A tolerance has an unknown form, or the reducer is an RV reducer.
     RunError
         Fewer than two drives can be assembled, or the design has no static balance.
     """
+    require_central_crank(reducer)
     ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in VARIED)
     work = partial(_draw_drive, reducer, ranges, seed)
     drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)

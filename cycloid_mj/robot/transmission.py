@@ -13,9 +13,8 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.springs import springs_of
 
 Waves = npt.NDArray[np.complex128]
 
@@ -40,15 +39,10 @@ class RippleSettings:
 RIPPLE = RippleSettings()
 
 
-def turns_per_period(reducer: Reducer) -> int:
-    """Return the number of crank turns after which the error repeats."""
-    return round(reducer.design.reduction)
-
-
 def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
     """Compute the significant harmonics of the transmission error at `RIPPLE.loads` and with nearly no load.
 
-    They are computed in both directions of the crank; `on_turn` is called after each computed turn of the crank.
+    They are computed in both directions of the crank; `on_turn` is called after each of the `count_turns` parts.
     """
     lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
@@ -65,16 +59,16 @@ def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
         stops[f"{name}_cos"] = _rows([fine[indices].real for fine, _ in spectra_at_stop])
         stops[f"{name}_sin"] = _rows([-fine[indices].imag for fine, _ in spectra_at_stop])
         stops[f"{name}_error"] = _rows([np.abs(fine[indices] - coarse[indices]) for fine, coarse in spectra_at_stop])
-    return Ripple(tuple((indices / turns_per_period(reducer)).tolist()), shares, **stops)
+    return Ripple(tuple((indices / reducer.design.reduction).tolist()), shares, **stops)
 
 
 def count_turns(reducer: Reducer) -> int:
-    """Return the number of crank turns that `solve_ripple` solves."""
-    return 2 * (1 + len(RIPPLE.loads)) * turns_per_period(reducer)
+    """Return the number of parts of a turn of the output that `solve_ripple` solves."""
+    return 2 * (1 + len(RIPPLE.loads)) * full_model(reducer).turns
 
 
 def _has_balance(reducer: Reducer, load: float) -> bool:
-    """Return whether a static balance exists over a turn of the crank, in both directions of the crank.
+    """Return whether a static balance exists over the first part of a turn, in both directions of the crank.
 
     `load` is a share of the nominal torque.
     """
@@ -98,7 +92,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     direction
         Direction of the crank, 1 or -1.
     on_turn
-        Called after each turn of the crank.
+        Called after each of the `FullModel.turns` parts of the turn.
 
     Returns
     -------
@@ -106,24 +100,19 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
         Errors (n,) at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` of them in each mesh period.
     """
     errors = []
-    for turn in range(turns_per_period(reducer)):
+    for turn in range(full_model(reducer).turns):
         errors.append(_solve_turn(reducer, load, direction, turn))
         on_turn()
     return np.concatenate(errors)
 
 
 def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Array:
-    """Compute the transmission error [rad] over one turn of the crank, shape (m,); `turn` counts the turns from 0.
+    """Compute the transmission error [rad] over a part of a turn of the output, shape (m,).
 
-    `load` is a share of the nominal torque, `direction` that of the crank, 1 or -1.
+    `load` is a share of the nominal torque, `direction` that of the crank, 1 or -1; `turn` counts the parts from 0.
     """
-    design = reducer.design
-    driven = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
-    count = reducer.mesh_periods * RIPPLE.poses_per_period
-    springs = springs_of(driven, 2.0 * np.pi * (np.arange(count) / count + turn))
-    return (
-        reducer.member.sense * loads(driven, springs, direction * load * design.rated_torque, follow=True).output_turn
-    )
+    torque = load * reducer.design.rated_torque
+    return full_model(reducer).rotation_over_part(torque, direction, turn, RIPPLE.poses_per_period)
 
 
 def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:

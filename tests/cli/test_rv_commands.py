@@ -11,7 +11,6 @@ from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
-    ("reduce", "rv80e", "--out", "joint"),
     ("compare", "pin", "rv80e"),
     ("measure", "te", "rv80e"),
     ("protocol", "rv80e"),

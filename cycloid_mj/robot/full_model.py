@@ -1,0 +1,263 @@
+"""Statics of the full model, as the identification of a joint needs it: for a central crank, and for an RV reducer.
+
+The crank is the driven shaft; that of an RV reducer is its sun.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.powers import Powers
+from cycloid_mj.dynamics.law import ContactParameters
+from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
+from cycloid_mj.dynamics.mjcf.laws import contact_laws
+from cycloid_mj.dynamics.planar.rv_system import input_inertia
+from cycloid_mj.parts import mass_properties, turning_inertia
+from cycloid_mj.parts.parts import body_solids
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics.balance import loads, powers
+from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_film import running_friction
+from cycloid_mj.statics.rv_sheet import (
+    balance_rv,
+    output_rotation,
+    rv_powers,
+    springs_over_turn,
+    torque_on_carrier,
+)
+from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
+from cycloid_mj.statics.structure import wind_up
+from cycloid_mj.statics.windup import STRAIGHT, solve_windups
+
+
+class FullModel(ABC):
+    """Static equilibrium of a reducer under a torque on its output.
+
+    `POSES` is the number of crank angles of a mean, unless another is set. All methods raise RunError if there is no
+    equilibrium.
+    """
+
+    crank_parts: str
+    """Parts whose inertia is on the crank, in words."""
+    no_load_note: str
+    """Causes of friction without load, and causes that are not included."""
+
+    @property
+    @abstractmethod
+    def turns(self) -> int:
+        """Number of parts of a turn of the output in which `rotation_over_part` is computed."""
+
+    @abstractmethod
+    def locked_rotation(self, poses: int) -> Callable[[float], float]:
+        """Return a function from a torque on the output [N m] to the mean rotation of the output [rad].
+
+        The crank is locked; there is neither friction nor weight. Both are counter-clockwise. The mean is over `poses`
+        crank angles.
+        """
+
+    @abstractmethod
+    def powers(self, torque: float, poses: int = POSES) -> Powers:
+        """Compute the mean powers of the turning reducer, as `statics.balance.powers`, at `poses` crank angles."""
+
+    @abstractmethod
+    def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
+        """Compute the rotation of the output from its ideal angle [rad], counter-clockwise, with friction.
+
+        Parameters
+        ----------
+        torque
+            Torque on the output [N m] that brakes it.
+        direction
+            Direction of the crank, 1 or -1.
+        part
+            Part of the turn of the output, from 0 to `turns` - 1.
+        samples
+            Number of crank angles in a mesh period; they are evenly spaced and start with the part.
+
+        Returns
+        -------
+        Array
+            Rotations in the order of counter-clockwise crank angles, shape (m,).
+        """
+
+    @abstractmethod
+    def compliances(self) -> dict[str, float]:
+        """Compute the compliance of the output due to each kind of spring at its torque [rad/(N m)], by kind."""
+
+    @abstractmethod
+    def time_constants(self) -> dict[str, float]:
+        """Compute the damping over the stiffness of each kind of spring [s], by the keys of `compliances`."""
+
+    @abstractmethod
+    def inertias(self) -> tuple[float, float]:
+        """Compute the inertia of what turns with the crank, and of what turns with the output [kg m2]."""
+
+    def damping(self) -> float:
+        """Compute the damping of the wind-up between output and housing [N m s/rad].
+
+        Each contact is a spring (stiffness K) with a parallel damper (damping C), and all contacts are in series. For
+        slow motion, their total damping is c = k^2 sum(s C/K), with the total stiffness k and the compliance s of each
+        contact at the output.
+        """
+        compliances, time_constants = self.compliances(), self.time_constants()
+        total = sum(compliances.values())
+        return sum(time_constants[kind] * compliance for kind, compliance in compliances.items()) / total**2
+
+
+class CentralModel(FullModel):
+    """Statics of a reducer with a central crank."""
+
+    crank_parts = "shaft, rotor and the discs' orbit"
+    no_load_note = "weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings"
+
+    def __init__(self, reducer: Reducer) -> None:
+        self._reducer = reducer
+
+    @property
+    def turns(self) -> int:
+        """Number of turns of the crank per turn of the output."""
+        return round(self._reducer.design.reduction)
+
+    def locked_rotation(self, poses: int) -> Callable[[float], float]:
+        """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
+        sense = self._reducer.member.sense
+        resting = self._reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+        springs = springs_of(resting, turn_evenly(self._reducer, poses), friction=False)
+
+        def rotation(torque: float) -> float:
+            return float(sense * loads(resting, springs, sense * torque).output_turn.mean())
+
+        return rotation
+
+    def powers(self, torque: float, poses: int = POSES) -> Powers:
+        """Compute the mean powers of the turning reducer; see `FullModel`."""
+        return powers(self._reducer, torque, None if poses == POSES else turn_evenly(self._reducer, poses))
+
+    def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
+        """Compute the rotation of the output over a turn of the crank; see `FullModel`."""
+        driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
+        count = self._reducer.mesh_periods * samples
+        springs = springs_of(driven, 2.0 * np.pi * (np.arange(count) / count + part))
+        return self._reducer.member.sense * loads(driven, springs, direction * torque, follow=True).output_turn
+
+    def compliances(self) -> dict[str, float]:
+        """Compute the mean compliance of output pins, cam, teeth, bending of pins and twist of the structure."""
+        reducer = self._reducer
+        compliances = [
+            windup.compliance_by_spring(reducer)
+            for windup in solve_windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)
+        ]
+        means = {kind: float(np.mean([item[kind] for item in compliances])) for kind in compliances[0]}
+        return means | {"twist": wind_up(reducer)}
+
+    def time_constants(self) -> dict[str, float]:
+        """Compute the time constants; bending of output pins and twist have that of the output contacts."""
+        laws = contact_laws(self._reducer)
+        cam, output = (laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output"))
+        return {
+            "cam": cam,
+            "mesh": _tooth_time_constant(self._reducer, laws),
+            **dict.fromkeys(("output", "bending", "twist"), output),
+        }
+
+    def inertias(self) -> tuple[float, float]:
+        """Compute the inertias of crank and output.
+
+        The crank has the inertia of shaft and rotor, and that of the orbiting masses of the discs. If the carrier is
+        the output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not
+        rotate, and the output is the ring with its pins.
+        """
+        reducer = self._reducer
+        masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
+        discs = [masses[body.part] for body in reducer.mechanism.discs]
+        orbit = sum(disc.mass for disc in discs) * reducer.design.gear.eccentricity**2
+        return crank_inertia(reducer, masses) + orbit, turning_inertia(reducer)
+
+
+class RvModel(FullModel):
+    """Statics of an RV reducer, without weight and inertia; all means are over a turn of the carrier."""
+
+    crank_parts = "sun, rotor, rotation of cranks and planets, and the discs' orbit"
+    no_load_note = "drag of seals; of rolling bearings under friction.law = film only; no weight of the discs"
+
+    def __init__(self, reducer: RvReducer) -> None:
+        self._reducer = reducer
+
+    @property
+    def turns(self) -> int:
+        """Number of turns of the cranks against the ring per turn of the output."""
+        return round(self._reducer.crank_turn / (2.0 * np.pi))
+
+    def locked_rotation(self, poses: int) -> Callable[[float], float]:
+        """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
+        reducer = self._reducer
+        braking = reducer.member.sense * float(np.copysign(1.0, reducer.design.drive.speed))
+
+        def rotation(torque: float) -> float:
+            carrier_turn = balance_rv(reducer, braking * torque, poses).carrier_turn
+            return float(output_rotation(reducer, carrier_turn).mean())
+
+        return rotation
+
+    def powers(self, torque: float, poses: int = POSES) -> Powers:
+        """Compute the mean powers of the turning reducer; see `FullModel`."""
+        return rv_powers(self._reducer, torque, poses)
+
+    def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
+        """Compute the rotation of the output over a turn of the cranks against the ring; see `FullModel`."""
+        driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
+        count = driven.design.ring.teeth * samples
+        sun = 2.0 * np.pi * driven.design.reduction * (np.arange(count) / count + part) / self.turns
+        crank, on_carrier = driven.member.against_ring(sun), torque_on_carrier(driven, torque)
+        friction = running_friction(driven, crank, np.sign(on_carrier))
+        balance = solve_rv_loads(compute_rv_springs(driven, crank), on_carrier, friction)
+        return output_rotation(driven, balance.carrier_turn)
+
+    def compliances(self) -> dict[str, float]:
+        """Compute the compliance of teeth, crank bearings and planets between the ends of the straight part.
+
+        The compliance of a spring is the work of the change of its force over the square of the change of the torque.
+        """
+        reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
+        springs = springs_over_turn(reducer, POSES)
+        low, high = (balance_rv(reducer, torque, POSES) for torque in torques)
+        teeth, flanks = np.split(springs.stiffness, [springs.pins], axis=1)
+        work = {
+            "mesh": (high.pins - low.pins) ** 2 / teeth,
+            names.CRANK_BEARING: (high.cranks - low.cranks) ** 2 / springs.bearing_stiffness,
+            names.PLANET_MESH: (high.flanks - low.flanks) ** 2 / flanks.reshape(high.flanks.shape),
+        }
+        change = (torques[1] - torques[0]) ** 2 * len(springs.crank)
+        return {kind: float(item.sum()) / change for kind, item in work.items()}
+
+    def time_constants(self) -> dict[str, float]:
+        """Compute the time constants of teeth, crank bearings and planets."""
+        laws = contact_laws(self._reducer)
+        pairs = (names.CRANK_BEARING, names.PLANET_MESH)
+        return {kind: laws[kind].damping / laws[kind].stiffness for kind in pairs} | {
+            "mesh": _tooth_time_constant(self._reducer, laws)
+        }
+
+    def inertias(self) -> tuple[float, float]:
+        """Compute the inertias of sun and output.
+
+        The output has what turns along with it: if the carrier is the output, the discs, and the cranks as masses on
+        their circle. The sun has the rest of the inertia of all parts at their ideal speeds.
+        """
+        output = turning_inertia(self._reducer)
+        return input_inertia(self._reducer) - output / self._reducer.design.reduction**2, output
+
+
+def _tooth_time_constant(reducer: Reducer, laws: Mapping[str, ContactParameters]) -> float:
+    """Compute the time constant of a pin and its seat [s]: the mean of both, weighted by their compliances."""
+    pairs = (reducer.design.tooth_pair, reducer.design.seat_pair)
+    in_series = [laws[kind] for kind in pairs if kind in laws]
+    return sum(law.damping / law.stiffness**2 for law in in_series) / sum(1.0 / law.stiffness for law in in_series)
+
+
+def full_model(reducer: Reducer) -> FullModel:
+    """Return the statics of a reducer of any layout."""
+    return RvModel(reducer) if isinstance(reducer, RvReducer) else CentralModel(reducer)
