@@ -168,7 +168,7 @@ UPPER_FIGURES = (
         ("drive_efficiency", "%", "efficiency with all bearings",
          f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}."),
         ("temperature_rise", "K", "temperature rise",
-         f"Temperature of the housing above ambient, in still air, {_RATED}."),
+         f"Temperature of the housing above ambient, {_RATED}."),
     ]),
     *_make_figures(Need.LIFE, "life.figures", [
         ("momentary_torque", "N m", "momentary torque",

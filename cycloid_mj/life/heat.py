@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.units import FREEZING_POINT
-from cycloid_mj.design import PARTNERS, PARTS
+from cycloid_mj.design import PARTNERS, PARTS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import REFERENCE_TEMPERATURE, Service
 from cycloid_mj.life.bearings import bearing_losses
@@ -130,6 +130,12 @@ def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> floa
     return service.film_coefficient or still_air_coefficient(
         2.0 * outer, wall_temperature, service.ambient_temperature, emissivity
     )
+
+
+def describe_cooling(design: Design) -> str:
+    """Return the cooling of the housing in words, such as "still air" or "cooled with 18 W/(m2 K)"."""
+    coefficient = design.service.film_coefficient
+    return f"cooled with {coefficient:g} W/(m2 K)" if coefficient > STILL_AIR[1] else "still air"
 
 
 def housing_temperature(reducer: Reducer, power_lost: float) -> float:

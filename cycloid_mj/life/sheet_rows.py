@@ -16,7 +16,7 @@ from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import bearing_forces, bearings_of
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.heat import describe_cooling, heat_limits
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
@@ -228,7 +228,7 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         housing.value - design.service.ambient_temperature,
         min(heat_limits(reducer), key=lambda limit: limit.temperature),
     )
-    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, still air"
+    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {describe_cooling(design)}"
     share, grease = 100.0 * min(housing.safety or 1.0, 1.0), grease_of(design)
     return (
         Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name),

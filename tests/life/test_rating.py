@@ -24,7 +24,7 @@ from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
-from cycloid_mj.life.heat import clearance_growth, cooling_area
+from cycloid_mj.life.heat import clearance_growth, cooling_area, describe_cooling
 from cycloid_mj.life.loading import Sliding, bending_moment, solve_loading
 from cycloid_mj.life.ranges import read_ranges
 from cycloid_mj.life.strength import pin_moment, rate_output_pin
@@ -147,6 +147,13 @@ def test_covers_dissipate_heat_to_the_air() -> None:
     bare = PIN.but(output={"pin_circle_radius": 0.1e-3, "pin_radius": 1e-3})  # no bearing is as small as its hub
     assert not has_casing(Reducer(bare))
     assert cooling_area(Reducer(bare)) == pytest.approx(2.0 * math.pi * radius * (radius + 18e-3))
+
+
+def test_the_data_sheet_names_the_cooling_of_the_design() -> None:
+    cooling = {
+        value: describe_cooling(PRESETS["pin"].but(service={"film_coefficient": value})) for value in (0, 12, 18)
+    }
+    assert cooling == {0: "still air", 12: "still air", 18: "cooled with 18 W/(m2 K)"}
 
 
 def test_a_mean_load_weighs_by_its_power() -> None:
