@@ -29,6 +29,8 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
+from docs_market import DRIVES
+
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.reducer import Reducer
 
@@ -160,6 +162,13 @@ ARTEFACTS: Mapping[str, Artefact] = {
         (_script("docs_measured", "--compared", "{compare}"),),
         ("run free", "run nonpin"),
         3.0,
+    ),
+    "market": Artefact(
+        ("docs/data/market.csv",),
+        {name: Step(_script("docs_market", "--drive", name), stdout=True) for name in DRIVES},
+        (_script("docs_market", "{}"),),
+        ("drive of the tutorial",),
+        15.0,
     ),
     "paper": Artefact(
         ("tests/data/reproduce.json", *(f"docs/paper/{name}.png" for name in PAPER_PICTURES)),

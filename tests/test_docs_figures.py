@@ -36,7 +36,7 @@ def made(monkeypatch, tmp_path: Path) -> ModuleType:
     [
         *("picture", "doors", "report", "datasheet", "app", "validation", "solvers", "models", "measured", "compared"),
         *("paper", "authors"),
-        pytest.param("tutorial", marks=pytest.mark.slow),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("tutorial", "market")),
     ],
 )
 def test_printed_figures_are_those_of_the_present_model(name: str) -> None:

@@ -1,7 +1,8 @@
-"""The summaries of docs/trust.md and docs/solvers.md agree with their tables for download, and charts can be drawn."""
+"""Tables of docs/trust.md, solvers.md and market.md agree with their tables for download, and charts can be drawn."""
 
 from pathlib import Path
 
+import docs_market
 import docs_solvers
 import docs_validation
 import pytest
@@ -37,6 +38,33 @@ def test_the_page_of_two_solvers_summarises_its_table() -> None:
     assert {row["layout"] for row in rows} == set(docs_solvers.LAYOUTS)
     conditions = {tuple(row[key] for key in docs_solvers.CONDITION) for row in rows}
     assert len(conditions) == len(rows)
+
+
+def test_the_market_page_has_the_figures_of_its_table() -> None:
+    page, rows = docs_market.PAGE.read_text(encoding="utf-8"), docs_market.read_rows()
+    assert replace_sections(page, docs_market.format_sections(rows), docs_market.SCRIPT) == page
+    assert list(rows) == [drive.point for drive in docs_market.DRIVES.values()]
+    lines = [line for line in page.splitlines() if not line.startswith("| ")]
+    assert max(map(len, lines)) <= docs_market.MAX_COLUMNS
+    stated = {source for figures in rows.values() for row in figures.values() if (source := row["source"])}
+    assert stated == set(docs_market.SOURCES)
+    for drive in docs_market.DRIVES.values():
+        mass = rows[drive.point]["mass"]
+        items = sum(float(rows[drive.point][f"mass: {item}"]["ours"]) for item in docs_market.MASSES)
+        assert items == pytest.approx(float(mass["ours"]), rel=0.01)
+        for figure, (stated, _) in docs_market.MAKERS[drive.theirs].items():
+            row = rows[drive.point][docs_market.FIGURES[figure][0]]
+            assert row["theirs"] == stated
+            if row["ours"]:
+                assert float(row["ratio"]) == pytest.approx(float(row["ours"]) / float(stated.split()[-1]), rel=5e-3)
+
+
+def test_masses_of_parts_are_added_by_item() -> None:
+    parts = {"housing": 1.0, "pin": 0.5, "output": 2.0, "output_pin": 0.25, "output_cover": 4.0, "output_bearing": 8.0}
+    masses = docs_market.group_masses([*parts.items(), ("flange_screw", 0.125)])
+    assert masses["ring and ring pins"] == 1.5
+    assert masses["carrier and output pins"] == 2.25
+    assert (masses["covers"], masses["bearings"], masses["screws, dowels and others"]) == (4.0, 8.0, 0.125)
 
 
 def test_every_chart_and_sketch_can_be_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
