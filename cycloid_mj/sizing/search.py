@@ -375,7 +375,7 @@ class Pool:
             row = int(np.argmin(np.where(known, values, np.inf)))
             best = float(values[row]) if known[row] else math.inf
             better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
-            limit = goal if self.corrections else SETTINGS.likely * goal
+            limit = goal if self.rated else SETTINGS.likely * goal
             open_rows = ~known & (values < better) & ((values <= limit) | (not only_goal))
             drive = self.rated.get(row)
             if best > goal and open_rows.any() and ratings < max_ratings:
