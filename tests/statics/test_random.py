@@ -168,5 +168,5 @@ def test_friction_limit_is_that_of_parts_without_clearance() -> None:
         if turns:
             assert np.isfinite(loads(reducer, found, fixed.rated_torque).teeth).all()
         else:
-            with pytest.raises(RunError, match=r"friction jams .* only up to 9[5-7]% of the friction"):
+            with pytest.raises(RunError, match=r"friction jams .* at most 9[5-7]% of those of the design"):
                 loads(reducer, found, fixed.rated_torque)
