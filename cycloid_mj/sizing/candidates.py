@@ -31,6 +31,9 @@ SHORT_WIDTHS = 0.3, 0.9
 WIDTHS = 0.1, 1.2
 """Face width of all discs relative to the pin circle: a narrower disc warps, a wider one tilts (assumed)."""
 
+MAX_WIDTH = 1.0
+"""Largest face width that a design may have [m]."""
+
 OUTPUT_PINS = np.array([4, 5, 6, 8, 10, 12])
 WALL_SHARES = (0.06, 0.09, 0.12, 0.16, 0.2, 0.25)
 """Numbers of output pins; walls outside the pins relative to the outer radius of the ring."""
@@ -105,7 +108,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, most), most))
     eccentricity = _round_down(_between(u[2], SHORT_WIDTHS) * circle / teeth)
     gap = _gap(requirement)
-    width = np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle
+    width = np.minimum(np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle, MAX_WIDTH)
     stack = width if free else _reach_of_pins(pin, width)
     face = (_round_down(stack) - (discs - 1) * gap) / discs
     root = circle - eccentricity - pin - requirement.usual_clearance
@@ -180,7 +183,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
         widest = 0.0
         for wall in (share * outer for share in WALL_SHARES):
             circle = outer - wall - pin
-            for width in (share * circle for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
+            for width in (min(share * circle, MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
                 if width > widest and _cover_radius(ratio, outer, pin, wall, width, material, custom) == outer:
                     widest = width
                     rings.append((pin, outer, wall, width))

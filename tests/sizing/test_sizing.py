@@ -30,7 +30,7 @@ from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
-from cycloid_mj.sizing.candidates import with_preloaded_bearings
+from cycloid_mj.sizing.candidates import DIMENSIONS, decode, with_preloaded_bearings
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.estimate import capacity
 from cycloid_mj.sizing.requirement import Requirement, required
@@ -112,6 +112,14 @@ def test_metal_drives_have_preloaded_output_bearings(small: Answer) -> None:
             assert figure(key).value(pair) > 2.0 * figure(key).value(plain)
         assert casing(pair).outer <= 0.5 * SMALL.diameter + 1e-5
         assert "output.main_bearings" in drive.reasons
+
+
+def test_the_largest_drives_are_no_wider_than_a_design_may_be() -> None:
+    """The search for remedies of small printed drives ended in an error at a face width of 1052 mm."""
+    points = np.random.default_rng(0).random((200, DIMENSIONS))
+    for diameter in (2.0, 3.0):
+        _, sizes = decode(Requirement(17, diameter, 100.0, custom=True), points)
+        assert 0.5 < sizes.face.max() <= 1.0
 
 
 def test_required_output_bearings_and_those_of_plastic_drives_are_kept() -> None:
