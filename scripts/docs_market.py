@@ -10,7 +10,6 @@ The requirement of a drive is the maker's torque, speed, life and size. If it is
 
 import argparse
 import json
-import math
 import re
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from typing import Any
 from docs_page import DATA, DOCS, csv_text, markdown_table, read_csv, replace_sections
 
 from cycloid_mj.base.atomic_write import write_files
+from cycloid_mj.sizing.search import floor_digits
 
 PAGE, KEPT = DOCS / "market.md", DATA / "market.csv"
 SCRIPT = "scripts/docs_market.py"
@@ -270,7 +270,7 @@ def _request_drive(drive: MarketDrive, name: str, folder: Path) -> tuple[list[di
             return requests, answer["designs"][0]["figures"]
     most = requests[-1]["most"]
     for share in SHARES:
-        answer = _request(requests, drive, name, _round_down(share * most), None, folder)
+        answer = _request(requests, drive, name, floor_digits(share * most), None, folder)
         if answer.get("designs"):
             return requests, answer["designs"][0]["figures"]
     raise ValueError(f"{name}: no drive for {SHARES[-1]} of the stated maximum, {most} N m")
@@ -294,12 +294,6 @@ def _request(
         {"command": f"cycloid-mj {' '.join(words)}", "torque": torque, "length": length, **refusal, "changes": changes}
     )
     return answer
-
-
-def _round_down(value: float) -> float:
-    """Round a positive value down to three digits."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return math.floor(value / unit + 1e-9) * unit
 
 
 def _sheet_figures(file: Path, keys: Mapping[str, str]) -> dict[str, Any]:

@@ -26,8 +26,16 @@ MILLIMETRES = 1e3
 MICROMETRES = 1e6
 """Micrometres in a metre."""
 
+KG_CM2 = 1e4
+"""kg cm2 in a kg m2."""
+
 MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 """[m], [Pa]."""
+
+
+def in_mm(length: float) -> str:
+    """Format a length [m] in mm with five digits, without its unit."""
+    return f"{MILLIMETRES * length:.5g}"
 
 
 def unit_suffix(unit: str) -> str:

@@ -12,11 +12,11 @@ import numpy as np
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.names import PIN, SHAFT
+from cycloid_mj.base.names import PIN
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, quantity_frame
-from cycloid_mj.base.units import ARCMINUTE, RPM
+from cycloid_mj.base.units import ARCMINUTE, KG_CM2, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.design.layouts import applies
 from cycloid_mj.figures import figure, quantities, values_json
@@ -42,7 +42,6 @@ from cycloid_mj.life.rv_sheet_rows import (
     rv_axial_extent,
     rv_efficiency_curve,
     rv_further_groups,
-    rv_input_inertia,
     rv_notes,
     rv_performance_groups,
     rv_wind_up_curve,
@@ -55,12 +54,14 @@ from cycloid_mj.life.sheet_rows import (
     hysteresis,
     mounting_rows,
     no_load_curves,
+    nominal_torque_row,
+    ratio_row,
     torques_without_load,
     with_interval,
     with_name,
 )
 from cycloid_mj.life.thermal import thermal
-from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
+from cycloid_mj.parts import body_solids, input_inertia, mass_properties, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
@@ -197,10 +198,28 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     def advance() -> None:
         progress(next(done), total)
 
-    if isinstance(reducer, RvReducer):
-        return _rv_datasheet(reducer, life, advance)
     static = sheet(reducer, design.rated_torque)
     advance()
+    if isinstance(reducer, RvReducer):
+        contents = _rv_contents(reducer, life, static, advance)
+    else:
+        contents = _central_contents(reducer, life, static, advance)
+    groups, curves, ratings, weakest = contents
+    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
+    advance()
+    return Datasheet(design, life, groups, curves, _notes(reducer, ratings, static), figures, weakest)
+
+
+Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, ...], RatedItem]
+"""Groups of quantities by heading, curves, assumptions of the ratings, and item that limits the rated torque."""
+
+
+def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
+    """Compute the contents of the data sheet of a drive with a central crank for a `life` [h].
+
+    `static` has the quantities by statics at the nominal torque; `advance` is called after each step.
+    """
+    design = reducer.design
     momentary, stop = momentary_torque(reducer)
     lasting_limit = rated_torque(reducer, design.drive.speed, life)
     rated, weakest = min(lasting_limit, (momentary, stop), key=lambda pair: pair[0])
@@ -228,24 +247,11 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         *no_load_curves(reducer),
     )
     advance()
-    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
-    advance()
-    return Datasheet(
-        design=design,
-        life=life,
-        groups=groups,
-        curves=curves,
-        notes=_notes(reducer, (_describe_ratings(life),), static),
-        figures=figures,
-        weakest=weakest,
-    )
+    return groups, curves, (_describe_ratings(life),), weakest
 
 
-def _rv_datasheet(reducer: RvReducer, life: float, advance: Callable[[], None]) -> Datasheet:
-    """Compute the data sheet of an RV reducer for a `life` [h]; `advance` is called after each step."""
-    design = reducer.design
-    static = sheet(reducer, design.rated_torque)
-    advance()
+def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
+    """Compute the contents of the data sheet of an RV reducer; arguments are those of `_central_contents`."""
     limits = compute_rv_limits(reducer, life)
     advance()
     groups = {
@@ -259,20 +265,10 @@ def _rv_datasheet(reducer: RvReducer, life: float, advance: Callable[[], None]) 
         life_curve(reducer, life, limits.momentary[0], limits.lasting[0], advance, is_rv_life),
         rv_efficiency_curve(reducer, CURVES.torque_shares),
         rv_wind_up_curve(reducer, CURVES.torsion_shares),
-        *(no_load_curves(reducer) if design.has_film else ()),
+        *(no_load_curves(reducer) if reducer.design.has_film else ()),
     )
     advance()
-    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
-    advance()
-    return Datasheet(
-        design=design,
-        life=life,
-        groups=groups,
-        curves=curves,
-        notes=_notes(reducer, rv_notes(reducer, life), static),
-        figures=figures,
-        weakest=limits.rated[1],
-    )
+    return groups, curves, rv_notes(reducer, life), limits.rated[1]
 
 
 def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
@@ -312,7 +308,7 @@ def _rating_rows(
     `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
     """
     design = reducer.design
-    speed, direction = design.drive.speed, "same" if design.ratio > 0 else "opposite"
+    speed = design.drive.speed
     condition = f"{describe_speed(reducer)} input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = rated_limit, momentary_limit
@@ -322,7 +318,7 @@ def _rating_rows(
         key=lambda pair: pair[0],
     )
     return (
-        Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction"),
+        ratio_row(design),
         Quantity(
             "rated_torque",
             f"Rated torque, {life:g} h",
@@ -351,13 +347,7 @@ def _rating_rows(
             "N m",
             note=f"safety factor 1; limited by {stop.name}",
         ),
-        Quantity(
-            "nominal_torque",
-            "Nominal torque",
-            design.rated_torque,
-            "N m",
-            note="motor torque times the ratio (drive.torque_nm); figures below are at this torque",
-        ),
+        nominal_torque_row(design),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
     )
 
@@ -556,7 +546,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     length = axial_extent(reducer)
     return (
         Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn, without covers and bearing rings"),
-        Quantity("inertia", "Inertia of the mechanism", 1e4 * input_inertia(reducer), "kg cm2", note="at the input"),
+        Quantity("inertia", "Inertia of the mechanism", KG_CM2 * input_inertia(reducer), "kg cm2", note="at the input"),
         *(
             figure_row(reducer, key, name, condition)
             for key, (name, condition) in DRIVE_FIGURES.items()
@@ -575,21 +565,6 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
             "face_width", "Face width", 1e3 * gear.face_width, "mm", note=f"of {gear.discs} disc{'s'[: gear.discs > 1]}"
         ),
     )
-
-
-def input_inertia(reducer: Reducer) -> float:
-    """Compute the moment of inertia of the mechanism at the input [kg m2]; that of an RV reducer by `rv_input_inertia`.
-
-    It is the sum of the crank, the discs on their orbit, and the slow parts divided by the square of the ratio. The
-    rotation of pins in a fixed ring is left out, about 1e-4 of the total.
-    """
-    if isinstance(reducer, RvReducer):
-        return rv_input_inertia(reducer)
-    design, masses = reducer.design, moving_masses(reducer)
-    shaft, discs = masses[SHAFT], [masses[disc.part] for disc in reducer.mechanism.discs]
-    crank = shaft.inertia[2, 2] + shaft.mass * float(np.sum(shaft.centroid[:2] ** 2))
-    orbit = sum(disc.mass for disc in discs) * design.gear.eccentricity**2
-    return float(crank) + orbit + turning_inertia(reducer) / design.reduction**2
 
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:

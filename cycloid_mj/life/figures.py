@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from cycloid_mj.base.units import MILLIMETRES, RPM
+from cycloid_mj import parts
+from cycloid_mj.base.units import KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
@@ -12,9 +13,6 @@ from cycloid_mj.life.rv_sheet_rows import is_rv_life, rv_momentary_torque
 from cycloid_mj.parts.export import cam_bearing, drive
 from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
 from cycloid_mj.reducer import Reducer, RvReducer, once
-
-KG_CM2 = 1e4
-"""kg cm2 in a kg m2."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ SPEED_LIMITS = SpeedLimits()
 
 def input_inertia(reducer: Reducer) -> float:
     """Compute the inertia at the input [kg cm2]."""
-    return KG_CM2 * datasheet.input_inertia(reducer)
+    return KG_CM2 * parts.input_inertia(reducer)
 
 
 def length(reducer: Reducer) -> float:

@@ -237,9 +237,7 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     seat = design.seat_pair
     sliding: dict[str, Sliding] = {}
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
-        pin_angle = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
-        phase = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + pin_angle
-        density = _largest_density(teeth * tooth_speed, phase.reshape(teeth.shape), _flank_lengths(reducer))
+        density = _largest_density(teeth * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer))
         sliding[design.tooth_pair] = _summarize_sliding(
             reducer, design.tooth_pair, teeth, tooth_speed, ring.pin_radius, density
         )
@@ -319,13 +317,29 @@ def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: 
         Whether each contact passes through all angles at constant speed, so that it is in each sector for an equal
         share of the time; otherwise that share is counted from the crank angles.
     """
+    mean, total = sector_means(power, angle)
+    density = mean * power.shape[1] / SECTORS if passes_evenly else total / len(power)
+    return float((density / lengths).max())
+
+
+def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
+    """Return mean and sum of values in each of the equal `SECTORS` of a turn, shape (SECTORS,); 0 in empty sectors.
+
+    `values` and their angles [rad] have the same shape.
+    """
     sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
-    total = np.bincount(sector, weights=power.ravel(), minlength=SECTORS)
-    if passes_evenly:
-        mean = total / np.maximum(np.bincount(sector, minlength=SECTORS), 1) * power.shape[1] / SECTORS
-    else:
-        mean = total / len(power)
-    return float((mean / lengths).max())
+    total = np.asarray(np.bincount(sector, weights=values.ravel(), minlength=SECTORS), float)
+    return total / np.maximum(np.bincount(sector, minlength=SECTORS), 1), total
+
+
+def tooth_phases(reducer: Reducer, crank: Array) -> Array:
+    """Return the phase of the pin of each contact with the ring [rad], its angle from the eccentric, shape (m, n).
+
+    `crank` are crank angles [rad], shape (m,). The contacts are those of each disc with each half of the ring.
+    """
+    pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
+    phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
+    return np.asarray(phases.reshape(len(crank), -1))
 
 
 def _mean_density(power: Array, radius: float) -> float:

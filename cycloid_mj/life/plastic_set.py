@@ -13,10 +13,9 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.design.model import PARTNERS
-from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.surface_speeds import tooth_speeds
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.loading import SECTORS, Loading, relative_speed, speed_past_ring
+from cycloid_mj.life.loading import Loading, relative_speed, sector_means, speed_past_ring, tooth_phases
 from cycloid_mj.statics.film import mesh_speed
 from cycloid_mj.statics.peaks import line_loads
 
@@ -102,7 +101,7 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
         radius = design.output.hole_radius if part == "gear" else design.output.pin_radius
         shares = half_width / (math.pi * radius)
     elif kind == design.tooth_pair:
-        speeds = tooth_speeds(reducer.tooth_profile, _phases(loading), mesh_speed(reducer))
+        speeds = tooth_speeds(reducer.tooth_profile, tooth_phases(reducer, loading.springs.crank), mesh_speed(reducer))
         crank = design.drive.speed
         turning = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
         passing = np.abs(speeds.moving if part == "gear" else speeds.fixed)
@@ -112,25 +111,12 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
     return np.asarray(np.minimum(shares, 1.0))
 
 
-def _phases(loading: Loading) -> Array:
-    """Return the phase of the pin of each tooth contact [rad]: its angle from the eccentric, shape (m, n)."""
-    reducer, springs = loading.reducer, loading.springs
-    pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
-    phases = springs.crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
-    return phases.reshape(len(springs.crank), -1)
-
-
 def _mean_over_passes(loading: Loading, damage: Array) -> float:
     """Return the largest mean damage of contacts at the same place of the lobes [1/h].
 
-    Contacts of a disc with the ring (with each half of a split ring) are sorted into `SECTORS` of their phases; in each
+    Contacts of a disc with the ring (with each half of a split ring) are sorted into sectors of their phases; in each
     of them, `damage` (m, n) is averaged over the pins and turns of the crank.
     """
-    teeth = loading.reducer.design.ring.teeth
-    sectors = np.floor(_phases(loading) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
-    largest = 0.0
-    for first in range(0, damage.shape[1], teeth):
-        sector, values = sectors[:, first : first + teeth].ravel(), damage[:, first : first + teeth].ravel()
-        total, count = np.bincount(sector, values, SECTORS), np.bincount(sector, minlength=SECTORS)
-        largest = max(largest, float((total / np.maximum(count, 1)).max()))
-    return largest
+    teeth, phases = loading.reducer.design.ring.teeth, tooth_phases(loading.reducer, loading.springs.crank)
+    groups = (slice(first, first + teeth) for first in range(0, damage.shape[1], teeth))
+    return max(float(sector_means(damage[:, group], phases[:, group])[0].max()) for group in groups)

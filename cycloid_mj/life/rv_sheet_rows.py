@@ -6,22 +6,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base import names
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.result import Curve, Quantity
-from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, RPM
+from cycloid_mj.base.units import ARCMINUTE, KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.explore.rv_samples import draw_rv_samples
 from cycloid_mj.life.as_built import SETTINGS as TOLERANCE_SETTINGS
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.heat import describe_cooling, heat_limits
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.no_load import grease_of
 from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
-from cycloid_mj.life.sheet_rows import SETTINGS, contact_torque, describe_speed, figure_row, with_interval, with_name
+from cycloid_mj.life.sheet_rows import (
+    SETTINGS,
+    contact_torque,
+    describe_speed,
+    figure_row,
+    nominal_torque_row,
+    ratio_row,
+    with_interval,
+    with_name,
+)
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_state import ThermalState
-from cycloid_mj.parts import moving_masses, turning_inertia
+from cycloid_mj.parts import input_inertia
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer, once
@@ -32,9 +40,6 @@ from cycloid_mj.statics.sheet import Sheet
 
 ERROR_SAMPLES = 2_000
 """Samples of the transmission error of toleranced parts: its 95 % percentile scatters by less than 3 %."""
-
-KG_CM2 = 1e4
-"""kg cm2 in a kg m2."""
 
 NOT_COMPUTED = (
     "Not computed: acceleration torque, back-driving torques and hysteresis loss; strength of discs, cranks and tooth "
@@ -118,8 +123,8 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
     """Yield the rows of ratio, torques [N m] and rated speeds [rpm]; arguments as in `rv_performance_groups`."""
     design, (rated, weakest), (momentary, stop) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings
-    condition, direction = f"{describe_speed(reducer)} input", "same" if design.ratio > 0 else "opposite"
-    yield Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction")
+    condition = f"{describe_speed(reducer)} input"
+    yield ratio_row(design)
     yield Quantity(
         "rated_torque",
         f"Rated torque, {life:g} h",
@@ -141,13 +146,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
         "N m",
         note=f"crank bearings and teeth only; limited by {stop.name}",
     )
-    yield Quantity(
-        "nominal_torque",
-        "Nominal torque",
-        design.rated_torque,
-        "N m",
-        note="motor torque times the ratio (drive.torque_nm); figures below are at this torque",
-    )
+    yield nominal_torque_row(design)
     yield Quantity("input_speed", "Rated input speed", abs(design.drive.speed) / RPM, "rpm", note="of the sun")
     yield Quantity(
         "output_speed", "Rated output speed", abs(reducer.output_speed) / RPM, "rpm", note="input over ratio"
@@ -218,7 +217,7 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] by the steady state."""
     state = _solve_nominal_state(reducer)
     temperatures = state.temperatures
-    cooling = f"{_describe_cooling(reducer)}, S1"
+    cooling = f"{describe_cooling(reducer.design)}, S1"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling}"
     rise = temperatures["housing"] - reducer.design.service.ambient_temperature
     hottest = max(temperatures, key=lambda part: temperatures[part])
@@ -237,12 +236,6 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
         yield Quantity("continuous_speed_rpm", "Continuous input speed", state.speed / RPM, "rpm", note=note)
     note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
     yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=note)
-
-
-def _describe_cooling(reducer: RvReducer) -> str:
-    """Describe the heat transfer to the air."""
-    coefficient = reducer.design.service.film_coefficient
-    return f"{coefficient:g} W/(m2 K)" if coefficient else "still air"
 
 
 def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
@@ -268,7 +261,7 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
         "kg",
         note="without main bearings, screws, grease and the shaft of the sun",
     )
-    inertia = KG_CM2 * rv_input_inertia(reducer)
+    inertia = KG_CM2 * input_inertia(reducer)
     note = "at the sun; without its shaft, needles and motor"
     yield Quantity("inertia", "Inertia of the mechanism", inertia, "kg cm2", note=note)
     diameter = 2.0 * MILLIMETRES * design.housing.outer_radius
@@ -278,21 +271,6 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
     yield Quantity("length", "Length of the mechanism", length, "mm", note="planets to the outer face of the carrier")
     width = MILLIMETRES * design.gear.face_width
     yield Quantity("face_width", "Face width", width, "mm", note=f"of {discs} disc{'s'[: discs > 1]}")
-
-
-def rv_input_inertia(reducer: RvReducer) -> float:
-    """Compute the moment of inertia of an RV reducer at the sun [kg m2].
-
-    It is the sum of the sun, the cranks with their planets about their axes, the discs on their orbit, and the slow
-    parts divided by the square of the ratio. Needles and the rotation of ring pins in a fixed ring are left out.
-    """
-    design, masses = reducer.design, moving_masses(reducer)
-    sun, crank = masses[names.SUN], masses[names.CRANK]
-    speed_ratio = reducer.orbit_speed / design.drive.speed
-    about_axis = float(crank.inertia[2, 2]) + crank.mass * float(np.sum(crank.centroid[:2] ** 2))
-    orbit = sum(masses[disc].mass for disc in reducer.gears) * design.gear.eccentricity**2
-    fast = (reducer.cranks.count * about_axis + orbit) * speed_ratio**2
-    return float(sun.inertia[2, 2]) + fast + turning_inertia(reducer) / design.reduction**2
 
 
 def rv_axial_extent(reducer: RvReducer) -> tuple[float, float]:
@@ -317,7 +295,7 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     state, ambient = _solve_nominal_state(reducer), design.service.ambient_temperature
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
     rise = max(state.temperatures.values()) - ambient
-    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {_describe_cooling(reducer)}"
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
     reached = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
     if limit.temperature - rise >= grease.coldest:
         warmest, note = limit.temperature - rise, f"{condition}, S1; then {reached}"

@@ -11,6 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
+from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
@@ -60,6 +61,18 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 def describe_speed(reducer: Reducer) -> str:
     """Format the design's speed."""
     return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
+
+
+def ratio_row(design: Design) -> Quantity:
+    """Return the row of the ratio."""
+    direction = "same" if design.ratio > 0 else "opposite"
+    return Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction")
+
+
+def nominal_torque_row(design: Design) -> Quantity:
+    """Return the row of the nominal torque [N m]."""
+    note = "motor torque times the ratio (drive.torque_nm); figures below are at this torque"
+    return Quantity("nominal_torque", "Nominal torque", design.rated_torque, "N m", note=note)
 
 
 def figure_row(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:

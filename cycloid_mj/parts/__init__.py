@@ -5,7 +5,12 @@ parts that do not fit together are refused here, with the keys of the design fil
 """
 
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
-from cycloid_mj.parts.body_inertia import moving_masses, output_inertia, turning_inertia
+from cycloid_mj.parts.body_inertia import (
+    input_inertia,
+    moving_masses,
+    output_inertia,
+    turning_inertia,
+)
 from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
@@ -42,6 +47,7 @@ __all__ = [
     "crank_solid",
     "gear_solid",
     "housing_solid",
+    "input_inertia",
     "lay_out_parts",
     "mass_chord_error",
     "mass_properties",

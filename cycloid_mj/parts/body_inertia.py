@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import significant, significant_tensor
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.parts import body_solids
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.reducer.bodies import Role
 
 
@@ -44,6 +45,28 @@ def _turning_inertia(reducer: Reducer) -> float:
     along = [masses[body.part] for body in mechanism.turning_along]
     own = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *along))
     return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
+
+
+def input_inertia(reducer: Reducer) -> float:
+    """Compute the moment of inertia of the mechanism at the input [kg m2], without the rotor of the motor.
+
+    It is the sum of the crank, the discs on their orbit, and the slow parts divided by the square of the ratio; in an
+    RV reducer also of the sun, with cranks, planets and discs reduced to it. The rotation of pins in a fixed ring is
+    left out, about 1e-4 of the total, and so are needles.
+    """
+    design, masses = reducer.design, moving_masses(reducer)
+    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
+    slow = turning_inertia(reducer) / design.reduction**2
+    if isinstance(reducer, RvReducer):
+        cranks = reducer.cranks.count * _about_axis(masses[names.CRANK])
+        speed_ratio = reducer.orbit_speed / design.drive.speed
+        return _about_axis(masses[names.SUN]) + (cranks + orbit) * speed_ratio**2 + slow
+    return _about_axis(masses[names.SHAFT]) + orbit + slow
+
+
+def _about_axis(part: MassProperties) -> float:
+    """Return the inertia of a part about its axis of rotation, z [kg m2], which need not pass through its centroid."""
+    return float(part.inertia[2, 2]) + part.mass * float(np.sum(part.centroid[:2] ** 2))
 
 
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:

@@ -14,8 +14,7 @@ from cycloid_mj.base.powers import Powers
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
-from cycloid_mj.dynamics.planar.rv_system import input_inertia
-from cycloid_mj.parts import mass_properties, turning_inertia
+from cycloid_mj.parts import input_inertia, mass_properties, turning_inertia
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.balance import loads, powers
@@ -247,8 +246,8 @@ class RvModel(FullModel):
         The output has what turns along with it: if the carrier is the output, the discs, and the cranks as masses on
         their circle. The sun has the rest of the inertia of all parts at their ideal speeds.
         """
-        output = turning_inertia(self._reducer)
-        return input_inertia(self._reducer) - output / self._reducer.design.reduction**2, output
+        design, output = self._reducer.design, turning_inertia(self._reducer)
+        return input_inertia(self._reducer) + design.drive.rotor_inertia - output / design.reduction**2, output
 
 
 def _tooth_time_constant(reducer: Reducer, laws: Mapping[str, ContactParameters]) -> float:

@@ -17,10 +17,10 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
-from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
+from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, life_curve
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
-from cycloid_mj.parts import mass_properties, parts
+from cycloid_mj.parts import input_inertia, mass_properties, parts
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.prism import Prism
 from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, format_value

@@ -11,10 +11,10 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.life import rate
-from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia
+from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rv_sheet_rows import compute_rv_limits, rv_wind_up_curve, toleranced_error_rows
-from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts import input_inertia, mass_properties
 from cycloid_mj.parts.export.rv_assembly import place_rv_parts, rv_assembly_parts, rv_mass
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.parts.rv import NEEDLE

@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.base.units import in_mm
 from cycloid_mj.design import Material, stock
 from cycloid_mj.parts import Part, mass_properties, sleeve_core_radius
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, VISUAL_CHORD_ERROR
@@ -245,16 +245,16 @@ def _describe_machining(joints: Iterable[Joint], part: str) -> str:
     for joint in joints:
         threads += [_thread(thread) for thread in joint.threads if thread.part == part]
         if part in joint.parts and joint.fit and joint.diameter:
-            seats.append(f"{joint.name} {_mm(joint.diameter)} mm: {joint.fit}")
+            seats.append(f"{joint.name} {in_mm(joint.diameter)} mm: {joint.fit}")
     return "; ".join((*threads, *seats))
 
 
 def _thread(tapped: TappedHole) -> str:
     """Describe equal tapped holes, or holes for inserts."""
-    size = f"{tapped.count} x M{_mm(tapped.thread)}, {_mm(tapped.depth)} mm deep"
+    size = f"{tapped.count} x M{in_mm(tapped.thread)}, {in_mm(tapped.depth)} mm deep"
     if tapped.insert:
         return f"{size}, insert {tapped.insert}"
-    return f"{size}, drilled {_mm(tapped.thread - stock.pitch(tapped.thread))} mm"
+    return f"{size}, drilled {in_mm(tapped.thread - stock.pitch(tapped.thread))} mm"
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
@@ -276,7 +276,7 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
         yield from _casing_lines(reducer, sizes)
     elif reducer.design.housing.support == "bolts":
         design = reducer.design
-        size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
+        size = f"head at most {in_mm(2.0 * design.bolt_radius)} mm, circle {in_mm(2.0 * design.bolt_circle_radius)} mm"
         screw = stock.bolt_under(2.0 * design.bolt_radius)
         yield BillLine("bolt", design.housing.bolts, size, "", "bought", screw.designation if screw else "")
 
@@ -326,8 +326,12 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
     length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
     key = cam_key(reducer, sizes) if sizes else None
     line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
-    keyway = f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
-    bar = f"ground bar {_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
+    keyway = (
+        f"keyway {in_mm(key.bought.width)} x {in_mm(key.bought.in_shaft)} x {in_mm(key.bought.length)} mm"
+        if key
+        else ""
+    )
+    bar = f"ground bar {in_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
     mass = mass_properties(shaft.solid(EXPORT_CHORD_ERROR)).mass
     size = line.size + _format_bore(reducer, sizes)
     return replace(line, size=size, designation=bar, fit=keyway, mass_kg=mass)
@@ -339,7 +343,7 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     if not bore:
         return ""
     radius, start, end = bore
-    return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
+    return f", bored {in_mm(2.0 * radius)} x {in_mm(end - start)} mm"
 
 
 def _pressed_pin_line(item: str, count: int, radius: float, length: float, material: Material) -> BillLine:
@@ -373,7 +377,7 @@ def _pin_line(
     cut_length = length if pin.length > length + stock.ROUNDING else 0.0
     line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut_length)
     return replace(
-        line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut_length)} mm" if cut_length else "")
+        line, designation=pin.designation, fit=fit + (f", cut to {in_mm(cut_length)} mm" if cut_length else "")
     )
 
 
@@ -386,7 +390,7 @@ def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
         line = _round_line(names.PIN, ring.teeth, diameter, reducer.design.gear.stack_width, material)
         return replace(line, fit=f"ground {_format_limits(stock.ROLLER_LIMITS)}, {seat}")
     line = _round_line(names.PIN, ring.teeth * roller.count, diameter, roller.length, material, roller.cut)
-    fit = f"{_format_limits(roller.limits)}, {seat}" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
+    fit = f"{_format_limits(roller.limits)}, {seat}" + (f", cut to {in_mm(roller.cut)} mm" if roller.cut else "")
     return replace(line, designation=roller.designation, fit=fit)
 
 
@@ -489,7 +493,7 @@ def _extent(part: Part) -> str:
     corners = np.array([_box(segment.outline) for segment in part.segments])
     sides = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     height = max(segment.z1 for segment in part.segments) - min(segment.z0 for segment in part.segments)
-    return " x ".join(_mm(float(length)) for length in (*sides, height)) + " mm"
+    return " x ".join(in_mm(float(length)) for length in (*sides, height)) + " mm"
 
 
 def _box(contour: Contour) -> tuple[Array, Array]:
@@ -507,8 +511,4 @@ def _cylinder_size(*radii: tuple[str, float], length: float) -> str:
 
 def _size(dimensions: Iterable[tuple[str, float]]) -> str:
     """Format named dimensions [m]."""
-    return " x ".join(f"{name} {_mm(length)}" for name, length in dimensions) + " mm"
-
-
-def _mm(length: float) -> str:
-    return f"{MILLIMETRES * length:.5g}"
+    return " x ".join(f"{name} {in_mm(length)}" for name, length in dimensions) + " mm"

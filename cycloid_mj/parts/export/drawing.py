@@ -14,8 +14,8 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.extras import import_extra
-from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
-from cycloid_mj.design import Material, fits
+from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, in_mm
+from cycloid_mj.design import Design, Material, fits
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
@@ -155,7 +155,7 @@ def lay_out_drawing(
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
     section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
     faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
-    lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])
+    lengths = tuple(Dimension(in_mm(face - faces[0]), faces[0], face) for face in faces[1:])
     return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
 
 
@@ -184,7 +184,7 @@ def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool
     for (radius, inner, centre), ends in spans.items():
         eccentricity, zone = float(np.hypot(*centre)), zone_of(radius, inner)
         limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
-        text = f"⌀{_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
+        text = f"⌀{in_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
         text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± 0.005" if eccentricity > SAME_LENGTH else ""
         dimensions.append(Dimension(text, min(ends), max(ends), radius))
     return tuple(dimensions)
@@ -226,11 +226,11 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
                 continue
             circle, angle = 2.0 * float(radii.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
-            thread = next((f"M{_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
+            thread = next((f"M{in_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
             position_text = (
-                f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
+                f"on ⌀{in_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
             )
-            size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{zone}, {_mm(high - low)} deep"
+            size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{zone}, {in_mm(high - low)} deep"
             yield f"{size}, {thread}{position_text} ({joint.name})"
 
 
@@ -240,24 +240,37 @@ def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimens
     if seats:
         yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
         yield "total run-out of all seats to A: 0.01; perpendicularity of their shoulders to A: 0.01"
-    profile = MILLIMETRES * 0.5 * getattr(design.clearance, design.tooth_pair)
     if names.family(name) == names.GEAR:
+        yield describe_lobes(design, "A")
         yield (
-            f"{design.lobes} lobes, N = {design.ring.teeth}, E = {_mm(design.ring.pin_circle_radius)}, "
-            f"c = {_mm(design.gear.eccentricity)}, rho = {_mm(design.ring.pin_radius)}: outline from the DXF, "
-            f"profile of a line {profile:.4f} to A"
-        )
-        yield (
-            f"{design.output.pins} x ⌀{_mm(2.0 * (design.output.hole_radius + design.clearance.output))} on "
-            f"⌀{_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * profile:.4f} to A"
+            f"{design.output.pins} x ⌀{in_mm(2.0 * (design.output.hole_radius + design.clearance.output))} on "
+            f"⌀{in_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * _profile_tolerance(design):.4f} to A"
         )
     if name == names.HOUSING:
-        tooth_name = "sockets" if design.ring.kind == "pin" else "teeth"
-        circle = _mm(2.0 * design.ring.pin_circle_radius)
-        yield f"{design.ring.teeth} {tooth_name} on ⌀{circle}, profile {profile:.4f} to A"
+        yield describe_ring_teeth(design, "A")
     if name == names.OUTPUT:
-        circle = _mm(2.0 * design.output.pin_circle_radius)
-        yield f"{design.output.pins} x ⌀{_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
+        circle = in_mm(2.0 * design.output.pin_circle_radius)
+        yield f"{design.output.pins} x ⌀{in_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
+
+
+def _profile_tolerance(design: Design) -> float:
+    """Return the profile tolerance of the teeth [mm]: half of their clearance."""
+    return MILLIMETRES * 0.5 * float(getattr(design.clearance, design.tooth_pair))
+
+
+def describe_lobes(design: Design, datum: str) -> str:
+    """Return the note on the outline of a disc, with its tolerance relative to a datum."""
+    return (
+        f"{design.lobes} lobes, N = {design.ring.teeth}, E = {in_mm(design.ring.pin_circle_radius)}, "
+        f"c = {in_mm(design.gear.eccentricity)}, rho = {in_mm(design.ring.pin_radius)}: outline from the DXF, "
+        f"profile of a line {_profile_tolerance(design):.4f} to {datum}"
+    )
+
+
+def describe_ring_teeth(design: Design, datum: str) -> str:
+    """Return the note on the sockets or teeth of the ring, with their tolerance relative to a datum."""
+    teeth, circle = "sockets" if design.ring.kind == "pin" else "teeth", in_mm(2.0 * design.ring.pin_circle_radius)
+    return f"{design.ring.teeth} {teeth} on ⌀{circle}, profile {_profile_tolerance(design):.4f} to {datum}"
 
 
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
@@ -277,16 +290,12 @@ def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:
     """Yield a note for each size of the chamfers of the seats of a part, and of the fillets of its shoulders."""
     for is_fillet, size in sorted({(edge.is_fillet, edge.size) for edge in edges}):
         radii = {edge.radius for edge in edges if (edge.is_fillet, edge.size) == (is_fillet, size)}
-        diameters = ", ".join(f"⌀{_mm(2.0 * radius)}" for radius in sorted(radii))
+        diameters = ", ".join(f"⌀{in_mm(2.0 * radius)}" for radius in sorted(radii))
         yield (
-            f"shoulders next to {diameters}: fillet R{_mm(size)}"
+            f"shoulders next to {diameters}: fillet R{in_mm(size)}"
             if is_fillet
-            else f"{diameters}: chamfer {_mm(size)} x 45°"
+            else f"{diameters}: chamfer {in_mm(size)} x 45°"
         )
-
-
-def _mm(length: float) -> str:
-    return f"{MILLIMETRES * length:.5g}"
 
 
 @dataclass(frozen=True)

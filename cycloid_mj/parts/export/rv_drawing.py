@@ -13,11 +13,13 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.geometry.involute import InvoluteGear
+from cycloid_mj.base.units import MILLIMETRES, in_mm
+from cycloid_mj.geometry.involute import InvoluteGear, involute
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.drawing import (
     PartDrawing,
+    describe_lobes,
+    describe_ring_teeth,
     describe_surface,
     lay_out_drawing,
     section_diameters,
@@ -71,17 +73,10 @@ def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
 def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
     """Yield the notes on datums, teeth, holes and their tolerances of a part."""
     design, cranks = reducer.design, reducer.cranks
-    profile = MILLIMETRES * 0.5 * getattr(design.clearance, design.tooth_pair)
     if name == names.HOUSING:
-        teeth = "sockets" if design.ring.kind == "pin" else "teeth"
-        circle = _mm(2.0 * design.ring.pin_circle_radius)
-        yield f"{design.ring.teeth} {teeth} on ⌀{circle}, profile {profile:.4f} to the axis (datum A)"
+        yield describe_ring_teeth(design, "the axis (datum A)")
     elif names.family(name) == names.GEAR:
-        yield (
-            f"{design.lobes} lobes, N = {design.ring.teeth}, E = {_mm(design.ring.pin_circle_radius)}, "
-            f"c = {_mm(design.gear.eccentricity)}, rho = {_mm(design.ring.pin_radius)}: outline from the DXF, "
-            f"profile of a line {profile:.4f} to A, the axis of the crank bores' circle"
-        )
+        yield describe_lobes(design, "A, the axis of the crank bores' circle")
         yield _holes(crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION)
         yield _holes(post_centres(reducer), reducer.window_radius, "", "windows for the posts", 0.2)
     elif name in FLANGES:
@@ -93,7 +88,7 @@ def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
         angles = ", ".join(f"{math.degrees(phase) % 360.0:.4g}°" for phase in reducer.phases)
         yield f"datum A: common axis of both journals; eccentrics at {angles}, parallel to A within {RUN_OUT}"
         yield f"run-out of the journals to A: {RUN_OUT}; spline for the planet not drawn"
-        yield f"fillets next to the journals R{_mm(reducer.journal_fillet)}"
+        yield f"fillets next to the journals R{in_mm(reducer.journal_fillet)}"
     else:
         sun, planet = reducer.stage_gears
         yield from _describe_teeth(sun if name == SUN else planet)
@@ -103,9 +98,10 @@ def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
 def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
     """Yield the table of an involute gear: module, teeth, pressure angle, profile shift, and span over k teeth."""
     count, span = span_measurement(gear)
+    tip, root = in_mm(2.0 * gear.tip_radius), in_mm(2.0 * gear.root_radius)
     yield (
-        f"z = {gear.teeth}, m = {_mm(gear.module)}, alpha = {math.degrees(gear.pressure_angle):.4g}°, x = "
-        f"{gear.shift:.4f}, basic rack ISO 53 A, tip ⌀{_mm(2.0 * gear.tip_radius)}, root ⌀{_mm(2.0 * gear.root_radius)}"
+        f"z = {gear.teeth}, m = {in_mm(gear.module)}, alpha = {math.degrees(gear.pressure_angle):.4g}°, x = "
+        f"{gear.shift:.4f}, basic rack ISO 53 A, tip ⌀{tip}, root ⌀{root}"
     )
     yield f"span over {count} teeth W{count} = {MILLIMETRES * span:.4f}; flank tolerance class 6, ISO 1328-1 (assumed)"
 
@@ -117,8 +113,7 @@ def span_measurement(gear: InvoluteGear) -> tuple[int, float]:
     """
     angle = gear.pressure_angle
     count = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)
-    involute = math.tan(angle) - angle
-    terms = (count - 0.5) * math.pi + gear.teeth * involute + 2.0 * gear.shift * math.tan(angle)
+    terms = (count - 0.5) * math.pi + gear.teeth * involute(angle) + 2.0 * gear.shift * math.tan(angle)
     return count, math.cos(angle) * (gear.module * terms - gear.thinning)
 
 
@@ -126,9 +121,5 @@ def _holes(centres: Array, radius: float, zone: str, use: str, position: float) 
     """Return the note of equal holes or posts on a circle: number, diameter, zone, circle and first angle."""
     circle = 2.0 * float(np.hypot(*centres.T).mean())
     angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
-    size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{_mm(circle)}"
+    size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{in_mm(circle)}"
     return f"{size}, the first at {angle:.4g}°, position ⌀{position:g} to A ({use})"
-
-
-def _mm(length: float) -> str:
-    return f"{MILLIMETRES * length:.5g}"
