@@ -39,7 +39,6 @@ from cycloid_mj.life.rated import (
 from cycloid_mj.life.rv_sheet_rows import (
     compute_rv_limits,
     is_rv_life,
-    rv_axial_extent,
     rv_efficiency_curve,
     rv_further_groups,
     rv_notes,
@@ -65,6 +64,7 @@ from cycloid_mj.parts import body_solids, input_inertia, mass_properties, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.film import film_text
@@ -570,7 +570,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 def axial_extent(reducer: Reducer) -> tuple[float, float]:
     """Compute the ends of the mechanism along z [m]."""
     if isinstance(reducer, RvReducer):
-        return rv_axial_extent(reducer)
+        return axial_layout(reducer).ends
     drawn = parts(reducer, VISUAL_CHORD_ERROR).values()
     ends = [end for solid in drawn for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)

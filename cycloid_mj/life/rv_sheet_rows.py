@@ -266,17 +266,10 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
     yield Quantity("inertia", "Inertia of the mechanism", inertia, "kg cm2", note=note)
     diameter = 2.0 * MILLIMETRES * design.housing.outer_radius
     yield Quantity("outer_diameter", "Outer diameter", diameter, "mm", note="housing, without a mounting flange")
-    near, far = rv_axial_extent(reducer)
-    length = MILLIMETRES * (far - near)
+    length = MILLIMETRES * axial_layout(reducer).length
     yield Quantity("length", "Length of the mechanism", length, "mm", note="planets to the outer face of the carrier")
     width = MILLIMETRES * design.gear.face_width
     yield Quantity("face_width", "Face width", width, "mm", note=f"of {discs} disc{'s'[: discs > 1]}")
-
-
-def rv_axial_extent(reducer: RvReducer) -> tuple[float, float]:
-    """Compute the ends of an RV reducer along z [m]: face of the planets, and outer face of the second flange."""
-    axial = axial_layout(reducer)
-    return min(axial.planets[0], axial.flanges[0][0]), axial.flanges[1][1]
 
 
 def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:

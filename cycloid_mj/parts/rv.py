@@ -39,6 +39,17 @@ class AxialLayout:
     planets: tuple[float, float]
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the reducer along z [m]: face of the planets, and outer face of the second flange."""
+        return self.planets[0], self.flanges[1][1]
+
+    @property
+    def length(self) -> float:
+        """Length between the `ends` [m]."""
+        near, far = self.ends
+        return far - near
+
+    @property
     def planet_middle(self) -> float:
         """Middle of sun and planets along z [m]."""
         return sum(self.planets) / 2.0

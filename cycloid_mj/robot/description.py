@@ -102,8 +102,7 @@ def _measure_cylinder(reducer: Reducer) -> tuple[float, float, float]:
     if has_casing(reducer):
         return drive_mass(reducer), 0.5 * drive_diameter(reducer), drive_length(reducer)
     if isinstance(reducer, RvReducer):
-        layout = axial_layout(reducer)
-        length = layout.flanges[1][1] - layout.planets[0]
+        length = axial_layout(reducer).length
     else:
         length = reducer.design.gear.stack_width + reducer.design.output.disc_thickness
     return mechanism_mass(reducer), reducer.design.housing.outer_radius, length

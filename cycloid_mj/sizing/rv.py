@@ -129,8 +129,7 @@ class Candidate:
     @cached_property
     def length(self) -> float:
         """Length from the outer flange to the planets [m]."""
-        along = axial_layout(self.reducer)
-        return along.flanges[1][1] - along.planets[0]
+        return axial_layout(self.reducer).length
 
 
 @dataclass(frozen=True, eq=False)
