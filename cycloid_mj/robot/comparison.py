@@ -13,13 +13,13 @@ from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import joint_powers
-from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.identification import GRID, Play, solve_play
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.stability import measure_vibration
 from cycloid_mj.robot.transmission import compute_amplitudes, solve_error
 from cycloid_mj.robot.trial import TrialScene, create_trial_scene
+from cycloid_mj.statics.sheet import shaft_powers
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
@@ -149,9 +149,9 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
         *(row for rows, _ in transmission for row in rows),
     )
     bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
-    # a backlash below the wind-up at the torque from which it is extrapolated is not resolved
-    smallest = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
-    bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * smallest
+    # the joint's backlash is extrapolated from this wind-up, so a smaller backlash is not resolved
+    resolved = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
+    bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * resolved
     bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*loop_curves, *efficiency_curves, *(curve for _, curves in transmission for curve in curves))
@@ -287,7 +287,7 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
     The torque is positive if the crank drives, negative if the output drives.
     """
     try:
-        return full_model(reducer).powers(torque).efficiency
+        return shaft_powers(reducer, torque).efficiency
     except RunError:
         if torque > 0.0:
             raise

@@ -10,24 +10,22 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.powers import Powers
+from cycloid_mj.dynamics.drive_cycle import braking_sign
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
-from cycloid_mj.parts import input_inertia, mass_properties, turning_inertia
-from cycloid_mj.parts.parts import body_solids
+from cycloid_mj.parts import input_inertia, moving_masses, turning_inertia
 from cycloid_mj.reducer import Reducer, RvReducer
-from cycloid_mj.statics.balance import loads, powers
+from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.rv_sheet import (
     balance_rv,
     output_rotation,
-    rv_powers,
     springs_over_turn,
     torque_on_carrier,
 )
-from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
+from cycloid_mj.statics.springs import POSES, at_rest, springs_of, turn_evenly
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import STRAIGHT, solve_windups
 
@@ -46,7 +44,7 @@ class FullModel(ABC):
 
     @property
     @abstractmethod
-    def turns(self) -> int:
+    def parts(self) -> int:
         """Number of parts of a turn of the output in which `rotation_over_part` is computed."""
 
     @abstractmethod
@@ -56,10 +54,6 @@ class FullModel(ABC):
         The crank is locked; there is neither friction nor weight. Both are counter-clockwise. The mean is over `poses`
         crank angles.
         """
-
-    @abstractmethod
-    def powers(self, torque: float, poses: int = POSES) -> Powers:
-        """Compute the mean powers of the turning reducer, as `statics.balance.powers`, at `poses` crank angles."""
 
     @abstractmethod
     def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
@@ -72,7 +66,7 @@ class FullModel(ABC):
         direction
             Direction of the crank, 1 or -1.
         part
-            Part of the turn of the output, from 0 to `turns` - 1.
+            Part of the turn of the output, from 0 to `parts` - 1.
         samples
             Number of crank angles in a mesh period; they are evenly spaced and start with the part.
 
@@ -116,24 +110,20 @@ class CentralModel(FullModel):
         self._reducer = reducer
 
     @property
-    def turns(self) -> int:
+    def parts(self) -> int:
         """Number of turns of the crank per turn of the output."""
         return round(self._reducer.design.reduction)
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
         """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
         sense = self._reducer.member.sense
-        resting = self._reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+        resting = at_rest(self._reducer)
         springs = springs_of(resting, turn_evenly(self._reducer, poses), friction=False)
 
         def rotation(torque: float) -> float:
             return float(sense * loads(resting, springs, sense * torque).output_turn.mean())
 
         return rotation
-
-    def powers(self, torque: float, poses: int = POSES) -> Powers:
-        """Compute the mean powers of the turning reducer; see `FullModel`."""
-        return powers(self._reducer, torque, None if poses == POSES else turn_evenly(self._reducer, poses))
 
     def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
         """Compute the rotation of the output over a turn of the crank; see `FullModel`."""
@@ -169,8 +159,7 @@ class CentralModel(FullModel):
         the output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not
         rotate, and the output is the ring with its pins.
         """
-        reducer = self._reducer
-        masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
+        reducer, masses = self._reducer, moving_masses(self._reducer)
         discs = [masses[body.part] for body in reducer.mechanism.discs]
         orbit = sum(disc.mass for disc in discs) * reducer.design.gear.eccentricity**2
         return crank_inertia(reducer, masses) + orbit, turning_inertia(reducer)
@@ -180,20 +169,21 @@ class RvModel(FullModel):
     """Statics of an RV reducer, without weight and inertia; all means are over a turn of the carrier."""
 
     crank_parts = "sun, rotor, rotation of cranks and planets, and the discs' orbit"
-    no_load_note = "drag of seals; of rolling bearings under friction.law = film only; no weight of the discs"
+    no_load_note = (
+        "drag of seals and, with friction.law = film, of rolling bearings; weight of the discs is not included"
+    )
 
     def __init__(self, reducer: RvReducer) -> None:
         self._reducer = reducer
 
     @property
-    def turns(self) -> int:
+    def parts(self) -> int:
         """Number of turns of the cranks against the ring per turn of the output."""
         return round(self._reducer.crank_turn / (2.0 * np.pi))
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
         """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
-        reducer = self._reducer
-        braking = reducer.member.sense * float(np.copysign(1.0, reducer.design.drive.speed))
+        reducer, braking = self._reducer, braking_sign(self._reducer)
 
         def rotation(torque: float) -> float:
             carrier_turn = balance_rv(reducer, braking * torque, poses).carrier_turn
@@ -201,15 +191,11 @@ class RvModel(FullModel):
 
         return rotation
 
-    def powers(self, torque: float, poses: int = POSES) -> Powers:
-        """Compute the mean powers of the turning reducer; see `FullModel`."""
-        return rv_powers(self._reducer, torque, poses)
-
     def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
         """Compute the rotation of the output over a turn of the cranks against the ring; see `FullModel`."""
         driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
         count = driven.design.ring.teeth * samples
-        sun = 2.0 * np.pi * driven.design.reduction * (np.arange(count) / count + part) / self.turns
+        sun = 2.0 * np.pi * driven.design.reduction * (np.arange(count) / count + part) / self.parts
         crank, on_carrier = driven.member.against_ring(sun), torque_on_carrier(driven, torque)
         friction = running_friction(driven, crank, np.sign(on_carrier))
         balance = solve_rv_loads(compute_rv_springs(driven, crank), on_carrier, friction)

@@ -23,9 +23,9 @@ from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
-from cycloid_mj.robot.transmission import count_turns, solve_ripple
+from cycloid_mj.robot.transmission import count_parts, solve_ripple
 from cycloid_mj.statics.locked import slip_elements
-from cycloid_mj.statics.sheet import describe_self_locking, solve_back_driving
+from cycloid_mj.statics.sheet import describe_self_locking, shaft_powers, solve_back_driving
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import STRAIGHT
 
@@ -93,7 +93,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
             "other than 0, such as 1640 rpm"
         )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
-    counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
+    counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_parts(reducer))
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counter.count_one()
     friction = _compute_friction_map(reducer, counter.count_one)
@@ -270,11 +270,11 @@ def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[
     that of the driving crank. `on_step` is called when the result is ready.
     """
     try:
-        mean_powers = full_model(reducer).powers(torque)
+        mean_powers = shaft_powers(reducer, torque)
     except RunError:
         if torque > 0.0:
             raise
-        mean_powers = full_model(reducer).powers(-torque)
+        mean_powers = shaft_powers(reducer, -torque)
     on_step()
     return mean_powers.lost / abs(reducer.design.drive.speed)
 
@@ -340,7 +340,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
     def rate(varied_reducer: Reducer) -> float:
         try:
-            return full_model(varied_reducer).powers(reducer.design.rated_torque).efficiency
+            return shaft_powers(varied_reducer, reducer.design.rated_torque).efficiency
         except RunError:
             return 0.0
 
@@ -359,8 +359,11 @@ def _efficiency_error(reducer: Reducer, share: float) -> float:
     Their number is multiplied by `GRID.angles_factor`. `share` is the output torque as a share of the nominal torque,
     negative if the output drives.
     """
-    torque, model = share * reducer.design.rated_torque, full_model(reducer)
-    return abs(model.powers(torque).efficiency - model.powers(torque, GRID.angles_factor * POSES).efficiency)
+    coarse, fine = (
+        shaft_powers(reducer, share * reducer.design.rated_torque, poses)
+        for poses in (POSES, GRID.angles_factor * POSES)
+    )
+    return abs(coarse.efficiency - fine.efficiency)
 
 
 def _convert_with_error(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:

@@ -39,15 +39,15 @@ class RippleSettings:
 RIPPLE = RippleSettings()
 
 
-def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
+def solve_ripple(reducer: Reducer, on_part: Callable[[], None]) -> Ripple:
     """Compute the significant harmonics of the transmission error at `RIPPLE.loads` and with nearly no load.
 
-    They are computed in both directions of the crank; `on_turn` is called after each of the `count_turns` parts.
+    They are computed in both directions of the crank; `on_part` is called after each of the `count_parts` parts.
     """
     lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
     spectra = {
-        (load, sign): compute_amplitudes(solve_error(reducer, load, sign, on_turn))
+        (load, sign): compute_amplitudes(solve_error(reducer, load, sign, on_part))
         for sign in (1, -1)
         for load in shares
     }
@@ -62,9 +62,9 @@ def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
     return Ripple(tuple((indices / reducer.design.reduction).tolist()), shares, **stops)
 
 
-def count_turns(reducer: Reducer) -> int:
+def count_parts(reducer: Reducer) -> int:
     """Return the number of parts of a turn of the output that `solve_ripple` solves."""
-    return 2 * (1 + len(RIPPLE.loads)) * full_model(reducer).turns
+    return 2 * (1 + len(RIPPLE.loads)) * full_model(reducer).parts
 
 
 def _has_balance(reducer: Reducer, load: float) -> bool:
@@ -72,15 +72,16 @@ def _has_balance(reducer: Reducer, load: float) -> bool:
 
     `load` is a share of the nominal torque.
     """
+    model, torque = full_model(reducer), load * reducer.design.rated_torque
     try:
         for direction in (1, -1):
-            _solve_turn(reducer, load, direction, 0)
+            model.rotation_over_part(torque, direction, 0, RIPPLE.poses_per_period)
     except RunError:
         return False
     return True
 
 
-def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable[[], None] = lambda: None) -> Array:
+def solve_error(reducer: Reducer, load: float, direction: int, on_part: Callable[[], None] = lambda: None) -> Array:
     """Compute the transmission error [rad], counter-clockwise, over a full turn of the output in static equilibrium.
 
     Parameters
@@ -91,28 +92,20 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
         Output torque as a share of the nominal torque.
     direction
         Direction of the crank, 1 or -1.
-    on_turn
-        Called after each of the `FullModel.turns` parts of the turn.
+    on_part
+        Called after each of the `FullModel.parts` parts of the turn.
 
     Returns
     -------
     Array
         Errors (n,) at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` of them in each mesh period.
     """
+    model, torque = full_model(reducer), load * reducer.design.rated_torque
     errors = []
-    for turn in range(full_model(reducer).turns):
-        errors.append(_solve_turn(reducer, load, direction, turn))
-        on_turn()
+    for part in range(model.parts):
+        errors.append(model.rotation_over_part(torque, direction, part, RIPPLE.poses_per_period))
+        on_part()
     return np.concatenate(errors)
-
-
-def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Array:
-    """Compute the transmission error [rad] over a part of a turn of the output, shape (m,).
-
-    `load` is a share of the nominal torque, `direction` that of the crank, 1 or -1; `turn` counts the parts from 0.
-    """
-    torque = load * reducer.design.rated_torque
-    return full_model(reducer).rotation_over_part(torque, direction, turn, RIPPLE.poses_per_period)
 
 
 def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:

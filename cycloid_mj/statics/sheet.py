@@ -526,11 +526,14 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("output_power", mean_powers.delivered)
 
 
-def shaft_powers(reducer: Reducer, torque: float) -> Powers:
-    """Compute the mean powers of a reducer of any layout under a torque on its output [N m]; see `powers`."""
+def shaft_powers(reducer: Reducer, torque: float, poses: int = POSES) -> Powers:
+    """Compute the mean powers of a reducer of any layout under a torque on its output [N m]; see `powers`.
+
+    The means are over `poses` crank angles.
+    """
     if isinstance(reducer, RvReducer):
-        return rv_sheet.rv_powers(reducer, torque, rv_sheet.SETTINGS.rotation_angles)
-    return powers(reducer, torque)
+        return rv_sheet.rv_powers(reducer, torque, poses)
+    return powers(reducer, torque, turn_evenly(reducer, poses))
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:

@@ -84,7 +84,7 @@ def test_error_of_a_bore_is_the_closed_form(member: str, direction: int) -> None
     drive = reducer(f'output.member="{member}"', "crank_errors.bore_x_um=[10,0,0,0,0,0]", *no_friction)
     model, part = full_model(drive), 5
     rotation = model.rotation_over_part(RATED, direction, part, 1)
-    sun = 2.0 * np.pi * drive.design.reduction / model.turns * (part + np.arange(rotation.size) / rotation.size)
+    sun = 2.0 * np.pi * drive.design.reduction / model.parts * (part + np.arange(rotation.size) / rotation.size)
     crank = drive.member.against_ring(sun)
     carrier = closed_form_error(drive.stage, crank, phase_errors(drive, crank), crank_misfits(drive, crank))
     closed = (-1.0 if member == "ring" else 1.0) * drive.share * carrier
