@@ -1,0 +1,132 @@
+"""Elements of a dimensioned drawing that every layout shares: axes, front view, hatched section, outer diameters."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Rectangle
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import Prism
+from cycloid_mj.parts.cut import cut_prism
+from cycloid_mj.parts.polygon import rotate_points
+from cycloid_mj.plots.dimension import AXIS, LINE_SPACING, TEXT, draw_dimension, draw_leader
+from cycloid_mj.plots.mechanism import PART_STYLES
+from cycloid_mj.reducer import Reducer
+
+RING_LABEL_ANGLE = math.radians(128.0)
+"""Angle of the label of the ring pins, from +x [rad]."""
+
+
+@dataclass(frozen=True)
+class ViewFrame:
+    """Frame of the drawing of a reducer [mm]: front view about the origin, and section about y = 0 to its right."""
+
+    axes: Axes
+    reducer: Reducer
+    ends: tuple[float, float]
+    """Ends of the reducer in the section, along x [mm]."""
+    shift: float
+    """Displacement of the section along x [mm]: the middle of the stack of discs is there."""
+
+    @property
+    def outer(self) -> float:
+        """Outer radius of the housing [mm]."""
+        return MILLIMETRES * self.reducer.design.housing.outer_radius
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the stack of discs [mm]."""
+        return 0.5 * MILLIMETRES * self.reducer.design.gear.stack_width
+
+    def level(self, rows: float) -> float:
+        """Return y of the dimension line that is `rows` spacings below the housing [mm]."""
+        return -self.outer * (1.0 + rows * LINE_SPACING)
+
+    def label_front_view(self, title: str, pitch_radius: float, point: Array, text: str) -> None:
+        """Draw title, pitch circles, centre lines, outer diameter and both labels of the front view.
+
+        One label has number and size of the ring pins or lobes. The other has `text`; it points at `point`, shape (2,)
+        [m], on the circle of `pitch_radius` [m].
+        """
+        axes, ring, outer = self.axes, self.reducer.design.ring, self.outer
+        for radius in (ring.pin_circle_radius, pitch_radius):
+            axes.add_patch(Circle((0.0, 0.0), MILLIMETRES * radius, fill=False, **AXIS))
+        half_size = outer * (1.0 + 0.4 * LINE_SPACING)
+        axes.plot((-half_size, half_size), (0.0, 0.0), **AXIS)
+        axes.plot((0.0, 0.0), (-half_size, half_size), **AXIS)
+        self._write_title(0.0, title)
+        size = f"pins Ø{2 * MILLIMETRES * ring.pin_radius:.4g}" if ring.kind == "pin" else "lobes"
+        ring_text = f"{ring.teeth} {size}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
+        pin = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
+        for end, label, side in ((pin, ring_text, -1.0), (point, text, 1.0)):
+            place = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))
+            draw_leader(axes, (MILLIMETRES * float(end[0]), MILLIMETRES * float(end[1])), place, label)
+        draw_dimension(axes, (-outer, outer), self.level(1.6), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
+
+    def draw_section(self, parts: Iterable[tuple[tuple[str, str], Prism]]) -> None:
+        """Draw the axial section of prisms in the frame of the reducer, with centre line and title.
+
+        Each prism has the key of its style in `PART_STYLES`, and its hatching.
+        """
+        for (style, hatch), prism in parts:
+            patch_style = {**PART_STYLES[style], "linewidth": 0.6, "hatch": hatch}
+            for low, high in cut_prism(prism):
+                corner = (MILLIMETRES * prism.z0 + self.shift, MILLIMETRES * low)
+                height = MILLIMETRES * (high - low)
+                self.axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, height, **patch_style))
+        near, far = self.ends
+        overhang = 0.08 * (far - near)
+        self.axes.plot((near - overhang, far + overhang), (0.0, 0.0), **AXIS)
+        self._write_title(0.5 * (near + far), "section")
+
+    def draw_length(self, ends: tuple[float, float], row: int, starts: tuple[float, float]) -> None:
+        """Draw the distance between two `ends` along the axis [mm], without `shift`, in a row below the section.
+
+        Extension lines begin at y = `starts` [mm].
+        """
+        low, high = ends
+        shifted = (low + self.shift, high + self.shift)
+        draw_dimension(self.axes, shifted, self.level(row), starts, f"{high - low:.4g}", upright=False)
+
+    def draw_outer_diameters(self, radius: float, end: float) -> None:
+        """Draw the diameters to the right of the section: the output disc or flange, and the housing.
+
+        `radius` is that of the output disc or flange, and `end` its outer face along x, without `shift` [mm].
+        """
+        for size, start, spacings in ((radius, end, 1.3), (self.outer, self.half_width, 2.8)):
+            level, x = self.ends[1] + spacings * LINE_SPACING * self.outer, start + self.shift
+            draw_dimension(self.axes, (-size, size), level, (x, x), f"Ø{2 * size:.4g}", upright=True)
+
+    def _write_title(self, x: float, title: str) -> None:
+        """Write the title of a view above its middle `x` [mm]."""
+        self.axes.text(x, self.outer * (1.0 + 2.2 * LINE_SPACING), title, **{**TEXT, "fontsize": 7.0})
+
+
+def frame_views(axes: Axes, reducer: Reducer, ends: tuple[float, float], gap: float) -> ViewFrame:
+    """Set the limits of `axes` for both views of a reducer, and return their frame.
+
+    `ends` are the ends of the reducer along z [m], and `gap` is the distance of the section from the housing in the
+    front view, in spacings of dimension lines.
+    """
+    near, far = (MILLIMETRES * end for end in ends)
+    outer = MILLIMETRES * reducer.design.housing.outer_radius
+    shift = outer * (1.0 + gap * LINE_SPACING) - near
+    frame = ViewFrame(axes, reducer, (near + shift, far + shift), shift)
+    axes.set(
+        xlim=(-outer * (1.0 + 2.0 * LINE_SPACING), frame.ends[1] + 4.2 * LINE_SPACING * outer),
+        ylim=(frame.level(4.2), outer * (1.0 + 2.6 * LINE_SPACING)),
+    )
+    axes.set_aspect("equal")
+    axes.axis("off")
+    return frame
+
+
+def place_prism(prism: Prism, origin: tuple[float, float, float], angle: float = 0.0) -> Prism:
+    """Return a prism of a part in the frame of the reducer: rotated by `angle` [rad], then moved to `origin` [m]."""
+    x, y, z = origin
+    outline, *holes = (rotate_points(ring, angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes))
+    return Prism(outline, tuple(holes), prism.z0 + z, prism.z1 + z)
