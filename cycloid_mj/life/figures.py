@@ -3,13 +3,13 @@
 import math
 from dataclasses import dataclass
 
-from cycloid_mj import parts
 from cycloid_mj.base.units import KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.life.rated import is_bearing_life, rated_torque
 from cycloid_mj.life.rv_sheet_rows import is_rv_life, rv_momentary_torque
+from cycloid_mj.parts import body_inertia
 from cycloid_mj.parts.export import cam_bearing, drive
 from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
 from cycloid_mj.reducer import Reducer, RvReducer, once
@@ -39,7 +39,7 @@ SPEED_LIMITS = SpeedLimits()
 
 def input_inertia(reducer: Reducer) -> float:
     """Compute the inertia at the input [kg cm2]."""
-    return KG_CM2 * parts.input_inertia(reducer)
+    return KG_CM2 * body_inertia.input_inertia(reducer)
 
 
 def length(reducer: Reducer) -> float:
