@@ -356,6 +356,14 @@ def dowel_diameters() -> tuple[float, ...]:
     return tuple(round(size * MM, 9) for size in _DOWELS)
 
 
+def longest_dowel(diameter: float, max_length: float) -> Dowel | None:
+    """Return the longest dowel in stock with a diameter and up to a length [m]; None if all are longer."""
+    size_mm = round(diameter / MM, 6)
+    shortest, longest = _DOWELS[size_mm]
+    lengths = [item for item in _LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
+    return Dowel(f"ISO 8734 - {size_mm:g} x {lengths[-1]} - A", diameter, lengths[-1] * MM) if lengths else None
+
+
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     """Return the pin in stock for a diameter [m] and a length [m], and how many are in line; None if there is none.
 

@@ -192,7 +192,7 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             joint.name,
             torques.torque_between(joint.parts),
             max(torque, clamped),
-            "n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and yield of the hole, d s R_e (Roloff/Matek)",
+            f"n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and {_hole_source(reducer, joint)}",
             f"{len(part.origins)} x {part.designation}{friction}",
         )
     if clamp:
@@ -365,12 +365,22 @@ def _mean_head(thread: strength.Thread) -> float:
     return 0.5 * (stock.head_bearing(thread.diameter) + stock.bolt_hole(thread.diameter))
 
 
+def _hole_source(reducer: Reducer, joint: Joint) -> str:
+    """Return the formula of the force at which the holes of a dowel yield, with its source."""
+    if any(_material(reducer, mate).is_plastic for mate in joint.parts):
+        return "tilting in holes of plastic, 0.414 d s R_e (Johansen, EN 1995-1-1, 8.6)"
+    return "yield of the hole, d s R_e (Roloff/Matek)"
+
+
 def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
     """Compute the torque [N m] that the dowels of a face transmit: the sum of pin force times radius."""
     (part,) = joint.bought
-    sizes = dict(part.dimensions)
-    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
-    force = strength.dowel_force(sizes["diameter"], 0.5 * sizes["length"], softest)
+    mates = [_material(reducer, mate) for mate in joint.parts]
+    strengths = [mate.yield_strength for mate in mates]
+    if any(mate.is_plastic for mate in mates):
+        force = strength.tilting_dowel_force(joint.diameter, (joint.length, joint.length), (strengths[0], strengths[1]))
+    else:
+        force = strength.dowel_force(joint.diameter, joint.length, min(strengths))
     return force * float(np.hypot(*np.array(part.origins).T[:2]).sum())
 
 

@@ -1,7 +1,8 @@
 """Strength of joints by the formulas of their standards: screws, press fits, keys, dowels, inserts and glue.
 
-Sources: VDI 2230-1:2015 (R: its equations), DIN 7190-1:2017, DIN 6885-1 with DIN 6892:2012 (method C), and
-Roloff/Matek, Maschinenelemente, 24th ed., for pins. All values are in SI; strengths are those of the weaker part.
+Sources: VDI 2230-1:2015 (R: its equations), DIN 7190-1:2017, DIN 6885-1 with DIN 6892:2012 (method C), and for pins
+Roloff/Matek, Maschinenelemente, 24th ed., and EN 1995-1-1:2004, 8.2 (Johansen). All values are in SI; strengths are
+those of the weaker part.
 """
 
 import math
@@ -123,6 +124,25 @@ def dowel_force(diameter: float, depth: float, yield_strength: float, shear: flo
     Roloff/Matek 9.15 and 9.16: tau = F/A, p = F/(d s).
     """
     return min(0.25 * math.pi * diameter**2 * shear, diameter * depth * yield_strength)
+
+
+def tilting_dowel_force(
+    diameter: float,
+    depths: tuple[float, float],
+    yield_strengths: tuple[float, float],
+    shear: float = JOINTS.dowel_shear,
+) -> float:
+    """Compute the force [N] at which a stiff dowel across the face of two soft parts shears, or tilts in both holes.
+
+    The holes yield on opposite sides of their depths [m] at the parts' yield strengths [Pa]: Johansen's limit load,
+    EN 1995-1-1, 8.6 (a) to (c), without friction. For two equal holes it is 0.414 d s R_e.
+    """
+    (depth, other_depth), (strength, other_strength) = depths, yield_strengths
+    ratio, softness = other_depth / depth, other_strength / strength
+    root = softness + 2.0 * softness**2 * (1.0 + ratio + ratio**2) + softness**3 * ratio**2
+    tilting_share = (math.sqrt(root) - softness * (1.0 + ratio)) / (1.0 + softness)
+    hole_forces = (dowel_force(diameter, *hole, shear) for hole in zip(depths, yield_strengths, strict=True))
+    return min(*hole_forces, diameter * depth * strength * tilting_share)
 
 
 def clamped_pin_pressure(force: float, moment: float, diameter: float, depth: float) -> float:

@@ -82,6 +82,20 @@ def test_washers_spread_the_force_of_the_flange_screws_on_a_plastic() -> None:
     assert not any(part.item == "flange_washer" for each in metal for part in each.joint.bought)
 
 
+def test_dowels_of_a_plastic_flange_transmit_more_than_its_screws() -> None:
+    """Six dowels 4 x 14 tilt in the plastic of 36 MPa: 6 x 0.414 x 4 mm x 7 mm x 36 MPa x 14.3 mm; screws 10.4 N m."""
+    joints = joints_of("printed")
+    item = joints["joint_dowels_of_the_output_flange"]
+    assert item["limit"] == pytest.approx(6.0 * (2.0**0.5 - 1.0) * 4e-3 * 7e-3 * 36e6 * 14.3e-3, rel=1e-3)
+    assert "Johansen" in item["source"]
+    assert "screws transmit 10.4 N m" in item["note"]
+    for mechanism in ("heads", "threads"):
+        assert joints[f"joint_screws_of_the_output_flange_{mechanism}"]["limit"] == item["limit"]
+    assert "joint_dowels_of_the_output_flange" not in joints_of("pin")
+    torque, _ = momentary_torque(Reducer(resolve("printed")))
+    assert torque == pytest.approx(22.8, rel=0.01), "the dowels of the ring, on a torque that is N/(N - 1) as large"
+
+
 def test_torques_of_carrier_ring_and_crank_balance() -> None:
     fixed, turning = (
         JointTorques.at_output(Reducer(resolve("pin", {"output.member": member})), 35.0)

@@ -54,7 +54,7 @@ BODIES = {
     **dict.fromkeys(("screw_insert", "motor_screw_insert", "motor_screw"), "housing"),
     **dict.fromkeys(("cam", "spacer", "crank_ring", "key"), "shaft"),
     **dict.fromkeys(("output", "output_roller", "output_pin", "output_flange", "flange_screw"), "output"),
-    **dict.fromkeys(("flange_screw_insert", "load_screw_insert"), "output"),
+    **dict.fromkeys(("flange_screw_insert", "load_screw_insert", "flange_dowel"), "output"),
 }
 """Family of a part -> the body that it is fixed to, or turns on without a gap."""
 

@@ -15,6 +15,7 @@ from cycloid_mj.parts.joint_strength import (
     friction_torque,
     head_pressure,
     pull_out_force,
+    tilting_dowel_force,
 )
 
 
@@ -117,6 +118,24 @@ def test_key_length_matches_shigley() -> None:
     inch, psi, pound_inch = 25.4e-3, 6894.757, 0.1129848
     key = ParallelKey(0.375 * inch, 0.1875 * inch, 0.720 * inch)
     assert key.pressure(4200.0 * pound_inch, 1.4375 * inch) == pytest.approx(65e3 / 1.5 * psi, rel=2e-3)
+
+
+def test_a_stiff_dowel_tilts_in_soft_holes_at_the_limit_load_of_johansen() -> None:
+    """EN 1995-1-1, 8.6 (c): (sqrt(2) - 1) d s R_e for equal parts; else the limit load of both holes in balance."""
+    assert tilting_dowel_force(4e-3, (7e-3, 7e-3), (36e6, 36e6)) == pytest.approx(
+        (math.sqrt(2.0) - 1.0) * 4e-3 * 7e-3 * 36e6
+    )
+    diameter, depths, strengths = 3e-3, (4e-3, 7e-3), (36e6, 50e6)
+    force = tilting_dowel_force(diameter, depths, strengths)
+    moments = []
+    for depth, strength in zip(depths, strengths, strict=True):
+        turned = 0.5 * (depth - force / (diameter * strength))  # length that yields on the other side
+        pressed = depth - turned
+        moments.append(diameter * strength * (0.5 * pressed**2 - turned * (pressed + 0.5 * turned)))
+    assert sum(moments) == pytest.approx(0.0, abs=1e-9 * force * depths[0])
+    assert force == pytest.approx(tilting_dowel_force(diameter, depths[::-1], strengths[::-1]))
+    assert tilting_dowel_force(1e-3, (9e-3, 9e-3), (500e6, 500e6)) == pytest.approx(0.25 * math.pi * 1e-6 * 896e6)
+    assert tilting_dowel_force(3e-3, (1e-3, 20e-3), (36e6, 36e6)) == pytest.approx(3e-3 * 1e-3 * 36e6)
 
 
 def test_dowels_inserts_and_bent_pins() -> None:

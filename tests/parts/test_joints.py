@@ -16,6 +16,7 @@ from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
+from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
@@ -57,12 +58,34 @@ def test_bill_and_assembly_have_the_bought_parts_of_the_joints(name):
 def test_a_dowel_reaches_equally_far_into_both_parts(name):
     _, sizes, joints = joints_of(name)
     dowelled = [joint for joint in joints if joint.kind is JointKind.DOWELLED]
-    assert bool(dowelled) == bool(sizes.dowel)
+    assert bool([joint for joint in dowelled if "output_flange" not in joint.parts]) == bool(sizes.dowel)
+    assert bool([joint for joint in dowelled if "output_flange" in joint.parts]) == bool(sizes.flange_dowel)
     for joint in dowelled:
         (_, (_, _, start, face)), (_, (_, _, same_face, end)) = joint.holes
         assert face == same_face
         assert face - start == pytest.approx(end - face)
         assert {origin[2] for origin in joint.bought[0].origins} == {face}
+
+
+def test_dowels_join_hub_and_flange_of_a_plastic_around_their_bore():
+    """They are inside of the threads for the load, a wall away from these, from the screw heads and from the bore."""
+    reducer, sizes, joints = joints_of("printed")
+    (joint,) = [one for one in joints if one.name == "dowels of the output flange"]
+    (dowel,) = joint.bought
+    assert (joint.parts, dowel.body) == (("output", "output_flange"), "output")
+    assert (len(dowel.origins), dowel.designation) == (sizes.flange_screws, "ISO 8734 - 4 x 14 - A")
+    radius, wall = 0.5 * sizes.flange_dowel.diameter, sizes.wall
+    (bore,) = [one for one in joints if one.name == "bore of hub and flange"]
+    for _, (_, bore_radius, *_) in bore.holes:
+        assert bore_radius <= sizes.flange_dowel_circle - radius - wall + 1e-12
+    insert = 0.5 * stock.insert_of(sizes.flange_bolt.thread).hole
+    assert sizes.flange_dowel_circle + radius + wall + insert <= sizes.flange_circle + 1e-12
+    (_, (_, _, _, flange_end)) = joint.holes[1]
+    assert flange_end <= sizes.top + sizes.flange_thickness - wall + 1e-12
+    assert any("press 6 flange_dowel" in step for step in assembly_order(reducer, sizes))
+    _, metal_sizes, metal = joints_of("pin")
+    assert metal_sizes.flange_dowel is None
+    assert not any(one.name == "dowels of the output flange" for one in metal)
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -222,6 +245,12 @@ def test_screws_and_threads_of_the_flange_have_walls(name):
     )
     (screws,) = [joint for joint in joints if joint.name == "screws of the output flange"]
     (threads,) = [joint for joint in joints if joint.name == "threads for the load"]
+    reach_of_all = [joint.holes_in("output_flange") for joint in joints if joint.name != "bore of hub and flange"]
+    circles = [(centre, radius) for holes in reach_of_all for places, radius, *_ in holes for centre in places]
+    for number, (centre, radius) in enumerate(circles):
+        for other_centre, other_radius in circles[number + 1 :]:
+            distance = np.hypot(*(centre - other_centre))
+            assert distance < 1e-9 or distance >= radius + other_radius + sizes.wall - 1e-9
     heads = max(radius for _, radius, *_ in screws.holes_in("output_flange"))
     tapped = max(radius for _, radius, *_ in threads.holes_in("output_flange"))
     assert sizes.flange_screws == len(screws.holes[0][1][0]) == len(threads.holes[0][1][0])

@@ -5,7 +5,6 @@ the motor, the motor cover with its flange and a bearing of the shaft, the ring,
 of the hub, and the output flange.
 """
 
-import math
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -42,6 +41,7 @@ from cycloid_mj.parts.export.motor_mount import (
     motor_heads_end,
 )
 from cycloid_mj.parts.export.motors import MotorFlange
+from cycloid_mj.parts.export.output_flange import choose_flange_dowels, choose_flange_pattern, pattern_angles
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -49,7 +49,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
 SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
-FLANGE_WASHER = "flange_washer"
+FLANGE_WASHER, FLANGE_DOWEL = "flange_washer", "flange_dowel"
 SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
@@ -90,6 +90,8 @@ class Casing:
         by the play at both ends, so that they turn freely between the covers.
     flange_bolt, flange_thickness, flange_screws, flange_circle
         Screws of the output flange, its thickness, and number and circle radius of the screws.
+    flange_dowel, flange_dowel_circle
+        Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
     cover_material
         Material of both covers, a name of the library; empty: that of the ring.
     """
@@ -121,6 +123,8 @@ class Casing:
     flange_thickness: float
     flange_screws: int
     flange_circle: float
+    flange_dowel: stock.Dowel | None
+    flange_dowel_circle: float
     cover_material: str = ""
 
     @property
@@ -299,6 +303,8 @@ class _OutputSide(TypedDict):
     flange_thickness: float
     flange_screws: int
     flange_circle: float
+    flange_dowel: stock.Dowel | None
+    flange_dowel_circle: float
 
 
 def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> _OutputSide:
@@ -317,7 +323,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         seat + 2.0 * wall if straddles else 0.0,
     )
     bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
-    flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
+    flange_circle, flange_screws = choose_flange_pattern(reducer, hub, bolt, wall)
     hub_floor = design.gear.stack_width / 2.0 + AXIAL_GAP + design.output.disc_thickness + AXIAL_GAP
     far_seat, _ = bearing_seats(reducer, crank_segments(reducer))
     thread_end = (
@@ -326,14 +332,19 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         + 2.0 * RULES.engagement * bolt.thread
     )
     washer = flange_washer(reducer, bolt)[1]
+    thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
+    pattern = flange_circle, flange_screws
+    flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
     return {
         "hub": hub,
         "hub_floor": hub_floor,
         "spacing": max(0.5 * hub.width, thread_end - hub_floor - 2.0 * hub.width),
         "flange_bolt": bolt,
-        "flange_thickness": hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall)),
+        "flange_thickness": thickness,
         "flange_screws": flange_screws,
         "flange_circle": flange_circle,
+        "flange_dowel": flange_dowel,
+        "flange_dowel_circle": flange_dowel_circle,
     }
 
 
@@ -534,23 +545,18 @@ def flange_centres(sizes: Casing) -> Array:
 
     Holes of the flange's screws (even indices) alternate with threaded holes for the load (odd indices).
     """
-    count = sizes.flange_screws
-    return sizes.flange_circle * unit(math.pi * np.arange(2 * count) / count)
+    return sizes.flange_circle * unit(pattern_angles(sizes.flange_screws))
 
 
-def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float) -> tuple[float, int]:
-    """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
-    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    flange = shoulder_radius(radius, 0.5 * hub.outside)
-    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
-    fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
-    return circle, next(fitting, RULES.flange_screws[-1])
+def flange_dowel_centres(sizes: Casing) -> Array:
+    """Compute the centres of the dowels of hub and flange (n, 2) [m]: one inside of each threaded hole for the load."""
+    return sizes.flange_dowel_circle * unit(pattern_angles(sizes.flange_screws)[1::2])
 
 
 def motor_centres(sizes: Casing) -> Array:
     """Compute the centres of the motor screws (n, 2) [m]."""
     count = sizes.motor.screws
-    return sizes.motor.circle * unit((2.0 * np.arange(count) + 1.0) * math.pi / count)
+    return sizes.motor.circle * unit((2.0 * np.arange(count) + 1.0) * np.pi / count)
 
 
 def dowel_centres(sizes: Casing) -> Array:

@@ -19,6 +19,7 @@ from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
     FLANGE,
+    FLANGE_DOWEL,
     FLANGE_INSERT,
     FLANGE_SCREW,
     FLANGE_WASHER,
@@ -180,6 +181,7 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     if sizes.far:
         yield Move(_names_of_family(placements, SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)
+    yield Move(_names_of_family(placements, FLANGE_DOWEL), DRIVE, DOWN)
     yield Move((FLANGE,), "flange")
     yield Move(_names_of_family(placements, LOAD_INSERT), "flange", DOWN)
     yield Move(("flange",), DRIVE, DOWN)

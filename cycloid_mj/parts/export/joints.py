@@ -4,6 +4,7 @@ A joint states the holes that it needs in its mating parts, and the bought parts
 (`casing_parts`) and the bill of materials (`bill`) are views of these records.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 
 from cycloid_mj.base import names
@@ -14,6 +15,7 @@ from cycloid_mj.parts.export.bearings import DOWEL_FIT, hub_bearing_fit, shaft_b
 from cycloid_mj.parts.export.casing import (
     DOWEL,
     FLANGE,
+    FLANGE_DOWEL,
     FLANGE_INSERT,
     FLANGE_SCREW,
     FLANGE_WASHER,
@@ -30,6 +32,7 @@ from cycloid_mj.parts.export.casing import (
     bearing_width_of,
     dowel_centres,
     flange_centres,
+    flange_dowel_centres,
     flange_screw_length,
     motor_bore,
     motor_centres,
@@ -56,7 +59,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
     *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
-    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL, KEY),
+    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL, FLANGE_DOWEL, KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
 
@@ -86,7 +89,8 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         *_hub_bore_joint(reducer, sizes),
         *_hub_bearing_joint(reducer, sizes),
         _load_thread_joint(reducer, sizes),
-        *_dowel_joints(reducer, sizes),
+        *_dowel_joints(sizes),
+        *_flange_dowel_joint(sizes),
         *crank_joints(reducer, sizes),
     )
 
@@ -272,11 +276,15 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the central bore of hub and flange, which saves mass and centres a load, if the screws leave room."""
+    """Yield the central bore of hub and flange, which saves mass and centres a load.
+
+    Yields nothing if screws and dowels leave no room for it.
+    """
     bolt, top, wall = sizes.flange_bolt, sizes.top, sizes.wall
     bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
     hole_radii = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    hub_bore, flange_bore = (sizes.flange_circle - radius - wall for radius in hole_radii)
+    dowel_limit = sizes.flange_dowel_circle - 0.5 * sizes.flange_dowel.diameter if sizes.flange_dowel else math.inf
+    hub_bore, flange_bore = (min(sizes.flange_circle - radius, dowel_limit) - wall for radius in hole_radii)
     if min(flange_bore, top - bottom) > 2.0 * wall:
         holes = (
             (names.OUTPUT, (AXIS, hub_bore, bottom, top)),
@@ -299,43 +307,67 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
     )
 
 
-def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _dowel_joints(sizes: Casing) -> Iterator[Joint]:
     """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels."""
-    dowel = sizes.dowel
-    if dowel is None:
+    if sizes.dowel is None:
         return
     ring_half_width, centres = sizes.end, dowel_centres(sizes)
-    radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
     faces: tuple[tuple[float, str, str], ...] = ((ring_half_width, MOTOR_COVER, OUTPUT_COVER),)
     if not sizes.has_outer_dowels:
         faces = (-ring_half_width, MOTOR_COVER, names.HOUSING), (ring_half_width, names.HOUSING, OUTPUT_COVER)
-    for index, (face, below, above) in enumerate(faces):
-        bought_part = BoughtPart(
-            DOWEL,
-            dowel_body(dowel),
-            names.HOUSING,
-            tuple(_point(centre, face) for centre in centres),
-            (("diameter", dowel.diameter), ("length", dowel.length)),
-            "steel",
-            dowel.designation,
-            DOWEL_FIT,
-            first=1 + index * len(centres),
-        )
-        holes: tuple[tuple[str, Hole], ...] = (
-            (below, (centres, radius, face - depth, face)),
-            (above, (centres, radius, face, face + depth)),
-        )
-        yield Joint(
-            f"dowels of {below} and {above}".replace("_", " "),
-            JointKind.DOWELLED,
-            (below, above),
-            holes,
-            (bought_part,),
-            DOWEL_FIT,
-            len(centres),
-            dowel.diameter,
-            depth,
-        )
+    for index, (face, *parts) in enumerate(faces):
+        name, first = "dowels of {} and {}".format(*parts).replace("_", " "), 1 + index * len(centres)
+        yield _dowelled_joint(name, (*parts,), (DOWEL, names.HOUSING, first), sizes.dowel, centres, face)
+
+
+def _flange_dowel_joint(sizes: Casing) -> Iterator[Joint]:
+    """Yield the dowelled joint of hub and output flange in a plastic, whose screws transmit little by friction."""
+    if sizes.flange_dowel:
+        item, parts, centres = (FLANGE_DOWEL, names.OUTPUT, 1), (names.OUTPUT, FLANGE), flange_dowel_centres(sizes)
+        yield _dowelled_joint("dowels of the output flange", parts, item, sizes.flange_dowel, centres, sizes.top)
+
+
+def _dowelled_joint(
+    name: str,
+    parts: tuple[str, ...],
+    item: tuple[str, str, int],
+    dowel: stock.Dowel,
+    centres: Array,
+    face: float,
+) -> Joint:
+    """Return the joint of two parts by dowels that are equally deep in both.
+
+    Parameters
+    ----------
+    name
+        Name of the joint.
+    parts
+        The parts below and above the face.
+    item
+        Name of the dowels, the body that they move with, and the number of the first one.
+    dowel
+        Dowel in stock.
+    centres
+        Axes of the dowels, (n, 2) [m].
+    face
+        Height of the face between the parts [m].
+    """
+    (below, above), (family, body, first) = parts, item
+    radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
+    bought_part = BoughtPart(
+        family,
+        dowel_body(dowel),
+        body,
+        tuple(_point(centre, face) for centre in centres),
+        (("diameter", dowel.diameter), ("length", dowel.length)),
+        "steel",
+        dowel.designation,
+        DOWEL_FIT,
+        first=first,
+    )
+    holes = (below, (centres, radius, face - depth, face)), (above, (centres, radius, face, face + depth))
+    seats = len(centres), dowel.diameter, depth
+    return Joint(name, JointKind.DOWELLED, parts, holes, (bought_part,), DOWEL_FIT, *seats)
 
 
 def _tapped_holes(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:

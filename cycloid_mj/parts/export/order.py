@@ -7,6 +7,7 @@ from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
     FLANGE,
+    FLANGE_DOWEL,
     FLANGE_INSERT,
     FLANGE_SCREW,
     FLANGE_WASHER,
@@ -56,6 +57,7 @@ ALONG = (
     OUTPUT_BEARING,
     OUTPUT_COVER,
     SCREW,
+    FLANGE_DOWEL,
     FLANGE,
     LOAD_INSERT,
     FLANGE_WASHER,
@@ -77,7 +79,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside"
         f"{', back to back, and pack them with grease' if sizes.hub.contact_angle else ''}.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
+        f"through both{_describe_flange_dowels(sizes)}, and screw the {FLANGE} on "
+        f"({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): it clamps them{_describe_preload(sizes)}.",
         f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
@@ -88,6 +91,11 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
         _describe_last_step(sizes),
     )
+
+
+def _describe_flange_dowels(sizes: Casing) -> str:
+    """Describe how the dowels of the output flange are pressed into the hub; empty without them."""
+    return f", press {sizes.flange_screws} {FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
 
 
 def _describe_preload(sizes: Casing) -> str:

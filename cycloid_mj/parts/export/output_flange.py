@@ -1,0 +1,67 @@
+"""Pattern of the output flange: its screws, the threads for the load, and the dowels of a flange of plastic."""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design import stock
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    flange_washer,
+    is_plastic,
+    shoulder_radius,
+    thread_radius,
+)
+from cycloid_mj.reducer import Reducer
+
+
+def choose_flange_pattern(
+    reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float
+) -> tuple[float, int]:
+    """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
+    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    flange = shoulder_radius(radius, 0.5 * hub.outside)
+    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
+    fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
+    return circle, next(fitting, RULES.flange_screws[-1])
+
+
+def pattern_angles(count: int) -> Array:
+    """Return the angles [rad] of screws (even indices) and threads for the load (odd indices), shape (2 count,)."""
+    return math.pi * np.arange(2 * count) / count
+
+
+def choose_flange_dowels(
+    reducer: Reducer, bolt: stock.Bolt, pattern: tuple[float, int], thickness: float, wall: float
+) -> tuple[stock.Dowel | None, float]:
+    """Choose the dowels of hub and flange in a plastic; return the dowel and the radius of their circle [m].
+
+    A plastic keeps little of the preload of the screws, so that friction transmits less than the drive. The dowels are
+    inside of the threads for the load, up to as thick as the screws, and equally deep in both parts. The dowel is None
+    in a metal, or if none in stock leaves walls around all holes.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    bolt, pattern
+        Screws of the flange; radius of their circle [m] and their number.
+    thickness
+        Thickness of the flange [m].
+    wall
+        Minimum wall [m].
+    """
+    if not is_plastic(reducer):
+        return None, 0.0
+    screw_circle, count = pattern
+    counterbore = flange_washer(reducer, bolt)[0]
+    depth = min(thickness - wall, 2.0 * RULES.engagement * bolt.thread)
+    for diameter in reversed(stock.dowel_diameters()):
+        dowel, margin = stock.longest_dowel(diameter, 2.0 * depth), 0.5 * diameter + wall
+        circle = screw_circle - thread_radius(reducer, bolt.thread) - margin
+        to_screw = math.hypot(screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count))
+        between = circle * math.sin(math.pi / count)
+        if dowel and diameter <= bolt.thread and to_screw >= counterbore + margin and between >= margin:
+            return dowel, circle
+    return None, 0.0
