@@ -304,9 +304,9 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
         logged_names = set(run.pairs(kind))
         if logged_names and logged_names != expected_names:
             raise LogError(
-                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names)} {part_name}, but the log has the "
-                f"forces of {len(logged_names)}: the attachment belongs to another run. Use the original log, or "
-                "simulate the design again"
+                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names)} {part_name}, but the log "
+                f"contains forces for {len(logged_names)}: the attachment belongs to another run. Use the original "
+                "log, or simulate the design again"
             )
 
 

@@ -219,7 +219,7 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: Co
         )
     if logs and options.for_runs:
         raise UsageError(
-            f"{options.for_runs[0]} applies to new simulations only and has no effect on logs: remove this flag"
+            f"{options.for_runs[0]} applies only to new simulations and has no effect on logs: remove this flag"
         )
 
 

@@ -253,14 +253,14 @@ class ExportFlags:
         """Raise UsageError for a flag that has no effect with the other flags and the file format."""
         if self.cam_bearing_bore_mm is not None and not self.plate:
             raise UsageError(
-                "--cam-bearing-bore-mm applies to --plate only: add --plate, or remove --cam-bearing-bore-mm"
+                "--cam-bearing-bore-mm applies only with --plate: add --plate, or remove --cam-bearing-bore-mm"
             )
         if self.bed is not None and not self.plate:
-            raise UsageError("--bed applies to --plate only: add --plate, or remove --bed")
+            raise UsageError("--bed applies only with --plate: add --plate, or remove --bed")
         if (self.polylines or self.arcs is not None) and file_format != "dxf":
             name = "--polylines" if self.polylines else "--arcs"
             raise UsageError(
-                f"{name} applies to --format dxf only, not to {file_format}: remove {name}, or use --format dxf"
+                f"{name} applies only with --format dxf, not with {file_format}: remove {name}, or use --format dxf"
             )
         if self.polylines and self.arcs is not None:
             raise UsageError("--polylines and --arcs cannot be used together: remove one of the two")

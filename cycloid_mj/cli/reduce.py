@@ -222,7 +222,7 @@ def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tupl
     """
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"
-        raise UsageError(f"{flag} applies to --spread only: add --spread, or remove {flag}")
+        raise UsageError(f"{flag} applies only with --spread: add --spread, or remove {flag}")
     samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
     low, high = RANGES.joint_samples
     if not low <= samples <= high:

@@ -539,11 +539,18 @@ def angular_contact_bearings() -> tuple[StockBearing, ...]:
     )
 
 
-def bolt_length(thread: float, reach: float) -> float | None:
-    """Find the shortest screw in stock of a thread that is at least so long [m]; none if none is."""
+def bolt_lengths(thread: float) -> tuple[float, ...]:
+    """Return the lengths in stock of screws of a thread [m], the shortest first."""
     shortest, longest = _BOLT_RANGES[round(thread / MM, 3)]
-    lengths = (round(length * MM, 9) for length in _BOLT_LENGTHS if shortest <= length <= longest)
-    return next((length for length in lengths if length >= reach - ROUNDING), None)
+    return tuple(round(length * MM, 9) for length in _BOLT_LENGTHS if shortest <= length <= longest)
+
+
+def bolt_length(thread: float, reach: float) -> float | None:
+    """Return the shortest length in stock [m] of screws of a thread that is at least `reach` [m]; None if all are less.
+
+    Both `thread` and `reach` are in metres.
+    """
+    return next((length for length in bolt_lengths(thread) if length >= reach - ROUNDING), None)
 
 
 def bolt_hole(thread: float) -> float:

@@ -306,7 +306,7 @@ def wear(
     points = [point for point in duty.points if point.speed]
     if not points:
         raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but parts wear only while the crank turns: set another "
+            f"{reducer.design.name}: drive.speed_rpm is 0, but parts wear only while the crank turns: set a nonzero "
             "speed, such as 1640 rpm"
         )
     drive = WearingDrive(reducer, points, settings)

@@ -163,7 +163,7 @@ def _rate_all_items(
     if not turning_points:
         raise DesignError(
             f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours can be computed only if the crank "
-            "turns: set another speed, such as 1640 rpm"
+            "turns: set a nonzero speed, such as 1640 rpm"
         )
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))

@@ -180,9 +180,9 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
     for name, gear in ((SUN, sun), (PLANET, planet)):
         if gear.fault:
             raise DesignError(
-                f"planet.{name}_teeth = {gear.teeth}: with the profile shift {gear.shift:.3g} these teeth are "
-                f"{gear.fault}: use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm = 0 "
-                "(no profile shift)"
+                f"planet.{name}_teeth = {gear.teeth} with a profile shift of {gear.shift:.3g}: these teeth are "
+                f"{gear.fault}. Use more teeth or a larger planet.pressure_angle_deg. In both cases, also set "
+                "cranks.radius_mm = 0, so that the centre distance of sun and planets follows from their teeth"
             )
     half_width = reducer.planet.face_width / 2.0
     yield Part(PLANET, (Segment(PLANET, SpurGearContour(planet), (journal,), -half_width, half_width),), density)

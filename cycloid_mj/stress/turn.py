@@ -84,8 +84,8 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     logged_design = design_of(run)
     if logged_design.layout != Reducer.LAYOUT:
         raise LogError(
-            f"{run.label} belongs to an RV reducer, whose stress is computed from static balance, not from a log: name "
-            "the design instead"
+            f"{run.label} belongs to an RV reducer. The stress of RV reducers is computed from static equilibrium, not "
+            "from a log: give the design with --design instead"
         )
     if reducer is not None:
         require_same(reducer, Reducer(logged_design))

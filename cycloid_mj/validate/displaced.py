@@ -289,8 +289,8 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
         if np.all(force >= 0.0) and np.all(bent_gaps[~is_closed] >= 0.0):
             return force
     raise RunError(
-        "the forces of the discs on a bent output pin have no equilibrium, because the compliance matrix of the pin is "
-        "not positive definite: check the dimensions output.* of the design"
+        "cannot compute the forces of the discs on a bending output pin: the pin's compliance matrix is not positive "
+        "definite. Check output.pin_radius_mm, output.core_radius_mm, gear.face_width_mm and gear.disc_gap_mm"
     )
 
 

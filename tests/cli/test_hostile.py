@@ -146,10 +146,10 @@ def foreign(tmp_path_factory) -> dict[str, Path]:
     """Logs with the design file of another run: fewer ring pins, more, another kind of ring, other output pins."""
     folder, pin = tmp_path_factory.mktemp("foreign"), DESIGNS["pin"]
     insides = {
-        "12 ring pins, but the log has the forces of 36": (pin, override(pin, ["ring.teeth=12"])),
-        "36 ring pins, but the log has the forces of 7": (unlike("few"), pin),
-        "0 ring pins, but the log has the forces of 36": (pin, DESIGNS["nonpin"]),
-        "5 output pins, but the log has the forces of 8": (pin, override(pin, ["output.pins=5"])),
+        "12 ring pins, but the log contains forces for 36": (pin, override(pin, ["ring.teeth=12"])),
+        "36 ring pins, but the log contains forces for 7": (unlike("few"), pin),
+        "0 ring pins, but the log contains forces for 36": (pin, DESIGNS["nonpin"]),
+        "5 output pins, but the log contains forces for 8": (pin, override(pin, ["output.pins=5"])),
     }
     for number, (design, inside) in enumerate(insides.values()):
         write(folder / f"{number}.mcap", design, inside=inside)

@@ -109,6 +109,7 @@ def test_screws_are_no_longer_or_shorter_than_their_thread_is_made() -> None:
     assert stock.bolt_length(8e-3, 5e-3) == 12e-3
     assert stock.bolt_length(2.5e-3, 21e-3) == 25e-3
     assert stock.bolt_length(2.5e-3, 26e-3) is None
+    assert stock.bolt_lengths(2.5e-3)[-1] == 25e-3
     assert stock.bolt_length(4e-3, 36e-3) == 40e-3
 
 

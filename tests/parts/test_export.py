@@ -579,7 +579,7 @@ def test_a_drive_with_covers_is_drawn_by_polylines(file_format: Format) -> None:
 
 def test_polylines_are_an_option_of_dxf(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "pin", "--format", "stl", "--polylines", "--out", str(tmp_path / "parts")]) == 2
-    assert "--polylines applies to --format dxf only" in capsys.readouterr().err
+    assert "--polylines applies only with --format dxf" in capsys.readouterr().err
     with pytest.raises(UsageError, match="polylines can be used only with the format dxf"):
         export(PIN, "svg", polylines=True)
 

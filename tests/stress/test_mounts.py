@@ -142,4 +142,4 @@ def test_a_missing_file_of_mounts_is_reported(tmp_path: Path) -> None:
 
 def test_mounts_are_for_springs(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stress", "--design", "printed", "--mounts", str(DRAWN)]) == 2
-    assert "--mounts applies to --springs only: add --springs" in capsys.readouterr().err
+    assert "--mounts applies only with --springs: add --springs" in capsys.readouterr().err

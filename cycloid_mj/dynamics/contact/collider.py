@@ -117,8 +117,8 @@ def _general_collider() -> Any:
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError(
-            "MuJoCo has no collision function for two cylinders, which is needed for cylinders outside the reducer: "
-            "reinstall MuJoCo with `pip install --force-reinstall mujoco`"
+            "the installed MuJoCo lacks its collision function for two cylinders, so cylinders that are not part of "
+            "the reducer cannot collide: reinstall MuJoCo with `pip install --force-reinstall mujoco`"
         )
     llvmlite.binding.add_symbol(_ORIGINAL, original)
     collider = _compile_general_collider(find_layout())

@@ -144,8 +144,8 @@ def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
     if length is None:
         raise DesignError(
             f"the casing needs {bolt.designation} screws at least {1e3 * min_length:.4g} mm long, but the longest "
-            "standard screw is shorter: reduce housing.outer_radius_mm, because thinner screws and walls need shorter "
-            "screws"
+            f"standard screw is {1e3 * stock.bolt_lengths(bolt.thread)[-1]:.4g} mm: reduce housing.outer_radius_mm; "
+            "thinner walls take smaller, shorter screws"
         )
     return length
 
