@@ -36,7 +36,7 @@ for check in cm.check(design):
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
 reducer = cm.Reducer(design)
 springs = cm.statics.springs_of(reducer, crank, friction=False)
-result = cm.statics.loads(reducer, springs, design.load.torque, follow=True)
+result = cm.statics.loads(reducer, springs, design.load.torque, warm_start=True)
 
 figure, axes = plt.subplots(layout="constrained")
 image = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), result.teeth.T, cmap="magma_r", shading="nearest")

@@ -21,7 +21,7 @@ for support, ends, line in (("both_ends", "both ends", "-"), ("cantilever", "one
     design = cm.load("twodisc", {"output.support": support})
     reducer = cm.Reducer(design)
     springs = cm.statics.springs_of(reducer, crank, friction=False)
-    result = cm.statics.loads(reducer, springs, design.rated_torque, follow=True)
+    result = cm.statics.loads(reducer, springs, design.rated_torque, warm_start=True)
     for disc, colour in enumerate(("tab:blue", "tab:orange")):
         label = f"disc {disc + 1}, pins supported at {ends}"
         shares.plot(

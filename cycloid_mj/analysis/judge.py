@@ -237,9 +237,12 @@ def _ramp(motion: Series) -> Ramp | None:
 
 
 def _power(motion: Series) -> Power:
-    """Return mean input and output power [W], mean torques of crank and load, and crank torque without losses [N m].
+    """Return mean input and output power [W], mean torques of driven shaft and load, and ideal input torque [N m].
 
-    All are means over full periods. Input power is positive if the drive receives it, output power if the load does.
+    All are means over full periods. The driven shaft is the crank, or the sun of an RV reducer. Input power is positive
+    if it flows into the drive, output power if it flows into the load. Both are therefore positive if the motor drives
+    the load, and negative if the load drives the motor. Torques have the sign of the log: positive counter-clockwise.
+    The ideal input torque balances the load torque without losses.
     """
     run, driven = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)

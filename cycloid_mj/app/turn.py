@@ -69,7 +69,7 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     angles_in_ring = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
     crank_angles = angles_in_ring / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank_angles)
-    result = loads(reducer, springs, load, follow=True)
+    result = loads(reducer, springs, load, warm_start=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
     discs, lobes, departures = design.gear.discs, design.lobes, result.departures
     poses = departures[:, :-1].reshape(len(crank_angles), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]

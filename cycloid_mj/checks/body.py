@@ -13,7 +13,10 @@ from cycloid_mj.reducer import Reducer
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for the thickness of the walls around bore and holes of the disc, and the check of the holes."""
+    """Yield the rules for the thickness of the disc's walls, and the check of the radius of its output holes.
+
+    The walls are those between bore, output holes and the root of the lobes, and between neighbouring output holes.
+    """
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = (
@@ -42,7 +45,7 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
         )
 
     def holes_to_root_limits(relative_wall: float) -> tuple[Limit, ...]:
-        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius next to the roots."""
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between holes and roots."""
         return (
             Limit("output.pin_circle_radius", "less than", root - relative_wall * E - hole),
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - relative_wall)),
@@ -162,7 +165,10 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
 
 
 def _check_hole_size(reducer: Reducer) -> Check:
-    """Check that the radius of the output holes equals pin radius plus eccentricity, the orbit of a pin in its hole."""
+    """Check that the radius of the output holes equals the radius of an output pin plus the eccentricity.
+
+    The centre of a pin moves in its hole on a circle whose radius is the eccentricity.
+    """
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius

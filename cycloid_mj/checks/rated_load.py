@@ -90,7 +90,7 @@ def rated_load(reducer: Reducer) -> RatedLoad:
     """Return the static loads of a sound design at its nominal torque; errors as `loads`."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
-    return RatedLoad(reducer, torque, springs, loads(reducer, springs, torque, follow=True))
+    return RatedLoad(reducer, torque, springs, loads(reducer, springs, torque, warm_start=True))
 
 
 def loaded_teeth(reducer: Reducer) -> float:

@@ -306,14 +306,30 @@ def _find_threshold(is_met: Callable[[float], bool]) -> float:
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall of a `part` that pins of one `kind` press on: `thickness` [m], `share` of the yield strength."""
+    """A wall of a `part` that pins of one `kind` press on.
+
+    Attributes
+    ----------
+    name
+        Name of its check.
+    where
+        Location in words.
+    part
+        Part whose material counts, such as ``gear``.
+    kind
+        Kind of contact whose force acts on the wall, such as ``output``.
+    thickness
+        Thickness [m].
+    strength_ratio
+        Strength of the wall over the yield strength of its material [1]: `TENSION` or `SHEAR`.
+    """
 
     name: str
     where: str
     part: str
     kind: str
     thickness: float
-    share: float
+    strength_ratio: float
 
     def stress(self, force: float, width: float) -> float:
         """Compute the stress [Pa] under a force [N] on a line of a width [m], which two sections carry."""
@@ -321,10 +337,7 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on, with thickness [m] and allowed share of the strength.
-
-    The share of the yield strength is that in tension or in shear.
-    """
+    """Return the walls of disc and housing that pins press on."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole_radius = output.hole_radius + design.clearance.output
@@ -356,23 +369,24 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 def _check_wall(state: RatedLoad, wall: Wall) -> Check:
     """Check that no pin breaks through its wall by tension or shear, under the loads `state`.
 
-    The remedies are a wider face, or a material with more yield strength.
+    The remedies are a wider disc, or a material with a higher yield strength.
     """
     reducer, design = state.reducer, state.reducer.design
 
     def wall_stress(state: RatedLoad) -> float:
+        """Return the stress in the wall [Pa] under the largest force of its contacts."""
         return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
 
     stress = wall_stress(state)
     material = design.material_of(wall.part)
-    strength = wall.share * material.yield_strength / STRENGTH.wall_safety
+    strength = wall.strength_ratio * material.yield_strength / STRENGTH.wall_safety
     is_passed = stress <= strength
-    kind = "tension" if wall.share == TENSION else "shear"
+    kind = "tension" if wall.strength_ratio == TENSION else "shear"
     value_text, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
-    thickness_limit = Limit(
+    yield_strength_limit = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
-    remedies = [] if is_passed else [_face_width_limit(reducer, wall_stress, strength, 1.0), thickness_limit]
+    remedies = [] if is_passed else [_face_width_limit(reducer, wall_stress, strength, 1.0), yield_strength_limit]
     return Check(
         name=wall.name,
         passed=is_passed,

@@ -234,7 +234,7 @@ def _require_springs(springs: bool, has_selection: bool) -> None:
     `has_selection` is whether a flag selects parts, logs, figures, solids or an angle.
     """
     if not springs:
-        raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
+        raise UsageError("--mounts applies only with --springs: add --springs, or remove --mounts")
     if has_selection:
         raise UsageError(
             "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
@@ -434,12 +434,14 @@ def _study_parts(
 
 
 def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
-    """Return the requested parts of each design, by default all; parts that a design lacks are left out.
+    """Return the names of the requested parts for each design, in the order of the designs.
+
+    No `parts` mean all parts. Parts that a design lacks are left out of its list.
 
     Raises
     ------
     UsageError
-        No design has one of the parts.
+        One of the parts exists in none of the designs.
     """
     from cycloid_mj.stress.loads import part_names, require_part
 

@@ -115,7 +115,7 @@ class Ring(Section):
         preload_values = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
         set_keys = [key for key, value in preload_values.items() if value]
         if set_keys and self.halves == 1:
-            raise ValueError(f"{set_keys[0]} applies to two halves of a ring only: set halves = 2 as well")
+            raise ValueError(f"{set_keys[0]} applies only to a ring in two halves: set halves = 2 as well")
         if len(set_keys) > 1:
             raise ValueError(f"{' and '.join(set_keys)} both set the angle between the halves: set one of them to 0")
         return self
@@ -139,7 +139,7 @@ class Ring(Section):
         return (0.5 * self.preload, -0.5 * self.preload) if self.halves == 2 else (0.0,)
 
     @property
-    def mates(self) -> int:
+    def mate_count(self) -> int:
         """Number of pins or lobes that mesh with the discs: N, or 2 N for a ring in two halves (second half last)."""
         return self.teeth * self.halves
 

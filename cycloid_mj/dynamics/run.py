@@ -411,7 +411,7 @@ def blocks(
 def _advance_block(
     plan: Schedule, cycle: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
-    """Take the time steps up to the last of some consecutive samples.
+    """Take the time steps up to and including the last of some consecutive samples.
 
     Parameters
     ----------
@@ -429,7 +429,8 @@ def _advance_block(
     Returns
     -------
     tuple
-        The samples up to the first that fails a check, and the problem that ended the run there, "" for none.
+        The samples up to and including the first that fails a check, and the problem that ended the run there ("" if
+        all samples pass).
     """
     first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
@@ -552,7 +553,8 @@ class _Recorder:
         Returns
         -------
         tuple
-            Rows up to the first sample that fails a check, shape (rows, columns), and the problem, "" for none.
+            Rows up to and including the first sample that fails a check, shape (rows, columns), and the problem ("" if
+            all samples pass).
         """
         rows = self.steps.advance(samples)
         self.unconverged_count += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())

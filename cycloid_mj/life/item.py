@@ -235,7 +235,13 @@ class Rating(Presented):
         return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(5, 6))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert duty, required life [h], items by key, and assumptions to JSON values."""
+        """Convert the rating to JSON values.
+
+        Keys are ``design`` (its name), ``condition`` (the duty in words), ``required_life_h`` [h], ``parts`` (the rated
+        parts, see `Rating`), ``weakest`` (key of the weakest item), ``items`` (a dict for each key of an item) and
+        ``assumptions`` (sentences). If it was requested, ``cam_give`` lists stiffness [N/m], load [N] and life [h] of
+        the cam bearing for several stiffnesses (`CamCase.as_json`).
+        """
         content = {
             "design": self.design,
             "condition": self.duty,

@@ -150,7 +150,7 @@ def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, 
         return rv_sliding_contacts(reducer, crank, load)
     springs = springs_of(reducer, crank)
     torque = math.copysign(load, reducer.design.drive.speed)
-    return sliding_contacts(reducer, springs, loads(reducer, springs, torque, follow=True))
+    return sliding_contacts(reducer, springs, loads(reducer, springs, torque, warm_start=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,7 @@ def lost_motion(reducer: Reducer) -> float:
     still = at_rest(reducer)
     springs = springs_of(still, turn_evenly(reducer), friction=False)
     small = LOST_MOTION_SHARE * reducer.design.rated_torque
-    ahead, behind = (loads(still, springs, side * small, follow=True).output_turn for side in (1.0, -1.0))
+    ahead, behind = (loads(still, springs, side * small, warm_start=True).output_turn for side in (1.0, -1.0))
     return float(np.mean(ahead - behind))
 
 

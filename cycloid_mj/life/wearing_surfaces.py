@@ -110,7 +110,7 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears.
     """
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
-    length, count = design.line_length(design.tooth_pair), ring.mates * design.gear.discs
+    length, count = design.line_length(design.tooth_pair), ring.mate_count * design.gear.discs
     phase = np.append(table_angles(TABLE), math.pi)
     angle_on_pin = profile.conjugate_alpha(gear, phase)
     seat, bore = design.seat_pair, ring.sleeve_bore_radius

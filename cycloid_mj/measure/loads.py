@@ -442,10 +442,11 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
 
 def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
-    """Compute the tooth forces by ideal load sharing [N] at crank angles [rad] (n,), shape (n, contacts).
+    """Share the load torque of the design ideally among the teeth; return their forces [N], shape (n, contacts).
 
-    The columns are the ring pins or lobes on the first disc, then those on the next disc. With a ring in two halves,
-    each disc has all columns of the first half, followed by the equal columns of the second half.
+    `crank_angle` are the crank angles [rad], shape (n,). The columns are the ring pins or lobes on the first disc, then
+    those on the next disc. With a ring in two halves, each disc has all columns of the first half, followed by the
+    equal columns of the second half.
     """
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)

@@ -74,7 +74,7 @@ def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) ->
 
     `pin` has the properties of one pin about its own centroid.
     """
-    count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
+    count, orbit = reducer.design.ring.mate_count, pin.mass * reducer.design.ring.pin_circle_radius**2
     orbit_inertia = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(
         housing,

@@ -223,9 +223,10 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
     mark_on_disc = (0.0, mark_radius, 0.2 * output.pin_radius)
     return {
         SOCKET: [
-            [_draw_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.mates)
+            [_draw_socket(axes, radii.socket, socket_half_angle(design))]
+            for _ in range(ring.has_sockets * ring.mate_count)
         ],
-        PIN: [_draw_pin(axes, radii.pin) for _ in range(has_pins * ring.mates)],
+        PIN: [_draw_pin(axes, radii.pin) for _ in range(has_pins * ring.mate_count)],
         GEAR: [
             [
                 _draw_region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),

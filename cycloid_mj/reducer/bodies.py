@@ -303,7 +303,7 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
         return
     positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_position_errors(ring, errors)
     planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
-    for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), positions, planes, strict=True):
+    for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mate_count), positions, planes, strict=True):
         yield Body(name, names.PIN, names.planar_joints(name), centre, np.zeros(2), plane, carrier=carrier)
 
 
@@ -330,16 +330,16 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         """Return surfaces of the housing on the pin circle, of a `radius` and a `play` [m], named after `stem`."""
-        surface_names = names.all_numbered(stem, ring.mates)
+        surface_names = names.all_numbered(stem, ring.mate_count)
         return surfaces_on_circle(
             surface_names, names.HOUSING, role, ring.pin_circle_radius, radius, position_errors, angles, play
         )
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
         """Return surfaces about the axes of the pin bodies, of a `radius` [m], named after `stem`."""
-        surface_names = names.all_numbered(stem, ring.mates)
+        surface_names = names.all_numbered(stem, ring.mate_count)
         return surfaces_on_circle(
-            surface_names, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles
+            surface_names, names.all_numbered(names.PIN, ring.mate_count), role, 0.0, radius, angles=angles
         )
 
     if not ring.has_pin_bodies:

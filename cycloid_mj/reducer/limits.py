@@ -247,7 +247,7 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     """
     design = reducer.design
     if not design.ring.has_moving_pins:
-        return np.zeros((design.ring.mates, 2))
+        return np.zeros((design.ring.mate_count, 2))
     teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]

@@ -130,7 +130,7 @@ class CentralModel(FullModel):
         driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
         count = self._reducer.mesh_periods * samples
         springs = springs_of(driven, 2.0 * np.pi * (np.arange(count) / count + part))
-        return self._reducer.member.sense * loads(driven, springs, direction * torque, follow=True).output_turn
+        return self._reducer.member.sense * loads(driven, springs, direction * torque, warm_start=True).output_turn
 
     def compliances(self) -> dict[str, float]:
         """Compute the mean compliance of output pins, cam, teeth, bending of pins and twist of the structure."""

@@ -25,7 +25,7 @@ def viewer_layout(reducer: Reducer) -> dict[str, Any]:
         "near": NEAREST * housing_radius,
         "far": FARTHEST * housing_radius,
     }
-    pins = all_numbered(PIN, design.ring.mates) if design.ring.kind == "pin" else ()
+    pins = all_numbered(PIN, design.ring.mate_count) if design.ring.kind == "pin" else ()
     frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
     plot = content["configById"]["Plot!speed"]
     disc_path, *other_paths = plot["paths"]  # one path is repeated for each disc

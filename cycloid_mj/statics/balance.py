@@ -91,7 +91,7 @@ class Loads:
         return forces.reshape(len(forces), self.discs, -1)
 
 
-def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
+def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool = False) -> Loads:
     """Compute contact forces and displacements under an output torque at the crank angles of the springs.
 
     With the friction law ``film``, the solution is repeated with the friction coefficients of the lubricating film
@@ -105,8 +105,8 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
         Its contact springs at m crank angles, from `springs_of`.
     torque
         Output torque [N m], not 0, positive as in `Member.share`: a number, or one per crank angle, shape (m,).
-    follow
-        Whether to start each solution from the previous equilibria, for angles and torques that vary smoothly.
+    warm_start
+        Whether to start each solution from the previous equilibria. Use it if angles and torques vary smoothly.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     RunError
         There is no equilibrium.
     """
-    contact_loads = solve_at_friction(reducer, springs, torque, follow)
+    contact_loads = solve_at_friction(reducer, springs, torque, warm_start)
     if springs.film is None:
         return contact_loads
     loss = math.inf
@@ -126,7 +126,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
         cam = np.linalg.norm(contact_loads.cam, axis=-1)
         film = springs.film.displaced(contact_loads.departures)
         springs = springs.with_friction(film.friction(contact_loads.teeth, contact_loads.output, cam))
-        contact_loads = solve_at_friction(reducer, springs, torque, follow, contact_loads)
+        contact_loads = solve_at_friction(reducer, springs, torque, warm_start, contact_loads)
         previous_loss, loss = (
             loss,
             sum(float(np.mean(power)) for power in friction_losses(reducer, springs, contact_loads).values()),
@@ -148,7 +148,7 @@ def solve_at_friction(
     torque
         Output torque [N m], not 0: a number, or of shape (m,).
     warm_start
-        Whether to start each solution from the previous equilibria, as `follow` of `loads`; ignored with a `start`.
+        Whether to start each solution from the previous equilibria, as in `loads`; ignored with a `start`.
     start
         Solution for similar friction coefficients, whose displacements are the starting point.
 
@@ -311,7 +311,7 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     RunError
         There is no equilibrium.
     """
-    contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
+    contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, warm_start=True)
     return np.stack([contact_loads.gear_turn, contact_loads.output_turn], axis=1)
 
 
@@ -345,7 +345,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     design = reducer.design
     springs, direction, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
     crank_drag, output_drag = drag_torques(reducer)
-    contact_loads = loads(reducer, springs, float(direction) * (torque + output_drag), follow=True)
+    contact_loads = loads(reducer, springs, float(direction) * (torque + output_drag), warm_start=True)
     losses = friction_losses(reducer, springs, contact_loads)
     seals = np.array(crank_drag * speed + output_drag * speed / design.reduction)
     mean_losses = {part: float(np.mean(power_loss)) for part, power_loss in {**losses, "seals": seals}.items()}

@@ -116,21 +116,35 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
 
 @once
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost with the law ``film``, for the design's own inputs of the law and for samples of them.
+    """Compute the power lost to friction and drag with the friction law ``film``, for the design and for samples.
 
-    `torque` [N m] is the torque on the output; if it is negative, the output drives the crank. Contact forces are
-    solved for the design's own inputs. Their change with the friction of a sample is added to first order. Raises as
-    `balance.powers`.
+    A sample has other inputs of the friction law, such as roughness and viscosity (`sample_inputs`). Contact forces are
+    solved for the inputs of the design. Their change with the friction of a sample is added to first order.
+
+    Parameters
+    ----------
+    reducer
+        The reducer, with the friction law ``film``.
+    torque
+        Torque on the output [N m]; if it is negative, the output drives the crank.
+    samples
+        Number of samples.
 
     Returns
     -------
     tuple
-        Power lost with the design's own inputs [W], and with each of the `samples` [W], shape (samples,).
+        Power lost with the inputs of the design [W], and with each sample [W], shape (samples,). Both include the drag
+        of crank and output (`film.drag_torques`).
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium, for example because friction jams the reducer.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
     contact_torque = sign * (torque + drag_torques(reducer)[1])
-    contact_loads = loads(reducer, springs, contact_torque, follow=True)
+    contact_loads = loads(reducer, springs, contact_torque, warm_start=True)
     contacts = _select_loaded_contacts(reducer, springs, contact_loads)
     own_loss, growth = contacts.lost_power(), _compute_loss_growth(reducer, springs, contact_torque, contact_loads)
 

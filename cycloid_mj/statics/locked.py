@@ -120,7 +120,7 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
     springs = springs_of(weightless, np.full(len(shares), crank), friction=False)
     # from the largest torque down: solutions with barely touching contacts start from those with firm contact
     decreasing = max_torque * shares[::-1]
-    sides = [loads(weightless, springs, sign * decreasing, follow=True).output_turn[::-1] for sign in (-1.0, 1.0)]
+    sides = [loads(weightless, springs, sign * decreasing, warm_start=True).output_turn[::-1] for sign in (-1.0, 1.0)]
     # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     # a small torque across the backlash, so that the torque is unique at every rotation

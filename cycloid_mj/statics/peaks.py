@@ -77,7 +77,7 @@ def torque_at_pressure(
     pressures: Mapping[str, float],
     torque: float,
     contact_loads: Loads | None = None,
-    follow: bool = False,
+    warm_start: bool = False,
 ) -> tuple[float, str]:
     """Find the output torque at which the first contact reaches its allowed pressure, to a relative accuracy of 0.001.
 
@@ -96,7 +96,7 @@ def torque_at_pressure(
         Initial torque [N m], not 0.
     contact_loads
         Contact forces under `torque`, if known.
-    follow
+    warm_start
         As in `loads`.
 
     Returns
@@ -112,7 +112,7 @@ def torque_at_pressure(
     settings = PRESSURE_TORQUE
     previous_torque, previous_share = math.nan, math.nan
     for iteration in range(settings.max_iterations):
-        contact_loads = contact_loads or loads(reducer, springs, torque, follow)
+        contact_loads = contact_loads or loads(reducer, springs, torque, warm_start)
         shares = {
             kind: peak_pressure(reducer, springs, contact_loads, kind) / pressure
             for kind, pressure in pressures.items()

@@ -320,7 +320,7 @@ def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     stops, stop_torque = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
     for sign in (-1.0, 1.0):
         rotation, double_rotation = (
-            loads(static_reducer, springs, sign * factor * stop_torque, follow=True).output_turn
+            loads(static_reducer, springs, sign * factor * stop_torque, warm_start=True).output_turn
             for factor in (1.0, 2.0)
         )
         stops.append(2.0 * rotation - double_rotation)
@@ -392,7 +392,7 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
     count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
     moving_reducer = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     springs = springs_of(moving_reducer, np.linspace(0.0, 2.0 * np.pi, count + 1))
-    contact_loads = loads(moving_reducer, springs, sign * CASES[case] * load, follow=True)
+    contact_loads = loads(moving_reducer, springs, sign * CASES[case] * load, warm_start=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
@@ -417,7 +417,7 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(reducer, _force_angles(reducer))
-    contact_loads = loads(reducer, springs, torque, follow=True)
+    contact_loads = loads(reducer, springs, torque, warm_start=True)
     strength_ratios = {
         kind: reducer.contacts[kind].strength / peak_pressure(reducer, springs, contact_loads, kind)
         for kind in design.pair_kinds
@@ -433,7 +433,7 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
             yield sheet_quantity(key, math.nan, note="none: no contact is narrow enough for Hertz theory")
             continue
         pressures = {kind: allowed * reducer.contacts[kind].strength for kind in strength_ratios}
-        limit_torque, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
+        limit_torque, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, warm_start=True)
         yield sheet_quantity(key, abs(limit_torque), note=f"limited by {weakest}")
 
 

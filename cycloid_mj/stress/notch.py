@@ -88,6 +88,7 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     discs = np.array([disc_of(label) for label in loads.labels])
     pins = np.array([number_of(label) for label in loads.labels])
     arms, numbers = root_arms(reducer)[:, discs], np.unique(pins)
+    # Bending moments (k, r, p, 2): crank angle, root (one per output disc), output pin, x and y
     moments = np.stack(
         [
             np.einsum("rc,kcx->krx", arms[:, pins == pin_number], loads.force[:, pins == pin_number])

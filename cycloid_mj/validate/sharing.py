@@ -210,7 +210,11 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
     """Compute the contacts of the ideal mesh at a crank angle [rad]: arcs, then root lines of an internal gear.
 
-    Returns the index of the ring lobe (n,), the unit normal of the ring (n, 2) and the phase B [rad] (n,) of each.
+    Returns
+    -------
+    tuple of Array
+        For each contact: the index of the ring lobe, shape (n,); the unit normal of the ring, which points into its
+        bore, towards the disc, (n, 2); and the parameter B of the contact on the profile of the lobe [rad], (n,).
     """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)

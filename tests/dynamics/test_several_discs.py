@@ -262,7 +262,7 @@ def test_a_slow_run_shares_the_load_as_statics_does(changes: tuple[str, ...]) ->
     assert not run.warnings
     settled = run.select(run.time > 0.034)
     found = static_loads(
-        Reducer(design), springs_of(Reducer(design), settled["crank_angle"], friction=False), 116.0, follow=True
+        Reducer(design), springs_of(Reducer(design), settled["crank_angle"], friction=False), 116.0, warm_start=True
     )
     assert abs(found.share[:, 0] - 0.5).min() > 0.04
     np.testing.assert_allclose(shares(settled), found.share, atol=5e-4)

@@ -70,9 +70,9 @@ def test_transmission_error_of_a_wave_follows_from_the_reciprocal_theorem(tmp_pa
     wavy = with_wave(tmp_path / "cmm.csv", "pin", 4, 0.01).but(ring={"pins": "fixed"})
     springs = springs_of(Reducer(perfect), crank, friction=False)
     less, same, more = (
-        static_loads(Reducer(perfect), springs, torque + change, follow=True) for change in (-step, 0.0, step)
+        static_loads(Reducer(perfect), springs, torque + change, warm_start=True) for change in (-step, 0.0, step)
     )
-    real = static_loads(Reducer(wavy), springs_of(Reducer(wavy), crank, friction=False), torque, follow=True)
+    real = static_loads(Reducer(wavy), springs_of(Reducer(wavy), crank, friction=False), torque, warm_start=True)
     rate = (more.teeth - less.teeth) / (2.0 * step)
     foot = springs.contacts.phase[:, : rate.shape[1]] / perfect.lobes
     expected = np.sum(rate * profile_error(deviations(wavy).waves, foot), axis=1)

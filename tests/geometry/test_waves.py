@@ -60,7 +60,7 @@ def compared(design: Design) -> tuple[Array, Array, Array, Array]:
     """Orders of the transmission error in a run and in statics, and forces on the teeth [N] in both, (samples, n)."""
     run = settled(design)
     found = static_loads(
-        Reducer(design), springs_of(Reducer(design), run["crank_angle"], friction=False), TORQUE, follow=True
+        Reducer(design), springs_of(Reducer(design), run["crank_angle"], friction=False), TORQUE, warm_start=True
     )
     # a run's output is the model's: what carrier and shaft twist is beyond it
     turned = found.output_turn - wind_up(Reducer(design)) * TORQUE

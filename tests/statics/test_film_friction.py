@@ -35,7 +35,7 @@ def balanced(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[Spri
     springs = springs_of(reducer)
     assert springs.film is not None
     springs = replace(springs, film=springs.film.with_inputs(inputs))
-    return springs, loads(reducer, springs, LOAD, follow=True)
+    return springs, loads(reducer, springs, LOAD, warm_start=True)
 
 
 def efficiency(reducer: Reducer) -> float:
@@ -143,7 +143,7 @@ def test_samples_at_fixed_forces_match_full_solutions() -> None:
     for k in (0, 5, 9):
         springs, _ = balanced(reducer, samples[k])
         crank, output = drag_torques(reducer, samples[k])
-        solved = loads(reducer, springs, LOAD + drag_torques(reducer)[1], follow=True)
+        solved = loads(reducer, springs, LOAD + drag_torques(reducer)[1], warm_start=True)
         lost = sum(float(np.mean(power)) for power in friction_losses(reducer, springs, solved).values())
         speed = reducer.design.drive.speed
         assert outcomes[k] == pytest.approx(lost + speed * (crank + output / 35.0), rel=0.01)

@@ -120,7 +120,7 @@ def test_touching_parts_are_followed_in_few_steps() -> None:
     reducer = Reducer(PRESETS["pin"])
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     springs = springs_of(reducer, crank, friction=False)
-    work = [loads(reducer, springs, share * reducer.design.rated_torque, follow=True).work for share in (1e-4, 1.0)]
+    work = [loads(reducer, springs, share * reducer.design.rated_torque, warm_start=True).work for share in (1e-4, 1.0)]
     assert work[0] < 5.0
     assert work[1] < 3.0
 
@@ -130,7 +130,7 @@ def test_two_touching_discs_have_twice_the_steps_before_a_global_search() -> Non
     reducer = Reducer(PRESETS["twodisc"])
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     springs = springs_of(reducer, crank, friction=False)
-    assert loads(reducer, springs, 1e-4 * reducer.design.rated_torque, follow=True).work < 5.8
+    assert loads(reducer, springs, 1e-4 * reducer.design.rated_torque, warm_start=True).work < 5.8
 
 
 def test_threads_and_neighbours_change_no_bit() -> None:

@@ -323,7 +323,7 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
         equations.coupled[pin_index] = 1
     if disc >= 0:
         body = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
-        _add_block(matrix, disc, disc, body, body, tangent)
+        _add_force_derivative(matrix, disc, disc, body, body, tangent)
         _add_force(right, disc, body, tangent)
         if shaft >= 0:
             _couple_shaft(shaft_arms, tangent, body, matrix, disc, shaft, matrix, shaft, disc)
@@ -331,11 +331,11 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
             _couple_shaft(crank_arms, tangent, body, matrix, disc, crank, matrix, crank, disc)
         if pin_unknown >= 0:
             pin_arms = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-            _add_block(pin_rows, pin_row, disc, pin_arms, body, tangent)
-            _add_block(pin_columns, column_row + disc, 0, body, pin_arms, tangent)
+            _add_force_derivative(pin_rows, pin_row, disc, pin_arms, body, tangent)
+            _add_force_derivative(pin_columns, column_row + disc, 0, body, pin_arms, tangent)
     if pin_unknown >= 0:
         body = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-        _add_block(equations.pins, pin_row, 0, body, body, tangent)
+        _add_force_derivative(equations.pins, pin_row, 0, body, body, tangent)
         _add_force(equations.pins_right, pin_row, body, tangent)
         if shaft >= 0:
             _couple_shaft(shaft_arms, tangent, body, pin_rows, pin_row, shaft, pin_columns, column_row + shaft, 0)
@@ -390,7 +390,7 @@ def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) 
 
 
 @njit
-def _add_block(
+def _add_force_derivative(
     target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
 ) -> None:
     """Add the derivative of the force on `loaded_body` with respect to the speeds of `moving_body` to `target`.
