@@ -117,7 +117,7 @@ class ExudynModel:
         for _, member in (ring, carrier):
             self._hinge(self.ground, member, np.zeros(2))
         self._drive_ring(ring[0])
-        places = reducer.stage.crank_places([0.0])[0]
+        places = reducer.stage.crank_positions([0.0])[0]
         crank, disc = masses["crank"], masses[reducer.gears[0]]
         cranks = [self._body(crank.mass, float(crank.inertia[2, 2]), place) for place in places]
         for (node, body), place in zip(cranks, places, strict=True):

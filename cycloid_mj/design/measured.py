@@ -39,7 +39,7 @@ Columns = dict[str, tuple[float, ...]]
 
 ANGLES = ("angle_deg", "deviation_um")
 POINTS = ("x_mm", "y_mm")
-PINS = ("pin", "radial_um", "tangential_um", "radius_um")
+PIN_COLUMNS = ("pin", "radial_um", "tangential_um", "radius_um")
 
 
 def _column(text: str, unit: u.Unit) -> Any:
@@ -60,7 +60,7 @@ class Measured(Section):
         source="",
         max_length=4096,
     )
-    pins: str = choice("", f"CSV of the ring pins: {','.join(PINS)}", source="", max_length=4096)
+    pins: str = choice("", f"CSV of the ring pins: {','.join(PIN_COLUMNS)}", source="", max_length=4096)
     gear_angle: Angles = _column("angle about the disc's axis, clockwise from the valley on +y", u.DEGREE)
     gear_deviation: Deviations = _column(
         "deviation along the outward normal, positive where material is added", u.MICROMETRE
@@ -156,16 +156,16 @@ def _read_disc_profile(path: Path) -> Columns:
 
 
 def _read_pins(path: Path) -> Columns:
-    """Read the deviations of measured ring pins [um] from a CSV file with the columns `PINS`; return them by column.
+    """Read the deviations of measured ring pins [um] by column, from a CSV file with the columns `PIN_COLUMNS`.
 
     The rows may have any order, the result has that of the pins. Raises DesignError if a pin is missing or listed
     twice, for another header, and for the errors that `_parse_columns` describes.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]
-    if tuple(cell.lower() for cell in header_cells) != PINS:
-        raise _wrong_header(path, line_number, header_cells, [PINS])
-    columns = _parse_columns(path, PINS, lines[1:])
+    if tuple(cell.lower() for cell in header_cells) != PIN_COLUMNS:
+        raise _wrong_header(path, line_number, header_cells, [PIN_COLUMNS])
+    columns = _parse_columns(path, PIN_COLUMNS, lines[1:])
     order = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
         if pin not in order:
@@ -173,7 +173,7 @@ def _read_pins(path: Path) -> Columns:
                 f"{path}: pin {pin} is missing, or another pin is listed twice: list each pin once, beginning with pin "
                 "1 on the +y axis"
             )
-    return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PINS[1:]}
+    return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PIN_COLUMNS[1:]}
 
 
 READERS = {"gear": _read_disc_profile, "pins": _read_pins}

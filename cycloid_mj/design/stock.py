@@ -523,9 +523,9 @@ def thin_ball_bearings() -> tuple[StockBearing, ...]:
 @cache
 def angular_contact_bearings() -> tuple[StockBearing, ...]:
     """List the thin angular contact ball bearings (series 718) in stock, the smallest first, with estimated ratings."""
-    angle, row = ANGULAR_CONTACT.angle, ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE
-    dynamic = row ** (2.0 / 3.0) * math.cos(angle) ** 0.7
-    static = row * math.cos(angle)
+    angle, balls = ANGULAR_CONTACT.angle, ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE  # relative number
+    dynamic = balls ** (2.0 / 3.0) * math.cos(angle) ** 0.7
+    static = balls * math.cos(angle)
     return tuple(
         replace(
             bearing,

@@ -346,7 +346,7 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 
 
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
-    """Tabulate the static sheets of the start design and the best design, with the change of each quantity.
+    """Tabulate the quantities of statics of the start design and the best design, with the change of each.
 
     Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
     follow. Tables without results are left out.

@@ -45,7 +45,7 @@ class RvStage:
     to_carrier: float
     turn_ratio: float
 
-    def crank_places(self, crank: npt.ArrayLike) -> Array:
+    def crank_positions(self, crank: npt.ArrayLike) -> Array:
         """Return the vectors from the carrier's axis to the crank axes [m], shape (m, n, 2), at crank angles (m,)."""
         turned = np.asarray(crank, dtype=np.float64)[:, np.newaxis] / self.gear.lobes
         return np.asarray(self.radius * profile.unit(2.0 * np.pi * np.arange(self.cranks) / self.cranks + turned))
@@ -127,7 +127,7 @@ def _crank_forces(
     floating_sun
         Whether the cranks also have equal torques.
     """
-    crank_centres, eccentrics = stage.crank_places(crank_angles), stage.eccentrics(crank_angles)
+    crank_centres, eccentrics = stage.crank_positions(crank_angles), stage.eccentrics(crank_angles)
     (count, discs, _), cranks = disc_force.shape, stage.cranks
     rows = 3 * discs + (cranks - 1) * floating_sun
     matrix, right_side = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
@@ -203,7 +203,7 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     perpendicular = quarter_turned(stage.eccentrics(crank_angles))
     tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
-    disc_rotation = np.einsum("mdnj,mnj->md", misfit, quarter_turned(stage.crank_places(crank_angles)))
+    disc_rotation = np.einsum("mdnj,mnj->md", misfit, quarter_turned(stage.crank_positions(crank_angles)))
     disc_rotation /= stage.cranks * stage.radius**2
     disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up

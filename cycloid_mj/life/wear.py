@@ -9,7 +9,7 @@ from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.wear_data import MM3, Interval, wear_coefficient
 from cycloid_mj.reducer import Reducer
 
-HOURS = 1000.0
+WEAR_HOURS = 1000.0
 """Hours of running that depths and sliding distances are stated for."""
 
 NAMES = {
@@ -35,24 +35,24 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         density = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
         speed = sum(loading.sliding[kind].speed * loading.point.share for loading in loadings)
         largest = max(loading.sliding[kind].pressure_speed for loading in loadings)
-        depth = coefficient.typical * density / reducer.design.gear.face_width * HOUR * HOURS
+        depth = coefficient.typical * density / reducer.design.gear.face_width * HOUR * WEAR_HOURS
         limit = getattr(reducer.design.clearance, pair)
-        distance = speed * 3.6 * HOURS
+        distance = speed * 3.6 * WEAR_HOURS
         yield RatedItem(
             f"{kind}_wear",
-            f"wear of {NAMES[kind]}, per {HOURS:.0f} h",
+            f"wear of {NAMES[kind]}, per {WEAR_HOURS:.0f} h",
             1e6 * depth,
             1e6 * limit,
             "um",
             None,
-            HOURS * limit / depth if depth else math.inf,
+            WEAR_HOURS * limit / depth if depth else math.inf,
             "Archard, k F s at the place that wears fastest, running one way; until the clearance has doubled",
             f"k = {MM3 * coefficient.typical:g} mm3/(N m), 5 to 95 %: {MM3 * coefficient.low:g} to "
             f"{MM3 * coefficient.high:g}; {coefficient.source}; steady wear without run-in: see `cycloid-mj wear`",
         )
         yield _figure(
             f"{kind}_way",
-            f"sliding distance of {NAMES[kind]}, per {HOURS:.0f} h",
+            f"sliding distance of {NAMES[kind]}, per {WEAR_HOURS:.0f} h",
             distance,
             "km",
             "mean sliding speed of the loaded contacts",

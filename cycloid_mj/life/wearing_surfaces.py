@@ -89,7 +89,16 @@ class WearingSurface:
 
 @dataclass(frozen=True, eq=False)
 class SlidingContacts:
-    """Contacts of a gap over a turn: angle in the table [rad], force [N], speed [m/s], half width [m], shape (m, n)."""
+    """Contacts of a sliding pair at m crank angles of a turn: arrays of shape (m, n).
+
+    Attributes
+    ----------
+    angle
+        Place of the contact on the worn surface [rad], at which the wear is tabulated: of a tooth its phase, of an
+        output hole the direction about its centre, of a cam the direction of the force from that of the eccentricity.
+    force, speed, half_width
+        Normal force [N], sliding speed [m/s] and half width by Hertz [m].
+    """
 
     angle: Array
     force: Array
@@ -198,7 +207,7 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
-    """Return angle [rad], force [N], sliding speed [m/s] and half width [m] of the contacts of each gap over a turn.
+    """Return the sliding contacts over a turn by the kind of pair: teeth, output pins and plain cams.
 
     `springs` and `contact_loads` are those of the equilibria over the turn.
     """

@@ -23,7 +23,7 @@ from cycloid_mj.measure.trace import copy_model
 from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
 from cycloid_mj.reducer import Reducer
 
-SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
+SPEED_FRACTIONS = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep relative to the design's."""
 SHOWN = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
@@ -62,7 +62,7 @@ def vibration(
     load
         Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     speeds
-        Crank speeds besides the design's [rad/s]; by default the design's speed times each of `SHARES`.
+        Crank speeds besides the design's [rad/s]; by default the design's speed times each of `SPEED_FRACTIONS`.
     turns
         Crank turns of each run after it has settled.
     quick
@@ -83,7 +83,7 @@ def vibration(
     reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
         reducer = reducer.but(settings={"timestep": acceleration_timestep(reducer)})
-    swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
+    swept = [] if quick else list(speeds) or [share * speed for share in SPEED_FRACTIONS]
     levels = _run_sweep(reducer, torques, sorted({speed, *swept}, key=abs), turns, not quick, solver, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]

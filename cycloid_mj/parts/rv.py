@@ -118,7 +118,7 @@ def _along_planets(reducer: RvReducer, part: Part) -> list[Segment]:
 
 def crank_centres(reducer: RvReducer) -> Array:
     """Return the crank axes in the frame of the carrier (n, 2) [m]."""
-    return reducer.stage.crank_places([0.0])[0]
+    return reducer.stage.crank_positions([0.0])[0]
 
 
 def post_centres(reducer: RvReducer) -> Array:

@@ -164,12 +164,12 @@ def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
     yield Body(loaded, loaded, (names.OUTPUT_JOINT,), axis, axis)
     shift = np.stack(
         [
-            listed(values, (reducer.cranks.count,))
+            expanded(values, (reducer.cranks.count,))
             for values in (reducer.crank_errors.carrier_x, reducer.crank_errors.carrier_y)
         ],
         axis=-1,
     )
-    for name, position in zip(crank_names(reducer), reducer.stage.crank_places([0.0])[0] + shift, strict=True):
+    for name, position in zip(crank_names(reducer), reducer.stage.crank_positions([0.0])[0] + shift, strict=True):
         yield Body(name, names.CRANK, (crank_joint(name),), position, axis, carrier=names.OUTPUT)
     yield from pin_bodies(design, errors, names.HOUSING if loaded == names.HOUSING else "")
 
@@ -185,12 +185,12 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
     def numbered(stem: str) -> tuple[str, ...]:
         return tuple(names.of_disc(name, disc, design.gear.discs) for name in names.all_numbered(stem, count))
 
-    bore_error = np.stack([listed(errors.bore_x, shape)[disc], listed(errors.bore_y, shape)[disc]], axis=-1)
+    bore_error = np.stack([expanded(errors.bore_x, shape)[disc], expanded(errors.bore_y, shape)[disc]], axis=-1)
     outward = profile.unit(np.array([-reducer.phases[disc]]))
     forward = np.stack([-outward[:, 1], outward[:, 0]], axis=-1)
     eccentric_error = (
-        listed(errors.eccentric_radial, shape)[disc][:, np.newaxis] * outward
-        + listed(errors.eccentric_tangential, shape)[disc][:, np.newaxis] * forward
+        expanded(errors.eccentric_radial, shape)[disc][:, np.newaxis] * outward
+        + expanded(errors.eccentric_tangential, shape)[disc][:, np.newaxis] * forward
     )
     radius = reducer.cranks.eccentric_radius
     bores = surfaces_on_circle(
@@ -219,7 +219,7 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
     """Return the mating of the sun with the planets; run-out displaces each planet's teeth from its crank's axis."""
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
-    runout = np.stack([listed(errors.planet_x, (count,)), listed(errors.planet_y, (count,))], axis=-1)
+    runout = np.stack([expanded(errors.planet_x, (count,)), expanded(errors.planet_y, (count,))], axis=-1)
     sun_teeth = surfaces_on_circle(
         (names.column(names.SUN, names.TEETH),), names.SUN, Role.SUN, 0.0, sun_gear.tip_radius
     )
@@ -256,6 +256,6 @@ def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str,
     return position, velocity
 
 
-def listed(values: tuple[float, ...], shape: tuple[int, ...]) -> Array:
+def expanded(values: tuple[float, ...], shape: tuple[int, ...]) -> Array:
     """Return a list of errors as an array of a `shape`; an empty list becomes zeros."""
     return np.array(values).reshape(shape) if values else np.zeros(shape)

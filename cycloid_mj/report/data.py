@@ -61,7 +61,8 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 def curves(motion: Series) -> dict[str, Array]:
     """Return the curves of a run over its n samples, shape (n,) each, in the units of `SIGNALS`: name -> values.
 
-    Names are keys of `SIGNALS`; the name of a closed form is that of its signal with ``_theory`` appended.
+    They are those of the figures that apply to the run. Names are keys of `SIGNALS`; the name of a closed form is that
+    of its signal with ``_theory`` appended.
     """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):

@@ -118,9 +118,10 @@ class Joint:
         return joint
 
     def write(self, model: Any, joint: str = "output") -> None:
-        """Write play, stiffness, damping and no-load friction of the reducer into a MuJoCo model.
+        """Set play, stiffness, damping and no-load friction of the reducer in a compiled MuJoCo model, in place.
 
-        `joint` is the name of its hinge.
+        `model` is an ``MjModel`` of an MJCF file that ``reduce`` wrote: it has the rotor and the tendons of the reducer
+        at the hinge with the name `joint`.
         """
         values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
         low, high = values["stops"]

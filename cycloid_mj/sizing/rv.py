@@ -287,8 +287,8 @@ def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
 def _search(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
     """Rate candidates until the shortest that carries the torque is found; return it (or None), and the strongest.
 
-    The ratio of rated and estimated torque corrects the estimates of the other candidates. The strongest is the one
-    with the largest torque of all rated candidates.
+    `pool` is sorted by length, and at most `MAX_RATINGS` of its candidates are rated. The ratio of rated and estimated
+    torque corrects the estimates of the others. The strongest has the largest torque of the rated candidates.
     """
     strongest, bias, left = None, 1.0, list(pool)
     for _ in range(MAX_RATINGS):

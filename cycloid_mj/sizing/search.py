@@ -450,7 +450,9 @@ class Pool:
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
         """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study to the result.
 
-        It is None if the drive cannot be rated, or if too many samples jam (see `SETTINGS.min_yield`).
+        The backlash becomes the 99th percentile of the study, and `passed` says whether the drive carries the torque
+        and enough samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
+        `SETTINGS.min_yield`).
         """
         full = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}

@@ -21,7 +21,7 @@ from cycloid_mj.base.array import Array, Integers, quarter_turned, rotate
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
-from cycloid_mj.reducer.rv_bodies import listed
+from cycloid_mj.reducer.rv_bodies import expanded
 from cycloid_mj.statics.springs import tooth_stiffness
 
 
@@ -276,7 +276,7 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
     slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
-    carrier_rate = quarter_turned(stage.crank_places(crank)) / lever
+    carrier_rate = quarter_turned(stage.crank_positions(crank)) / lever
     crank_rate = eccentricity / lever * quarter_turned(stage.eccentrics(crank))
     for disc in range(discs):
         slope[:, disc, :, 0, 3 * disc] = slope[:, disc, :, 1, 3 * disc + 1] = -1.0
@@ -296,10 +296,10 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     carrier_angle = -crank / reducer.design.lobes
     directions = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
     radial, tangential = (
-        listed(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
+        expanded(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
     )
-    bores = np.stack([listed(errors.bore_x, shape), listed(errors.bore_y, shape)], axis=-1)
-    holes = np.stack([listed(errors.carrier_x, shape[1:]), listed(errors.carrier_y, shape[1:])], axis=-1)
+    bores = np.stack([expanded(errors.bore_x, shape), expanded(errors.bore_y, shape)], axis=-1)
+    holes = np.stack([expanded(errors.carrier_x, shape[1:]), expanded(errors.carrier_y, shape[1:])], axis=-1)
     axis = np.array([errors.axis_x, errors.axis_y])
     return (
         radial * directions
@@ -315,7 +315,7 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
     The last axis is x and y in the frame of the ring. `crank` are crank angles against the ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
-    displacements = np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1)
+    displacements = np.stack([expanded(errors.planet_x, shape), expanded(errors.planet_y, shape)], axis=-1)
     return rotate(displacements, crank[:, np.newaxis])
 
 
@@ -326,7 +326,7 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     turns the crank back by o divided by the pitch radius of the planet. `crank` are crank angles against the ring
     [rad], shape (m,). The result is an argument of `closed_form_error`.
     """
-    forward = quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
+    forward = quarter_turned(reducer.stage.crank_positions(crank)) / reducer.lever
     displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
     return np.asarray((displaced + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
@@ -357,7 +357,7 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
         Gaps (m, 2 n) [m], and gradients (m, 2 n, u) [1].
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
-    outward = stage.crank_places(crank) / lever
+    outward = stage.crank_positions(crank) / lever
     forward, carrier = quarter_turned(outward), 3 * len(stage.phases)
     displaced = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
     gaps, slopes = [], []

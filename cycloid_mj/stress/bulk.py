@@ -75,8 +75,8 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
         heights = points[grid.section.nodes.max(axis=1), 2]
         axial_distance = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
     is_at_corner = np.zeros(len(points), bool)
-    if len(grid.keep_off):
-        is_at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
+    if len(grid.singular_points):
+        is_at_corner = np.asarray(cKDTree(grid.singular_points).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
     ends = np.searchsorted(case.angle[order], np.arange(case.angles + 1))
     return Distances(points, axial_distance, case.points[order, :2], ends, is_at_corner, grid.mesh.nvertices)

@@ -335,7 +335,7 @@ def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartConta
     needle.
     """
     frame, contacts = _disc(turn, disc), []
-    bores = reducer.stage.crank_places([0.0])[0]
+    bores = reducer.stage.crank_positions([0.0])[0]
     for number, centre in enumerate(bores, start=1):
         name = _pair_name(turn, numbered_name(CRANK, number), disc)
         action = _in(frame, _on_gear(turn, numbered_name(CRANK, number), disc))
@@ -350,7 +350,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
     """Compute Hertz's pressure [Pa] and half width [m] of the most loaded needle between an eccentric and a disc.
 
     `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
-    eccentric, or the negative curvature of the bore.
+    eccentric, or the negative curvature of the bore. The third result tells whether Hertz's theory is valid.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
     load = force * STRIBECK / cranks.needles

@@ -71,7 +71,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     distance = 0.5 * design.output.root_radius
     corners = [_output_corners(reducer, face, output_levels[-1], distance / 4)]
     corners += [_output_corners(reducer, -face, -output_levels[-1], distance / 4)] if len(second_levels) else []
-    return replace(grid, keep_off=np.concatenate(corners), corner_distance=distance)
+    return replace(grid, singular_points=np.concatenate(corners), corner_distance=distance)
 
 
 def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
@@ -121,7 +121,7 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
         loops=(),
         fixed_nodes=np.unique(fixed_nodes[fixed_nodes >= 0]),
         bulk_distance=section.bulk_distance,
-        keep_off=np.zeros((0, 3)),
+        singular_points=np.zeros((0, 3)),
         section=SectionGrid(
             section,
             np.concatenate(pressed_nodes),

@@ -262,7 +262,7 @@ def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple
     pairs if the part has no such corners.
     """
     grid = part.grid
-    if not len(grid.keep_off):
+    if not len(grid.singular_points):
         return ()
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
     bulk = []

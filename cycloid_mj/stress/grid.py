@@ -101,7 +101,7 @@ class Grid:
         Fixed nodes; empty for a free part.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk [m].
-    keep_off, corner_distance
+    singular_points, corner_distance
         Points (n, d) [m] on sharp inner corners without their fillets, and their distance that the bulk excludes [m].
     section
         Planar grid of an extruded solid, on which contact forces act; None for others.
@@ -113,7 +113,7 @@ class Grid:
     loops: tuple[Integers, ...]
     fixed_nodes: Integers
     bulk_distance: float
-    keep_off: Array
+    singular_points: Array
     corner_distance: float = 0.0
     section: "SectionGrid | None" = None
 
@@ -227,7 +227,7 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
         loops=tuple(table for boundary, table in pairs if boundary.touched),
         fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped_nodes])),
         bulk_distance=settings.bulk_distance * length,
-        keep_off=np.zeros((0, 2)),
+        singular_points=np.zeros((0, 2)),
     )
 
 

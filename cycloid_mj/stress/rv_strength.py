@@ -160,7 +160,7 @@ def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, statio
 
 def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Array:
     """Return the forces of the sun on the n planets, normal to the flanks [N], shape (k, n, 2), frame of the ring."""
-    outward = reducer.stage.crank_places(springs.crank) / reducer.lever
+    outward = reducer.stage.crank_positions(springs.crank) / reducer.lever
     forward, angle = quarter_turned(outward), reducer.planet.pressure_angle
     signed = loads.flanks[:, 1] - loads.flanks[:, 0]
     along = math.cos(angle) * signed[..., np.newaxis] * forward

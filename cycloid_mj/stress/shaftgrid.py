@@ -33,7 +33,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
         fixed_nodes=np.zeros(0, np.int64),
         bulk_distance=CORNER_DISTANCE * shaft.radius,
         corner_distance=CORNER_DISTANCE * shaft.radius,
-        keep_off=_inner_corners(shaft),
+        singular_points=_inner_corners(shaft),
     )
 
 

@@ -94,7 +94,8 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
     """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m].
 
-    They are those on each disc, with moments about its centre, and those of the sockets on free ring pins.
+    They are those on each disc, with moments about its centre, and those of the sockets on free ring pins, with moments
+    about the centre of the pin.
     """
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction
@@ -103,24 +104,24 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
     on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
     for disc in range(springs.discs):
         wrenches = np.zeros_like(on_pins)
-        for line in np.flatnonzero(springs.disc == disc):
-            own = directions[:, line, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
-            wrenches[owners[line]] += loads.pins[:, line, np.newaxis] * own
+        for contact in np.flatnonzero(springs.disc == disc):
+            own = directions[:, contact, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
+            wrenches[owners[contact]] += loads.pins[:, contact, np.newaxis] * own
         centre = design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, disc]
-        on_pins += [_moved(wrench, centre) for wrench in wrenches]
+        on_pins += [_wrench_about(wrench, centre) for wrench in wrenches]
         for name, wrench in zip(all_numbered(stem, design.ring.teeth), wrenches, strict=True):
             yield from _wrench_columns(of_disc(name, disc, springs.discs), wrench)
         for number, name in enumerate(all_numbered(CRANK, reducer.cranks.count)):
             force = loads.cranks[:, disc, number]
-            moment = cross(reducer.stage.crank_places(springs.crank)[:, number], force)
+            moment = cross(reducer.stage.crank_positions(springs.crank)[:, number], force)
             moment += springs.lever * bearing_friction[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
             yield from _wrench_columns(of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
     if design.ring.has_pin_bodies:
         for pin, name in enumerate(all_numbered(SOCKET, design.ring.teeth)):
-            yield from _wrench_columns(name, _moved(on_pins[pin], -nominal_pin_centre(reducer, pin)))
+            yield from _wrench_columns(name, _wrench_about(on_pins[pin], -nominal_pin_centre(reducer, pin)))
 
 
-def _moved(wrench: Array, origin: Array) -> Array:
+def _wrench_about(wrench: Array, origin: Array) -> Array:
     """Return force and moment (k, 3) [N], [N m] about the point from which the present one is at `origin` [m]."""
     moment = wrench[:, 2] + cross(np.broadcast_to(origin, wrench[:, :2].shape), wrench[:, :2])
     return np.column_stack([wrench[:, :2], moment])

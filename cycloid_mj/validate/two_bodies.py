@@ -39,7 +39,7 @@ class ImpactConditions:
     """Allowed error of a body at rest [%]: the tolerance of the solver."""
 
 
-TWO = ImpactConditions()
+TWO_BODIES = ImpactConditions()
 
 _XML = """<mujoco>
   <option timestep="{timestep!r}" gravity="0 {gravity!r} 0" tolerance="1e-14" cone="elliptic"/>
@@ -60,33 +60,38 @@ def rows(quick: bool) -> list[ValidationRow]:
     """
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
-    contact_parameters = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
-    undamped_parameters = replace(contact_parameters, damping=0.0, added_mass=0.3 * TWO.mass)
+    contact_parameters = contact_law(stiffness, ratio, TWO_BODIES.mass, 0.0, 0.0, step)
+    undamped_parameters = replace(contact_parameters, damping=0.0, added_mass=0.3 * TWO_BODIES.mass)
     depth, force = static_deflection(contact_parameters, step)
     return [
         relative(
-            "penetration under a static force", 1e6 * depth, 1e6 * TWO.force / stiffness, "um", "F/K", TWO.static_bound
+            "penetration under a static force",
+            1e6 * depth,
+            1e6 * TWO_BODIES.force / stiffness,
+            "um",
+            "F/K",
+            TWO_BODIES.static_bound,
         ),
-        relative("static contact force", force, TWO.force, "N", "equilibrium", TWO.static_bound),
+        relative("static contact force", force, TWO_BODIES.force, "N", "equilibrium", TWO_BODIES.static_bound),
         relative(
             "frequency with an added mass of 0.3 m",
-            measure_frequency(undamped_parameters, TWO.short_step) / (2 * math.pi),
-            math.sqrt(stiffness / (TWO.mass + undamped_parameters.added_mass)) / (2 * math.pi),
+            measure_frequency(undamped_parameters, TWO_BODIES.short_step) / (2 * math.pi),
+            math.sqrt(stiffness / (TWO_BODIES.mass + undamped_parameters.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
             0.06,
         ),
         relative(
             "frequency at the default step",
-            measure_frequency(contact_law(stiffness, 0.0, TWO.mass, 0.0, 0.0, step), step) / (2 * math.pi),
-            math.sqrt(stiffness / TWO.mass) / (2 * math.pi),
+            measure_frequency(contact_law(stiffness, 0.0, TWO_BODIES.mass, 0.0, 0.0, step), step) / (2 * math.pi),
+            math.sqrt(stiffness / TWO_BODIES.mass) / (2 * math.pi),
             "Hz",
             "sqrt(K/m)",
             0.01,
         ),
         relative(
             f"restitution at {ratio:g} of critical damping",
-            measure_restitution(contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, 2e-7), 2e-7),
+            measure_restitution(contact_law(stiffness, ratio, TWO_BODIES.mass, 0.0, 0.0, 2e-7), 2e-7),
             linear_restitution(ratio),
             "",
             "Nagurka and Huang 2004",
@@ -97,8 +102,8 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def static_deflection(contact_parameters: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Simulate until the disc is at rest under `TWO.force`; return its penetration [m] and the contact force [N]."""
-    model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
+    """Simulate the disc until rest under `TWO_BODIES.force`; return its penetration [m] and the contact force [N]."""
+    model = two_body_model(contact_parameters, timestep, TWO_BODIES.force / TWO_BODIES.mass)
     data = mujoco.MjData(model)
     with install():
         mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
@@ -111,10 +116,10 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
     It follows from the zero crossings of the velocity. `contact_parameters` are the law of the contact; `timestep` is
     in [s].
     """
-    model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
+    model = two_body_model(contact_parameters, timestep, TWO_BODIES.force / TWO_BODIES.mass)
     data = mujoco.MjData(model)
-    data.qpos[0] = 0.5 * TWO.force / contact_parameters.stiffness
-    period = 2.0 * math.pi * math.sqrt((TWO.mass + contact_parameters.added_mass) / contact_parameters.stiffness)
+    data.qpos[0] = 0.5 * TWO_BODIES.force / contact_parameters.stiffness
+    period = 2.0 * math.pi * math.sqrt((TWO_BODIES.mass + contact_parameters.added_mass) / contact_parameters.stiffness)
     speeds = np.empty(math.ceil(20 * period / timestep))
     with install():
         for step in range(speeds.size):
@@ -126,15 +131,15 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_restitution(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Simulate an impact at `TWO.speed` in MuJoCo; return the coefficient of restitution [1], the ratio of speeds."""
+    """Simulate an impact at `TWO_BODIES.speed` in MuJoCo; return the coefficient of restitution [1]."""
     model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
-    data.qpos[0], data.qvel[0] = start, TWO.speed
+    data.qpos[0], data.qvel[0] = start, TWO_BODIES.speed
     with install():
         while data.qpos[0] >= start:
             mujoco.mj_step(model, data)
-    return float(-data.qvel[0] / TWO.speed)
+    return float(-data.qvel[0] / TWO_BODIES.speed)
 
 
 def linear_restitution(ratio: float) -> float:
@@ -148,11 +153,11 @@ def linear_restitution(ratio: float) -> float:
 
 def two_body_model(contact_parameters: ContactParameters, timestep: float, gravity: float) -> Any:
     """Return the MuJoCo model (`MjModel`) of a disc in a fixed circle, into which `gravity` [m/s2] presses the disc."""
-    parameters = solver_parameters(contact_parameters, 1.0 / TWO.mass)
+    parameters = solver_parameters(contact_parameters, 1.0 / TWO_BODIES.mass)
     text = _XML.format(
         timestep=timestep,
         gravity=gravity,
-        mass=TWO.mass,
+        mass=TWO_BODIES.mass,
         outer=int(Role.OUTER),
         inner=int(Role.INNER),
         solref=" ".join(map(repr, parameters.solref)),

@@ -153,7 +153,7 @@ def test_planet_flanks_are_those_of_the_drawn_teeth(side: float) -> None:
     reducer = rv(784.0, planet={"backlash": 1e-4})
     sun, planet = reducer.stage_gears
     rng = np.random.default_rng(3)
-    for number, (x, y) in enumerate(reducer.stage.crank_places([0.0])[0]):
+    for number, (x, y) in enumerate(reducer.stage.crank_positions([0.0])[0]):
         dx, dy, dpx, dpy = rng.normal(0.0, 1e-5, 4)
         turn = 0.31 * number + 0.1
         sun_turn, planet_turn = turn + 1e-4, -turn * 10 / 38

@@ -91,7 +91,7 @@ def test_crank_forces_are_those_of_the_table(
     """Cranks count clockwise here, and counter-clockwise in the derivation of the table."""
     found = ideal_rv_loads(stage(cranks, discs), TORQUE, np.radians([0.0, 30.0, 90.0]), floating)
     assert found.bearings[:, 0] == pytest.approx(np.array(forces), abs=0.1)
-    places = stage(cranks, discs).crank_places(np.radians([0.0, 30.0, 90.0]))
+    places = stage(cranks, discs).crank_positions(np.radians([0.0, 30.0, 90.0]))
     for disc in range(discs):
         assert found.cranks[:, disc].sum(axis=1) == pytest.approx(-found.resultant[:, disc], abs=1e-6)
         force = found.cranks[:, disc]

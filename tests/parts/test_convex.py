@@ -27,7 +27,7 @@ from cycloid_mj.parts.convex import (
     placed_outline,
     plain_gear,
     polygon_body,
-    require_single,
+    require_convex_slices,
     ring_lobes,
     sectors,
     surface_quality,
@@ -157,14 +157,14 @@ def test_slices_and_rest_are_the_whole_gear() -> None:
 @pytest.mark.slow
 def test_coacd_keeps_convex_slices_and_divides_others() -> None:
     for surface in surfaces(Reducer(PIN), SETTINGS):
-        require_single(surface, SETTINGS.coacd)
+        require_convex_slices(surface, SETTINGS.coacd)
     corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]) * 1e-3
     with pytest.raises(DesignError, match="not convex"):
         convex_slice("corner", corner, 1e-3, 1.0)
     teeth = gear_teeth(Reducer(PIN), SETTINGS)
     spoiled = dataclasses.replace(teeth, slices=(dataclasses.replace(teeth.slices[0], outline=corner),))
     with pytest.raises(DesignError, match="2 parts"):
-        require_single(spoiled, SETTINGS.coacd)
+        require_convex_slices(spoiled, SETTINGS.coacd)
 
 
 @pytest.fixture(scope="module")

@@ -221,7 +221,7 @@ def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
     assert own == pytest.approx(stress.bulk_stress[0])
     assert half > 1.05 * own > 1.05 * twice
     assert output_roots(Reducer(PIN), loads)[0].stress > 1.5 * own
-    assert vary_corner_distance(replace(part, grid=replace(part.grid, keep_off=np.zeros((0, 3)))), 0, 1e-3) == ()
+    assert vary_corner_distance(replace(part, grid=replace(part.grid, singular_points=np.zeros((0, 3)))), 0, 1e-3) == ()
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ from cycloid_mj.parts.convex import (
     Quality,
     Rest,
     decompose,
-    require_single,
+    require_convex_slices,
     sectors,
     surface_quality,
 )
@@ -132,7 +132,7 @@ def design_hash(reducer: Reducer) -> str:
 
 
 def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
-    require_single(surface, settings.coacd)
+    require_convex_slices(surface, settings.coacd)
     return surface_quality(surface)
 
 

@@ -5,7 +5,7 @@ curvature; the material behind them carries no contact and is decomposed by CoAC
 """
 
 from cycloid_mj.parts.convex.bearing import gear_bore, gear_holes, pin_sockets
-from cycloid_mj.parts.convex.decompose import coacd_pieces, require_single
+from cycloid_mj.parts.convex.decompose import coacd_pieces, require_convex_slices
 from cycloid_mj.parts.convex.plain import Plain, plain_gear, plain_ring
 from cycloid_mj.parts.convex.quality import Quality, hull_body, polygon_body, surface_quality, union_heights
 from cycloid_mj.parts.convex.rest import Rest, Sector, decompose, sectors
@@ -36,7 +36,7 @@ __all__ = [
     "plain_ring",
     "polygon_body",
     "prism",
-    "require_single",
+    "require_convex_slices",
     "ring_lobes",
     "sectors",
     "surface_quality",

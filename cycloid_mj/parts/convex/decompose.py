@@ -30,7 +30,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
     return tuple(sorted(pieces, key=lambda piece: tuple(piece.vertices.mean(axis=0).round(9))))
 
 
-def require_single(surface: ConvexSurface, settings: CoacdSettings) -> None:
+def require_convex_slices(surface: ConvexSurface, settings: CoacdSettings) -> None:
     """Raise DesignError unless CoACD keeps each slice of a surface as one convex body."""
     for number in range(len(surface.slices)):
         parts = len(coacd_pieces(mesh(prism(surface, number)), settings))

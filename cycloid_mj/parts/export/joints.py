@@ -75,7 +75,10 @@ USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 
 @once
 def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
-    """Return all joints of a drive with its casing, in order from motor to load, then those of the crank."""
+    """Return all joints between parts of a drive with its casing: fits, bearing seats, screws, threads and dowels.
+
+    They are in order from motor to load, followed by those of the crank.
+    """
     return (
         *_motor_shaft_joint(reducer, sizes),
         _motor_pilot_joint(sizes),

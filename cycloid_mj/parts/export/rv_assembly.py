@@ -68,7 +68,7 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
         yield PlacedPart(flange, flange, origin, carrier_angle, CARRIER)
     yield PlacedPart(SUN, SUN, (0.0, 0.0, planet_middle), sun_angle, SUN)
     yield from place_discs(reducer, crank, carrier_angle)
-    for number, (x, y) in enumerate(reducer.stage.crank_places([crank])[0].tolist(), start=1):
+    for number, (x, y) in enumerate(reducer.stage.crank_positions([crank])[0].tolist(), start=1):
         crank_name = names.numbered_name(CRANK, number)
         yield PlacedPart(crank_name, CRANK, (x, y, 0.0), crank, crank_name)
         angle = crank + planet_angle(reducer)
