@@ -8,7 +8,6 @@ from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import attached_parts, mass_properties, parts
-from cycloid_mj.parts.export.rv_assembly import rv_masses
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
 CHORD_ERROR = 1e-6
@@ -22,6 +21,8 @@ def masses(reducer: Reducer) -> dict[str, float]:
     Those of an RV reducer are `rv_masses`, with needles and the tapered bearings of the cranks.
     """
     if isinstance(reducer, RvReducer):
+        from cycloid_mj.parts.export.rv_assembly import rv_masses
+
         return rv_masses(reducer)
     carried_parts = Counter(
         part for body in (names.SHAFT, names.OUTPUT) for part, _ in attached_parts(reducer, body).values()

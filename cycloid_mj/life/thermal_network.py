@@ -27,7 +27,6 @@ from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import drive_mass, has_casing
-from cycloid_mj.parts.export.rv_assembly import rv_masses
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.balance import Loads
 
@@ -304,7 +303,7 @@ def heat_capacities(reducer: Reducer) -> dict[str, float]:
     nodes together. Without covers, it has this smallest capacity.
     """
     bodies = dict.fromkeys(HEATED, 0.0)
-    mechanism = rv_masses(reducer) if isinstance(reducer, RvReducer) else masses(reducer)
+    mechanism = masses(reducer)
     for name, mass in mechanism.items():
         part = next(part for stem, part in PART_OF_STEM.items() if name.startswith(stem))
         bodies[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat
