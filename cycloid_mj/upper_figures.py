@@ -3,12 +3,9 @@
 from collections.abc import Callable, Iterable
 
 from cycloid_mj.base.units import with_unit
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.reducer import Reducer
-
-BOTH: tuple[Layout, ...] = ("central", "rv")
-"""Layouts of figures of all reducers."""
 
 _RATED = "at the nominal torque and speed"
 
@@ -48,7 +45,7 @@ def _make_figures(
     module: str,
     rows: Iterable[tuple[str, str, str, str]],
     exists: Callable[[Reducer], bool] = lambda _: True,
-    layouts: tuple[Layout, ...] = ("central",),
+    layouts: tuple[Layout, ...] = CENTRAL,
 ) -> tuple[Figure, ...]:
     """Return the figures that `cycloid_mj.<module>` computes, one per row.
 
@@ -99,7 +96,7 @@ def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple
             definition=definition.format(words),
             need=Need.STRESS,
             function=_part_function(kind, key),
-            layouts=BOTH if kind in ("gear", "ring", "pin") else ("central",),
+            layouts=BOTH if kind in ("gear", "ring", "pin") else CENTRAL,
         )
         for kind, words in PARTS.items()
     )

@@ -5,6 +5,11 @@ from typing import Literal
 
 Layout = Literal["central", "rv"]
 
+CENTRAL: tuple[Layout, ...] = ("central",)
+RV: tuple[Layout, ...] = ("rv",)
+BOTH: tuple[Layout, ...] = CENTRAL + RV
+"""Layouts that have a figure."""
+
 SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "central": (),
     "rv": (

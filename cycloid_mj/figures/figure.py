@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.layouts import CENTRAL, Layout
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Figure:
     aliases: tuple[str, ...] = ()
     deprecated: tuple[str, ...] = ()
     exists: Callable[[Reducer], bool] = lambda _: True
-    layouts: tuple[Layout, ...] = ("central",)
+    layouts: tuple[Layout, ...] = CENTRAL
     interval: Callable[[Reducer], Quantity] | None = None
 
     def applies_to(self, reducer: Reducer) -> bool:

@@ -4,7 +4,7 @@ from collections import Counter
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.layouts import BOTH, Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import attached_parts, mass_properties, parts
@@ -62,7 +62,7 @@ def _make_figure(
     function: Compute | str,
     *aliases: str,
     deprecated: tuple[str, ...] = (),
-    layouts: tuple[Layout, ...] = ("central", "rv"),
+    layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
     """Return a row of the catalogue that needs dimensions and materials only; arguments are fields of `Figure`."""
     return Figure(

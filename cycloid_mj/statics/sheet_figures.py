@@ -6,7 +6,7 @@ from itertools import product
 from typing import Literal
 
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.layouts import BOTH, CENTRAL, RV, Layout
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film_spread import Spread
 
@@ -51,10 +51,6 @@ BEARINGS = {
 """Bearings of drives with several discs -> words."""
 
 INERTIA_SHARE = "inertia_torque_share"
-
-CENTRAL: tuple[Layout, ...] = ("central",)
-RV: tuple[Layout, ...] = ("rv",)
-BOTH: tuple[Layout, ...] = ("central", "rv")
 
 _IDEAL = "without friction and weight, at a locked crank: mean over a turn"
 _TURN = "over a turn of the crank (RV reducer: of the carrier)"
