@@ -102,8 +102,7 @@ def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
 
 def tooth_passing_rate(reducer: Reducer) -> float:
     """Compute how many teeth pass a contact per second at the design's crank speed [1/s]."""
-    design = reducer.design
-    return design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
+    return reducer.design.ring.teeth * abs(reducer.speed_against_ring) / (2.0 * math.pi)
 
 
 def lowest_log_rate(reducer: Reducer) -> float:

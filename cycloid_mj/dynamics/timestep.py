@@ -214,8 +214,7 @@ def _rolling_limit(reducer: Reducer, kind: str, mass: float, clearance: float) -
 
 def passing_limit(reducer: Reducer, steps: float = SETTINGS.min_steps_per_tooth) -> float:
     """Return the longest step [s] with so many `steps` from tooth to tooth at the design's crank speed."""
-    design = reducer.design
-    return 2.0 * math.pi / (steps * design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))))
+    return 2.0 * math.pi / (steps * reducer.design.ring.teeth * abs(reducer.speed_against_ring))
 
 
 def circling_limit(reducer: Reducer) -> float:

@@ -8,11 +8,12 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design.model import HEATED
+from cycloid_mj.figures.catalogue import figure
 from cycloid_mj.figures.statics import back_driving_spread, no_load_spread, starting_spread
-from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import state_seals
-from cycloid_mj.statics.film_spread import Spread, efficiency_spread
-from cycloid_mj.statics.rv_sheet import rv_efficiency_spread
+from cycloid_mj.statics.film_spread import Spread
+from cycloid_mj.statics.sheet import sampled_efficiency
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def compute_film_map(
         points.append(
             MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))
         )
-        if not isinstance(reducer, RvReducer):
+        if figure("back_driving_torque_free_nm").applies_to(reducer):
             back_driving = back_driving_spread(warm_reducer, MAP.samples)
             points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
         for speed in (share * design.drive.speed for share in shares):
@@ -124,11 +125,7 @@ def compute_film_map(
             points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
             for torque in (share * design.rated_torque for share in shares):
                 loaded_reducer = turning_reducer.but(load={"torque": torque})
-                spread = (
-                    rv_efficiency_spread(loaded_reducer, torque, MAP.samples)
-                    if isinstance(loaded_reducer, RvReducer)
-                    else efficiency_spread(loaded_reducer, torque, MAP.samples)
-                )
+                spread = sampled_efficiency(loaded_reducer, torque, MAP.samples)
                 points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
     return tuple(points)
 

@@ -5,16 +5,13 @@ from collections.abc import Callable, Mapping
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import with_unit
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH
 from cycloid_mj.reducer import Reducer, RvReducer, once
-from cycloid_mj.statics import rv_sheet
-from cycloid_mj.statics.balance import powers
-from cycloid_mj.statics.film_spread import SAMPLES, Spread, compute_spread, lost_powers, sample_inputs
-from cycloid_mj.statics.rv_sheet import friction_powers, rv_lost_powers
-from cycloid_mj.statics.sheet import sheet_part
-from cycloid_mj.statics.sheet_figures import BOTH, CENTRAL, SHEET_FIGURES, SheetFigure, SheetPart
+from cycloid_mj.statics.film_spread import SAMPLES, Spread, compute_spread, sample_inputs
+from cycloid_mj.statics.sheet import sampled_losses, shaft_powers, sheet_part
+from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPart
 
 MAX_SECANT_STEPS = 4
 """Most secant steps for the back-driving torque, whose drag is nearly linear in the torque."""
@@ -59,12 +56,9 @@ def no_load_torque(reducer: Reducer) -> float:
     """Compute the mean torque on the crank without load at the design's speed [N m].
 
     The load is `TOUCH` of the nominal torque: without a load the parts have no defined position within the clearances.
-    Raises the errors of `powers`.
+    Raises the errors of `shaft_powers`.
     """
-    design, load = reducer.design, TOUCH * reducer.design.rated_torque
-    if isinstance(reducer, RvReducer):
-        return sum(friction_powers(reducer, load, rv_sheet.SETTINGS.rotation_angles).values()) / abs(design.drive.speed)
-    return powers(reducer, load).lost / abs(design.drive.speed)
+    return shaft_powers(reducer, TOUCH * reducer.design.rated_torque).lost / abs(reducer.design.drive.speed)
 
 
 def starting_torque(reducer: Reducer) -> float:
@@ -81,13 +75,13 @@ def back_driving_torque(reducer: Reducer) -> float:
     The torque T balances the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
     crank's speed w and the ratio i. It is determined by at most `MAX_SECANT_STEPS` steps with the secant of the losses
     between T and 2 T. The reducer is self-locking if the losses grow at least as fast as the input power. Raises the
-    errors of `powers`.
+    errors of `shaft_powers`.
     """
     creeping = _at_creep_speed(reducer)
     lever = reducer.design.reduction / abs(creeping.design.drive.speed)
     smallest_load = torque = TOUCH * reducer.design.rated_torque
     for _ in range(MAX_SECANT_STEPS):
-        drag, double_drag = (lever * powers(creeping, -load).lost for load in (torque, 2.0 * torque))
+        drag, double_drag = (lever * shaft_powers(creeping, -load).lost for load in (torque, 2.0 * torque))
         drag_slope = (double_drag - drag) / torque
         if drag_slope >= 1.0:
             return math.nan
@@ -101,21 +95,17 @@ def back_driving_torque(reducer: Reducer) -> float:
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `no_load_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
-    The interval follows from random `samples` of the law's uncertain inputs. Raises the errors of `powers`.
+    The interval follows from random `samples` of the law's uncertain inputs. Raises the errors of `shaft_powers`.
     """
     speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
-    lost, outcomes = (
-        rv_lost_powers(reducer, load, samples)
-        if isinstance(reducer, RvReducer)
-        else lost_powers(reducer, load, samples)
-    )
+    lost, outcomes = sampled_losses(reducer, load, samples)
     return compute_spread(lost / speed, outcomes / speed, sample_inputs(samples)[1])
 
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `starting_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
-    Raises the errors of `powers`.
+    Raises the errors of `shaft_powers`.
     """
     return no_load_spread(_at_creep_speed(reducer), samples)
 
@@ -124,10 +114,10 @@ def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `back_driving_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
     The interval follows from random `samples` of the law's uncertain inputs, whose torques are assumed to be
-    proportional to their losses. Raises the errors of `powers`.
+    proportional to their losses. Raises the errors of `shaft_powers`.
     """
     torque = back_driving_torque(reducer)
-    lost_power, outcomes = lost_powers(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
+    lost_power, outcomes = sampled_losses(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
     return compute_spread(torque, torque * outcomes / lost_power, sample_inputs(samples)[1])
 
 

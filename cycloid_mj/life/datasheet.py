@@ -31,14 +31,13 @@ from cycloid_mj.life.no_load import grease_of
 from cycloid_mj.life.output_bearing import BALL_BEARINGS, output_bearings
 from cycloid_mj.life.rated import (
     is_bearing_life,
-    is_momentary,
     is_strength,
+    momentary_torque,
     rated_and_momentary_torque,
     rated_torque,
 )
 from cycloid_mj.life.rv_sheet_rows import (
     compute_rv_limits,
-    is_rv_life,
     rv_efficiency_curve,
     rv_further_groups,
     rv_notes,
@@ -68,8 +67,7 @@ from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.film import film_text
-from cycloid_mj.statics.film_spread import efficiency_spread, lost_powers
-from cycloid_mj.statics.sheet import Sheet, sheet
+from cycloid_mj.statics.sheet import Sheet, sampled_efficiency, sampled_losses, sheet
 from cycloid_mj.statics.springs import at_rest
 
 
@@ -262,7 +260,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
     groups |= rv_further_groups(reducer)
     advance()
     curves = (
-        life_curve(reducer, life, limits.momentary[0], limits.lasting[0], advance, is_rv_life),
+        life_curve(reducer, life, limits.momentary[0], limits.lasting[0], advance),
         rv_efficiency_curve(reducer, CURVES.torque_shares),
         rv_wind_up_curve(reducer, CURVES.torsion_shares),
         *(no_load_curves(reducer) if reducer.design.has_film else ()),
@@ -281,23 +279,6 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
         item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
         for item in group
     )
-
-
-def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Compute the largest output torque of an emergency stop, at which the smallest safety factor is 1.
-
-    It is extrapolated from the rating at the nominal torque, with safety factors in proportion to 1/torque.
-
-    Returns
-    -------
-    tuple
-        The torque [N m], and the item that limits it.
-    """
-    design = reducer.design
-    duty = constant_duty(design.rated_torque, design.drive.speed)
-    stops = [item for item in rate_at_rated_load(reducer).items.values() if is_momentary(item.key)]
-    first = min(stops, key=lambda item: item.safety or 0.0)
-    return duty.peak * (first.safety or 0.0), first
 
 
 def _rating_rows(
@@ -429,8 +410,8 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
     if not reducer.design.has_film:
         return efficiency
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    in_bearings = delivered * (100.0 / efficiency.value - 1.0) - lost_powers(reducer, torque)[0]
-    return with_interval(efficiency, efficiency_spread(reducer, torque, further_loss=in_bearings))
+    in_bearings = delivered * (100.0 / efficiency.value - 1.0) - sampled_losses(reducer, torque)[0]
+    return with_interval(efficiency, sampled_efficiency(reducer, torque, further_loss=in_bearings))
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
@@ -582,7 +563,6 @@ def life_curve(
     momentary: float = np.inf,
     rated: float = 0.0,
     on_point: Callable[[], None] = lambda: None,
-    limits_torque: Callable[[str], bool] | None = None,
 ) -> Curve:
     """Compute the rated output torque [N m] for a life over the input speed [rpm], at `CURVES.speed_shares`.
 
@@ -598,8 +578,6 @@ def life_curve(
         Rated torque at the design's own speed, if it is known [N m].
     on_point
         Called after each speed.
-    limits_torque
-        Which items limit the torque, as in `rated_torque`.
     """
     points: list[tuple[float, float]] = []
     for share in CURVES.speed_shares:
@@ -612,7 +590,6 @@ def life_curve(
                     reducer,
                     speed,
                     life,
-                    limits_torque,
                     start_torque=guess,
                     crank_angles=CURVES.crank_angles,
                     rtol=CURVES.rtol,

@@ -16,7 +16,6 @@ from cycloid_mj.design.model import PARTNERS
 from cycloid_mj.geometry.surface_speeds import tooth_speeds
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, sector_means, speed_past_ring, tooth_phases
-from cycloid_mj.statics.film import mesh_speed
 from cycloid_mj.statics.peaks import line_loads
 
 SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
@@ -101,7 +100,8 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
         radius = design.output.hole_radius if part == "gear" else design.output.pin_radius
         shares = half_width / (math.pi * radius)
     elif kind == design.tooth_pair:
-        speeds = tooth_speeds(reducer.tooth_profile, tooth_phases(reducer, loading.springs.crank), mesh_speed(reducer))
+        phases = tooth_phases(reducer, loading.springs.crank)
+        speeds = tooth_speeds(reducer.tooth_profile, phases, reducer.speed_against_ring)
         crank = design.drive.speed
         turning = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
         passing = np.abs(speeds.moving if part == "gear" else speeds.fixed)

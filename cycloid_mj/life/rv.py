@@ -21,8 +21,7 @@ from cycloid_mj.life.pitting_factors import factors_of_contact, weighted_contact
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.film import CRANK_TAPER
-from cycloid_mj.statics.rv_film import build_rv_film
-from cycloid_mj.statics.rv_sheet import balance_running, ideal_rv, springs_over_turn, torque_on_carrier
+from cycloid_mj.statics.rv_sheet import balance_running, film_over_turn, ideal_rv, springs_over_turn
 
 TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 """Assumed rollers of a tapered bearing; lengths over its outer diameter."""
@@ -131,7 +130,7 @@ def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> R
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
     """Return the rollers of the bearings of a crank: the needles in a disc, and assumed tapered rollers in a flange."""
     cranks, outer = reducer.cranks, 2.0 * reducer.cranks.taper_radius
-    pitch = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
+    pitch = 2.0 * reducer.needle_circle_radius
     return (
         RollerRow(cranks.needles, 2.0 * cranks.needle_radius, reducer.design.gear.face_width, pitch),
         RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer),
@@ -267,9 +266,8 @@ def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
 
     `torque` is that on the output.
     """
-    springs, loads = springs_over_turn(reducer), balance_running(reducer, torque)
-    sense = np.sign(torque_on_carrier(reducer, torque))
-    surfaces = build_rv_film(reducer, springs.crank, float(sense)).surfaces(loads)
+    loads = balance_running(reducer, torque)
+    surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)
     return weighted_contact(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
 
 

@@ -254,7 +254,7 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     force = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, np.sign(on_carrier))).pins
-    speed = np.abs(springs.slip) * abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
+    speed = np.abs(springs.slip) * abs(reducer.speed_against_ring)
     kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
     half_width = _half_width(reducer, kind, force, springs.curvature, radius)
     return {"teeth": SlidingContacts(_wrap(-springs.phase), force, speed, half_width)}

@@ -25,7 +25,7 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import interpolate_friction
 from cycloid_mj.measure.steady import averaging_periods, steady_design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.film_spread import efficiency_spread
+from cycloid_mj.statics.sheet import sampled_efficiency
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     )
     balance = Quantity("balance_residual", "largest residual of the energy balance", 1e2 * residual, "% of input")
     if reducer.design.has_film:
-        statics = efficiency_spread(efficiency_map.rated.reducer, load)
+        statics = sampled_efficiency(efficiency_map.rated.reducer, load)
         source = "statics with the film friction of each contact; low to high are its 5 to 95 %"
         measured = replace(measured, reference=statics.value, source=source, low=statics.low, high=statics.high)
         return [replace(measured, causes=statics.causes), limit, balance]

@@ -172,6 +172,11 @@ class Reducer:
         return self.shape.kept("phases", lambda: phases(self.design))
 
     @property
+    def speed_against_ring(self) -> float:
+        """Speed of the crank or cranks against the ring [rad/s], at the speed of the drive."""
+        return float(self.member.against_ring(self.design.drive.speed))
+
+    @property
     def play(self) -> float:
         """Largest backlash of the output with rigid parts [rad], at crank angle 0; errors as in ``limits.stops``."""
         from cycloid_mj.reducer.limits import widest_play

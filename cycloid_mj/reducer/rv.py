@@ -112,6 +112,14 @@ class RvReducer(Reducer):
         return float(self.kinematics.bearing_turns) * abs(self.output_speed)
 
     @property
+    def planet_mesh_speed(self) -> float:
+        """Speed of the planets against the sun [rad/s], at the speed of the drive.
+
+        The flanks slide with this speed times the distance of their contact from the pitch point.
+        """
+        return self.crank_speed * (1.0 + self.planet.planet_teeth / self.planet.sun_teeth)
+
+    @property
     def output_speed(self) -> float:
         """Speed of the output at the speed of the drive [rad/s]."""
         return self.design.drive.speed / self.design.ratio
@@ -120,6 +128,11 @@ class RvReducer(Reducer):
     def bore_radius(self) -> float:
         """Radius of the crank bores in the discs [m]: eccentric, needles and clearance."""
         return self.cranks.eccentric_radius + 2.0 * self.cranks.needle_radius + self.cranks.needle_clearance
+
+    @property
+    def needle_circle_radius(self) -> float:
+        """Radius of the circle of the needles' axes around that of their eccentric [m]."""
+        return self.cranks.eccentric_radius + self.cranks.needle_radius
 
     @property
     def post_circle_radius(self) -> float:

@@ -11,7 +11,7 @@ from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.film import FilmFriction, drag_torques
+from cycloid_mj.statics.film import FilmFriction, drag_power, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
 from cycloid_mj.statics.kernel import RESIDUAL_RTOL, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
@@ -174,10 +174,7 @@ def _solve_ring_output(
     the twist of the structure.
     """
     settings = RING_TORQUE
-    speed, torque_ratio = (
-        float(reducer.member.against_ring(reducer.design.drive.speed)),
-        1.0 + 1.0 / reducer.design.lobes,
-    )
+    speed, torque_ratio = reducer.speed_against_ring, 1.0 + 1.0 / reducer.design.lobes
     has_friction, mean_torque, friction_torque = (
         bool(springs.contacts.rubbing.size and speed),
         float(np.mean(torque)),
@@ -344,11 +341,10 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     """
     design = reducer.design
     springs, direction, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    crank_drag, output_drag = drag_torques(reducer)
-    contact_loads = loads(reducer, springs, float(direction) * (torque + output_drag), warm_start=True)
+    contact_loads = loads(reducer, springs, float(direction) * (torque + drag_torques(reducer)[1]), warm_start=True)
     losses = friction_losses(reducer, springs, contact_loads)
-    seals = np.array(crank_drag * speed + output_drag * speed / design.reduction)
-    mean_losses = {part: float(np.mean(power_loss)) for part, power_loss in {**losses, "seals": seals}.items()}
+    mean_losses = {part: float(np.mean(power_loss)) for part, power_loss in losses.items()}
+    mean_losses["seals"] = drag_power(reducer)
     input_power = torque * speed / design.reduction
     return Powers(input_power + sum(mean_losses.values()), -input_power, mean_losses)
 

@@ -203,7 +203,7 @@ class FilmSurfaces:
     def hole_speeds(self) -> SurfaceSpeeds:
         """Surface speeds of a hole and its output pin [m/s]."""
         output, gear = self.reducer.design.output, self.reducer.tooth_profile
-        return hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
+        return hole_speeds(gear, output.pin_radius, output.hole_radius, self.reducer.speed_against_ring)
 
     def output_friction(self, force: Array) -> MixedFriction | None:
         """Compute the friction between the holes of the discs and the output pins; None for pins on needles.
@@ -240,7 +240,7 @@ class FilmSurfaces:
             )
             return np.full(force.shape, coefficient)
         # the load turns with the cam, so only the disc's bore passes the contact
-        speed = mesh_speed(self.reducer) * design.ring.teeth / design.lobes * radius
+        speed = self.reducer.speed_against_ring * design.ring.teeth / design.lobes * radius
         law, play = film_law(self.reducer, "cam", self.inputs), design.clearance.cam
         return journal_friction(law, force, 0.5 * speed, speed, radius, play, design.line_length("cam")).coefficient
 
@@ -332,7 +332,7 @@ def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> Fi
 
     `phases` are angles from the direction of the eccentric, of any shape; `curvature` has the same shape.
     """
-    gear, speed = reducer.tooth_profile, mesh_speed(reducer)
+    gear, speed = reducer.tooth_profile, reducer.speed_against_ring
     has_seats = bool(reducer.design.seat_pair)
     return FilmSurfaces(
         reducer=reducer,
@@ -369,11 +369,6 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
         disc=disc,
         centres=np.stack([gear_centre(gear, crank + phase) for phase in reducer.phases], axis=1),
     )
-
-
-def mesh_speed(reducer: Reducer) -> float:
-    """Return the speed of the crank against the ring [rad/s]."""
-    return float(reducer.member.against_ring(reducer.design.drive.speed))
 
 
 def lubricant_temperature(reducer: Reducer, pair: str) -> float:
@@ -445,7 +440,6 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
     crank, output = design.drag.crank, design.drag.output
     if not design.has_film:
         return crank, output
-    speed = abs(mesh_speed(reducer))
     if not (crank or output):
         crank, output = _seals_on_shafts(reducer)
     crank, output = inputs.seals * crank, inputs.seals * output
@@ -454,19 +448,22 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         sun_speed, output_speed = abs(design.drive.speed), abs(reducer.output_speed)
         return (crank + (needles + tapers) / sun_speed, output + main / output_speed) if sun_speed else (crank, output)
     if design.gear.bearing == "rolling":
-        cam_speed = speed * design.ring.teeth / design.lobes
-        viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
-            lubricant_temperature(reducer, "cam")
-        )
-        factor = inputs.idle_friction * ASSUMED.roller_idle_factor * design.gear.discs
+        cam_speed = abs(reducer.speed_against_ring) * design.ring.teeth / design.lobes
         speed_ratio = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
-        crank += speed_ratio * idle_torque(factor, cam_mean_diameter(reducer), cam_speed, viscosity)
+        cams = RollerBearings("cam", design.gear.discs, cam_mean_diameter(reducer), cam_speed)
+        crank += speed_ratio * idle_torque_of(reducer, cams, inputs)
     return crank, output
+
+
+def drag_power(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+    """Compute the power of `drag_torques` [W] at the speed of the drive."""
+    (crank, output), speed = drag_torques(reducer, inputs), abs(reducer.design.drive.speed)
+    return crank * speed + output * speed / reducer.design.reduction
 
 
 @dataclass(frozen=True)
 class RollerBearings:
-    """Equal rolling bearings of an RV reducer.
+    """Equal rolling bearings.
 
     Attributes
     ----------
@@ -493,23 +490,26 @@ def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings,
     main bearings: one is assumed on each flange, with its rollers midway between flange and pin circle.
     """
     cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
-    needle_diameter = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
     taper_diameter = reducer.journal_radius + cranks.taper_radius
     main_diameter = reducer.flange_radius + reducer.design.ring.pin_circle_radius
     return (
-        RollerBearings(CRANK_BEARING, cranks.count * discs, needle_diameter, speed),
+        RollerBearings(CRANK_BEARING, cranks.count * discs, 2.0 * reducer.needle_circle_radius, speed),
         RollerBearings(CRANK_TAPER, 2 * cranks.count, taper_diameter, speed),
         RollerBearings(MAIN_BEARING, 2, main_diameter, abs(reducer.output_speed)),
     )
 
 
-def idle_power(reducer: RvReducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
-    """Compute the power of Palmgren's load-independent torques M0 of rolling bearings [W]."""
+def idle_torque_of(reducer: Reducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+    """Compute the sum of Palmgren's load-independent torques M0 of equal rolling bearings [N m]."""
     temperature = lubricant_temperature(reducer, bearings.pair)
     viscosity = inputs.viscosity * lubricant(reducer.design.friction.lubricant).kinematic_viscosity(temperature)
     factor = inputs.idle_friction * ASSUMED.roller_idle_factor
-    torque = idle_torque(factor, bearings.diameter, bearings.speed, viscosity)
-    return bearings.count * torque * bearings.speed
+    return bearings.count * idle_torque(factor, bearings.diameter, bearings.speed, viscosity)
+
+
+def idle_power(reducer: Reducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+    """Compute the power of `idle_torque_of` [W]."""
+    return idle_torque_of(reducer, bearings, inputs) * bearings.speed
 
 
 def state_seals(reducer: Reducer) -> Reducer:
@@ -530,7 +530,7 @@ def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
     """Return the torques of the seals on crank and output [N m]; the seal on the shaft turns against the ring."""
     crank, output = seal_torques(reducer)
     crank_speed = reducer.design.drive.speed
-    return crank * (abs(mesh_speed(reducer) / crank_speed) if crank_speed else 1.0), output
+    return crank * (abs(reducer.speed_against_ring / crank_speed) if crank_speed else 1.0), output
 
 
 @once

@@ -4,7 +4,7 @@ The inputs vary independently over `RANGES`; a scrambled Sobol sequence with a f
 contains 90 % of the outcomes. Causes are ranked by their share of the variance in a linear regression.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -13,7 +13,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, friction_losses, loads, solve_at_friction
-from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, FilmSurfaces, drag_torques
+from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, FilmSurfaces, drag_power, drag_torques
 from cycloid_mj.statics.springs import Springs, springs_of
 
 SAMPLES, SEED = 128, 58
@@ -141,23 +141,40 @@ def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tupl
     RunError
         There is no equilibrium, for example because friction jams the reducer.
     """
-    design, speed = reducer.design, abs(reducer.design.drive.speed)
-    springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
+    springs, sign = springs_of(reducer), float(np.sign(reducer.design.drive.speed))
     contact_torque = sign * (torque + drag_torques(reducer)[1])
     contact_loads = loads(reducer, springs, contact_torque, warm_start=True)
     contacts = _select_loaded_contacts(reducer, springs, contact_loads)
-    own_loss, growth = contacts.lost_power(), _compute_loss_growth(reducer, springs, contact_torque, contact_loads)
+    growth = _compute_loss_growth(reducer, springs, contact_torque, contact_loads)
+    return extrapolate_losses(reducer, contacts.lost_power, growth, samples)
 
-    def drag_power(inputs: FilmInputs) -> float:
-        """Compute the power of the drag on crank and output [W]."""
-        crank, output = drag_torques(reducer, inputs)
-        return speed * (crank + output / design.reduction)
 
-    outcomes = []
+def extrapolate_losses(
+    reducer: Reducer, contact_power: Callable[[FilmInputs], float], growth: float, samples: int
+) -> tuple[float, Array]:
+    """Compute the power lost with the law ``film`` from the contact forces of the design's own inputs.
+
+    Parameters
+    ----------
+    reducer
+        The reducer, for its `drag_power`.
+    contact_power
+        Function from inputs of the law to the friction power of all contacts under these forces [W].
+    growth
+        Relative growth of the contact forces over that of the friction coefficients (`loss_growth`) [1].
+    samples
+        Number of samples.
+
+    Returns
+    -------
+    tuple
+        As in `lost_powers`.
+    """
+    own_loss, outcomes = contact_power(DESIGN_INPUTS), []
     for inputs in sample_inputs(samples)[0]:
-        sample_loss = contacts.lost_power(inputs)
-        outcomes.append(sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag_power(inputs))
-    return own_loss + drag_power(DESIGN_INPUTS), np.array(outcomes)
+        sample_loss = contact_power(inputs)
+        outcomes.append(sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag_power(reducer, inputs))
+    return own_loss + drag_power(reducer), np.array(outcomes)
 
 
 RAISED_FRICTION = 1.1
@@ -244,26 +261,6 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
         output_power=(contact_loads.output * slip[:, count:])[output],
         cam_power=float(np.mean(friction_losses(reducer, solved_springs, with_unit_friction)["cam"])),
     )
-
-
-def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
-    """Compute the efficiency [%] and its interval when the crank drives against an output torque [N m].
-
-    `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
-    film law [W], such as the bearings of shaft and output. Raises as `balance.powers`.
-    """
-    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost, outcomes = lost_powers(reducer, torque, samples)
-    return make_efficiency_spread(delivered, lost + further_loss, outcomes + further_loss)
-
-
-def make_efficiency_spread(delivered: float, lost: float, outcomes: Array) -> Spread:
-    """Return the efficiency [%] and its interval, from delivered and lost powers [W].
-
-    `lost` is the power lost with the design's own inputs, `outcomes` (n,) that of each sample.
-    """
-    share = 100.0 * delivered / (delivered + outcomes)
-    return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(len(outcomes))[1])
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:

@@ -48,7 +48,7 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
-    speed = abs(float(reducer.member.against_ring(design.drive.speed)))
+    speed = abs(reducer.speed_against_ring)
     crank = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
     phases = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)

@@ -25,7 +25,7 @@ from cycloid_mj.statics.film import (
     FilmInputs,
     FilmSurfaces,
     build_film_contacts,
-    drag_torques,
+    drag_power,
     film_law,
     idle_power,
     roller_bearings,
@@ -90,20 +90,17 @@ class RvFilm:
         Generalised friction at coefficients of 1 of teeth and planets, and with the torques M1 of the bearings.
     factor
         Factor on all friction.
-    inputs
-        Inputs other than those of the design.
     """
 
     reducer: RvReducer
     contacts: FilmContacts
     unit: RvFriction
     factor: float = 1.0
-    inputs: FilmInputs = DESIGN_INPUTS
 
     def surfaces(self, loads: RvLoads) -> FilmSurfaces:
         """Return the surfaces of the teeth with discs and pins displaced as in a solution."""
         departures = loads.displacements[:, : 3 * len(self.reducer.phases) + 1]
-        return replace(self.contacts.displaced(departures).surfaces, inputs=self.inputs)
+        return self.contacts.displaced(departures).surfaces
 
     def tooth_friction(self, loads: RvLoads) -> MixedFriction:
         """Return the friction of the teeth under the forces of a solution, shape (m, pins)."""
@@ -112,7 +109,7 @@ class RvFilm:
     def load(self, loads: RvLoads) -> Array:
         """Return the generalised forces of friction under the forces of a solution [N], shape (m, u)."""
         teeth = self.tooth_friction(loads).coefficient
-        planets = planet_friction(self.reducer, loads.meshes, self.inputs)
+        planets = planet_friction(self.reducer, loads.meshes, self.contacts.surfaces.inputs)
         return self.factor * self.unit.generalised(teeth * loads.pins, loads.bearings, planets * loads.meshes)
 
     def on_discs(self, loads: RvLoads) -> tuple[Array, Array]:
@@ -152,7 +149,8 @@ class RvFilmLosses:
     surfaces, teeth
         Surfaces of the k loaded contacts with the ring at all crank angles, and their forces [N], shape (k,).
     tooth_power
-        Friction power of each at a coefficient of 1, over the number of crank angles [W], shape (k,).
+        Friction power of each of these contacts at a coefficient of 1, divided by the number of crank angles [W], shape
+        (k,): its sum is the mean over the crank angles.
     planets
         Forces of the planet meshes [N], shape (m, n).
     bearing_force
@@ -171,26 +169,23 @@ class RvFilmLosses:
 
         The keys are "teeth", "crank bearings" and "planets". `inputs` are those of the film law.
         """
-        reducer, planet = self.reducer, self.reducer.planet
+        reducer = self.reducer
         teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
         meshes = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
-        mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
         return {
             "teeth": float(np.sum(teeth * self.tooth_power)),
             "crank bearings": inputs.load_friction
             * sum(bearing_friction(reducer))
             * self.bearing_force
             * reducer.crank_speed,
-            "planets": float(meshes * reducer.planet_mesh.arm * mesh_speed),
+            "planets": float(meshes * reducer.planet_mesh.arm * reducer.planet_mesh_speed),
         }
 
     def drag_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute the powers [W] without load, lost by "crank bearings" and "seals"; main bearings count as seals."""
         reducer = self.reducer
-        sun, output = drag_torques(reducer, inputs)
-        total = sun * abs(reducer.design.drive.speed) + output * abs(reducer.output_speed)
         in_cranks = sum(idle_power(reducer, item, inputs) for item in roller_bearings(reducer)[:2])
-        return {"crank bearings": in_cranks, "seals": total - in_cranks}
+        return {"crank bearings": in_cranks, "seals": drag_power(reducer, inputs) - in_cranks}
 
     def powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute all mean powers lost [W] by source: "teeth", "crank bearings", "planets" and "seals"."""
@@ -201,8 +196,7 @@ class RvFilmLosses:
 def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmLosses:
     """Return the losses with film friction under the forces `loads` of a solution, at the speeds of the design."""
     reducer, is_loaded = film.reducer, loads.pins > 0.0
-    mesh_speed = abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
-    unit_power = loads.pins * np.abs(springs.slip) * mesh_speed / len(springs.crank)
+    unit_power = loads.pins * np.abs(springs.slip) * abs(reducer.speed_against_ring) / len(springs.crank)
     return RvFilmLosses(
         reducer=reducer,
         surfaces=film.surfaces(loads).at(is_loaded),

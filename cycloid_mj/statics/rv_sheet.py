@@ -14,17 +14,11 @@ from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_form_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
-from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, drag_torques
-from cycloid_mj.statics.film_spread import (
-    RAISED_FRICTION,
-    SAMPLES,
-    Spread,
-    loss_growth,
-    make_efficiency_spread,
-    sample_inputs,
-)
+from cycloid_mj.statics.film import FilmInputs, drag_power, drag_torques
+from cycloid_mj.statics.film_spread import RAISED_FRICTION, SAMPLES, extrapolate_losses, loss_growth
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.rv import (
+    RunningFriction,
     RvLoads,
     RvSprings,
     compute_rv_springs,
@@ -33,13 +27,13 @@ from cycloid_mj.statics.rv import (
     solve_rv_loads,
 )
 from cycloid_mj.statics.rv_film import (
+    RvFilm,
     RvFilmLosses,
-    build_rv_film,
     build_rv_losses,
     running_friction,
     rv_film_assumption,
 )
-from cycloid_mj.statics.sheet_figures import sheet_quantity, spread_quantity
+from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 
@@ -109,7 +103,7 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     reverse. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
-    return solve_rv_loads(springs, on_carrier, running_friction(reducer, springs.crank, np.sign(on_carrier)))
+    return solve_rv_loads(springs, on_carrier, friction_over_turn(reducer, float(np.sign(torque)), count))
 
 
 def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
@@ -120,9 +114,8 @@ def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     """
     if torque > 0.0:
         return balance_running(reducer, torque, count)
-    springs, sense = springs_over_turn(reducer, count), np.sign(torque_on_carrier(reducer, 1.0))
-    friction = running_friction(reducer, springs.crank, sense)
-    return solve_rv_loads(springs, torque_on_carrier(reducer, torque), friction)
+    friction = friction_over_turn(reducer, 1.0, count)
+    return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque), friction)
 
 
 def output_rotation(reducer: RvReducer, carrier_turn: Array) -> Array:
@@ -142,6 +135,23 @@ def running_rotation(reducer: RvReducer, torque: float) -> Array:
 def springs_over_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> RvSprings:
     """Return the springs at the angles of `carrier_turn_angles`."""
     return compute_rv_springs(reducer, carrier_turn_angles(reducer, count))
+
+
+@once
+def friction_over_turn(reducer: RvReducer, sign: float, count: int = SETTINGS.force_angles) -> RunningFriction:
+    """Return the friction of the running drive at the angles of `carrier_turn_angles`.
+
+    `sign` is that of the torque on the output that brakes the drive: 1, or -1 of a drive that runs in reverse.
+    """
+    sense = np.sign(torque_on_carrier(reducer, sign))
+    return running_friction(reducer, springs_over_turn(reducer, count).crank, float(sense))
+
+
+def film_over_turn(reducer: RvReducer, sign: float, count: int = SETTINGS.force_angles) -> RvFilm:
+    """Return `friction_over_turn` of a reducer with the law ``film``."""
+    film = friction_over_turn(reducer, sign, count)
+    assert isinstance(film, RvFilm)
+    return film
 
 
 @once
@@ -231,25 +241,6 @@ def _largest_mean(bearings: Array) -> float:
     return max(mean_force(force) for force in bearings.reshape(len(bearings), -1).T)
 
 
-def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency [%], losses and shaft powers [W] under a torque on the output [N m], by `balance_running`."""
-    powers = friction_powers(reducer, load)
-    design, kind = reducer.design, reducer.design.tooth_pair
-    delivered = load * abs(reducer.output_speed)
-    supplied = delivered + sum(powers.values())
-    if design.has_film:
-        yield spread_quantity("efficiency", rv_efficiency_spread(reducer, load))
-    else:
-        yield sheet_quantity("efficiency", 100.0 * delivered / supplied)
-    note = f"including {design.seat_pair}" if design.seat_pair else ""
-    yield sheet_quantity(f"{kind}_friction_power", powers["teeth"], note=note)
-    yield sheet_quantity("crank_bearing_friction_power", powers["crank bearings"])
-    yield sheet_quantity("planet_friction_power", powers["planets"])
-    yield sheet_quantity("seals_power", powers["seals"])
-    yield sheet_quantity("input_power", supplied)
-    yield sheet_quantity("output_power", delivered)
-
-
 @once
 def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
     """Compute the mean powers lost to friction under a `load` on the output [N m], over a turn of the carrier.
@@ -263,32 +254,28 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
     dict
         Power [W] lost by the "teeth", "crank bearings", "planets" and "seals".
     """
-    design, planet = reducer.design, reducer.planet
+    design = reducer.design
     if design.has_film:
         return _film_losses(reducer, load, count).powers()
     springs, balanced_loads = springs_over_turn(reducer, count), balance_forward(reducer, load, count)
-    output, kinematics = abs(reducer.output_speed), reducer.kinematics
-    crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
-    sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed
+    sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * abs(reducer.speed_against_ring)
     bearing_power = (
         2.0 * balanced_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
     )
-    mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
-    mesh_power = balanced_loads.meshes.sum(axis=1).mean() * reducer.planet_mesh.arm * mesh_speed
+    mesh_power = balanced_loads.meshes.sum(axis=1).mean() * reducer.planet_mesh.arm * reducer.planet_mesh_speed
     return {
         "teeth": float(design.mesh_friction * sliding),
         "crank bearings": float(design.friction.cam_rolling * bearing_power),
-        "planets": float(planet.friction * mesh_power),
-        "seals": design.drag.crank * abs(design.drive.speed) + design.drag.output * output,
+        "planets": float(reducer.planet.friction * mesh_power),
+        "seals": drag_power(reducer),
     }
 
 
 @once
 def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
     """Return the losses of the running drive with the law ``film``; arguments are those of `friction_powers`."""
-    springs, torque = springs_over_turn(reducer, count), load + drag_torques(reducer)[1]
-    film = build_rv_film(reducer, springs.crank, np.sign(torque_on_carrier(reducer, 1.0)))
-    return build_rv_losses(film, springs, balance_forward(reducer, torque, count))
+    balanced_loads = balance_forward(reducer, load + drag_torques(reducer)[1], count)
+    return build_rv_losses(film_over_turn(reducer, 1.0, count), springs_over_turn(reducer, count), balanced_loads)
 
 
 def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> Powers:
@@ -329,26 +316,18 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
     """
     count = SETTINGS.rotation_angles
     losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)
-    own_loss = sum(losses.contact_powers().values())
-    on_carrier = torque_on_carrier(reducer, load + drag_torques(reducer)[1])
-    raised = replace(build_rv_film(reducer, springs.crank, np.sign(on_carrier)), factor=RAISED_FRICTION)
-    raised_losses = build_rv_losses(raised, springs, solve_rv_loads(springs, on_carrier, raised))
-    growth = loss_growth(own_loss, RAISED_FRICTION * sum(raised_losses.contact_powers().values()))
+    torque = load + drag_torques(reducer)[1]
+    raised = replace(film_over_turn(reducer, float(np.sign(torque)), count), factor=RAISED_FRICTION)
+    raised_loads = solve_rv_loads(springs, torque_on_carrier(reducer, torque), raised)
+    raised_losses = build_rv_losses(raised, springs, raised_loads)
+    own_loss, raised_loss = (sum(item.contact_powers().values()) for item in (losses, raised_losses))
+    growth = loss_growth(own_loss, RAISED_FRICTION * raised_loss)
 
-    def lost(inputs: FilmInputs) -> float:
-        """Compute the power lost for inputs of the law [W]."""
-        sample_loss, drag = (sum(item.values()) for item in (losses.contact_powers(inputs), losses.drag_powers(inputs)))
-        return sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag
+    def contact_power(inputs: FilmInputs) -> float:
+        """Compute the friction power of all contacts for inputs of the law [W]."""
+        return sum(losses.contact_powers(inputs).values())
 
-    return lost(DESIGN_INPUTS), np.array([lost(inputs) for inputs in sample_inputs(samples)[0]])
-
-
-def rv_efficiency_spread(reducer: RvReducer, load: float, samples: int = SAMPLES) -> Spread:
-    """Compute the efficiency [%] with the law ``film`` and its interval.
-
-    Arguments and errors are those of `rv_lost_powers`.
-    """
-    return make_efficiency_spread(load * abs(reducer.output_speed), *rv_lost_powers(reducer, load, samples))
+    return extrapolate_losses(reducer, contact_power, growth, samples)
 
 
 def assumptions(reducer: RvReducer) -> tuple[str, ...]:

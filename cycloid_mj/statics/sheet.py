@@ -23,7 +23,14 @@ from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import Planes, Reactions, compute_reactions
 from cycloid_mj.statics.film import film_assumption, film_text
-from cycloid_mj.statics.film_spread import back_driving_efficiency_spread, efficiency_spread
+from cycloid_mj.statics.film_spread import (
+    SAMPLES,
+    Spread,
+    back_driving_efficiency_spread,
+    compute_spread,
+    lost_powers,
+    sample_inputs,
+)
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import inertia_share, tracking_warnings
@@ -513,12 +520,16 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     With the law ``film``, the efficiency includes an interval.
     """
     design = reducer.design
-    mean_powers = powers(reducer, load)
+    if isinstance(reducer, RvReducer):
+        mean_powers = shaft_powers(reducer, load, rv_sheet.SETTINGS.force_angles)
+        sources = {"crank_bearing": "crank bearings", "planet": "planets"}
+    else:
+        mean_powers, sources = shaft_powers(reducer, load), {"cam": "cam", "output": "output"}
     if design.has_film:
-        yield spread_quantity("efficiency", efficiency_spread(reducer, load))
+        yield spread_quantity("efficiency", sampled_efficiency(reducer, load))
     else:
         yield sheet_quantity("efficiency", 100.0 * mean_powers.efficiency)
-    for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
+    for kind, part in {design.tooth_pair: "teeth", **sources}.items():
         note = f"including {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
         yield sheet_quantity(f"{kind}_friction_power", mean_powers.friction[part], note=note)
     yield sheet_quantity("seals_power", mean_powers.friction["seals"])
@@ -534,6 +545,25 @@ def shaft_powers(reducer: Reducer, torque: float, poses: int = POSES) -> Powers:
     if isinstance(reducer, RvReducer):
         return rv_sheet.rv_powers(reducer, torque, poses)
     return powers(reducer, torque, turn_evenly(reducer, poses))
+
+
+def sampled_losses(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
+    """Compute the power lost with the law ``film`` by a reducer of any layout; see `film_spread.lost_powers`."""
+    if isinstance(reducer, RvReducer):
+        return rv_sheet.rv_lost_powers(reducer, torque, samples)
+    return lost_powers(reducer, torque, samples)
+
+
+def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
+    """Compute the efficiency [%] and its interval when the crank drives against an output torque [N m].
+
+    `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
+    film law [W], such as the bearings of shaft and output. Raises as `balance.powers`.
+    """
+    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    lost, outcomes = sampled_losses(reducer, torque, samples)
+    shares = 100.0 * delivered / (delivered + outcomes + further_loss)
+    return compute_spread(100.0 * delivered / (delivered + lost + further_loss), shares, sample_inputs(samples)[1])
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
@@ -570,7 +600,7 @@ RV_PARTS: Mapping[SheetPart, Callable[[RvReducer, float], Iterator[Quantity]]] =
     "motions": rv_sheet.motion_figures,
     "errors": _error_figures,
     "loads": rv_sheet.force_figures,
-    "losses": rv_sheet.loss_figures,
+    "losses": _efficiency_figures,
 }
 """The same for RV reducers."""
 

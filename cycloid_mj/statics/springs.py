@@ -126,7 +126,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
     disc_forces = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = reducer.member.against_ring(crank)
-    speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
+    speed, reducer = reducer.speed_against_ring, reducer.at_rated_load
     mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_displacements(reducer, crank))

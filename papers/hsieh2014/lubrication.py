@@ -6,7 +6,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.film_spread import efficiency_spread
+from cycloid_mj.statics.sheet import sampled_efficiency
 from hsieh2014.stated import IDEAL, TORQUES
 
 TEMPERATURES = (20.0, 60.0)
@@ -40,7 +40,7 @@ def lubrication_table() -> Table:
         for temperature in TEMPERATURES:
             parts = dict.fromkeys(("disc", "ring", "crank", "output"), temperature)
             film = Reducer(PRESETS[name].but(friction={"law": "film"}, thermal=parts, load={"torque": IDEAL}))
-            spread = efficiency_spread(film, IDEAL)
+            spread = sampled_efficiency(film, IDEAL)
             pins = {"pin": "free pins, roll in their sockets", "nonpin": "lobes, slide"}[name]
             cells = (
                 f"{100.0 * rate:.1f}",

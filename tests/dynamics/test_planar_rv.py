@@ -23,7 +23,7 @@ from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import loss_figures, rv_efficiency_spread
+from cycloid_mj.statics.sheet import sampled_efficiency, shaft_powers
 
 HOLD, SETTLED = 0.26, 0.05
 """Duration of the runs, and time after which they are evaluated: two turns of the cranks [s]."""
@@ -114,8 +114,7 @@ def test_running_drives_have_the_figures_of_statics_with_friction(load: float, s
     assert error.mean() == pytest.approx(static.carrier_turn.mean(), rel=2e-3)
     assert simulated.mean() == pytest.approx(static.bearings.mean(), rel=2e-3)
     assert simulated.max() == pytest.approx(static.bearings.max(), rel=5e-3)
-    (expected,) = (figure.value for figure in loss_figures(reducer, load) if figure.key == "efficiency")
-    assert 100.0 * efficiency == pytest.approx(expected, abs=0.15)
+    assert 100.0 * efficiency == pytest.approx(100.0 * shaft_powers(reducer, load).efficiency, abs=0.15)
 
 
 @pytest.mark.slow
@@ -126,7 +125,7 @@ def test_efficiency_with_film_friction_is_that_of_statics(load: float, pins: str
     thermal = dict.fromkeys(HEATED, temperature)
     reducer = rv(load, ring={"pins": pins}, friction={"law": "film"}, thermal=thermal)
     powers = mean_powers(settled(reducer))
-    assert 100.0 * powers.efficiency == pytest.approx(rv_efficiency_spread(reducer, load, 16).value, abs=0.2)
+    assert 100.0 * powers.efficiency == pytest.approx(sampled_efficiency(reducer, load, 16).value, abs=0.2)
 
 
 @pytest.mark.slow

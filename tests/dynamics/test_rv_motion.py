@@ -27,7 +27,7 @@ from cycloid_mj.geometry.involute import InvoluteGear
 from cycloid_mj.parts.convex import ConvexSettings
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import loss_figures, rv_efficiency_spread
+from cycloid_mj.statics.sheet import sampled_efficiency, shaft_powers
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -106,14 +106,13 @@ def test_powers_balance_and_losses_follow_from_the_forces(load: float) -> None:
     )  # the contact yields by 0.3 % of the radius
     mesh_speed = abs(reducer.crank_speed) * (1.0 + 38.0 / 10.0) * reducer.planet_mesh.arm
     assert friction["planet_mesh"] == pytest.approx(0.05 * forces["planet_mesh"] * mesh_speed, rel=0.01)
-    statics = {figure.key: figure.value for figure in loss_figures(reducer, load)}
-    assert statics["efficiency"] == pytest.approx(100.0 * delivered / supplied, abs=0.1)
+    assert 100.0 * shaft_powers(reducer, load).efficiency == pytest.approx(100.0 * delivered / supplied, abs=0.1)
 
 
 def test_efficiency_with_film_friction_is_that_of_statics() -> None:
     reducer = rv(784.0, friction={"law": "film"})
     powers = mean_powers(settled(reducer))
-    assert 100.0 * powers.efficiency == pytest.approx(rv_efficiency_spread(reducer, 784.0, 16).value, abs=0.2)
+    assert 100.0 * powers.efficiency == pytest.approx(sampled_efficiency(reducer, 784.0, 16).value, abs=0.2)
 
 
 def flank_gap(sun: InvoluteGear, planet: InvoluteGear, poses: tuple[Pose, Pose], side: float) -> float:

@@ -98,8 +98,8 @@ def _place_needles(
         Crank angle against the ring [rad].
     """
     gear, cranks = reducer.design.gear, reducer.cranks
-    pitch_radius = cranks.eccentric_radius + cranks.needle_radius
-    needle_offsets = pitch_radius * unit(2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank)
+    angles = 2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank
+    needle_offsets = reducer.needle_circle_radius * unit(angles)
     first_number = (crank_number - 1) * cranks.needles * gear.discs + 1
     for disc, (phase, plane) in enumerate(zip(reducer.phases, gear.disc_planes, strict=True)):
         centre = np.array(axis) + gear.eccentricity * unit(-(crank + phase))
