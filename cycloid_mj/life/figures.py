@@ -7,12 +7,11 @@ from cycloid_mj.base.units import KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
-from cycloid_mj.life.rated import is_bearing_life, rated_torque
-from cycloid_mj.life.rv_sheet_rows import is_rv_life, rv_momentary_torque
+from cycloid_mj.life.rated import is_bearing_life, momentary_torque, rated_torque
 from cycloid_mj.parts import body_inertia
 from cycloid_mj.parts.export import cam_bearing, drive
 from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
-from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.reducer import Reducer, once
 
 
 @dataclass(frozen=True)
@@ -135,14 +134,10 @@ def temperature_rise(reducer: Reducer) -> float:
 @once
 def momentary(reducer: Reducer) -> float:
     """Compute the momentary torque, with a safety factor of 1 [N m]."""
-    if isinstance(reducer, RvReducer):
-        return rv_momentary_torque(reducer)[0]
-    torque, _ = datasheet.momentary_torque(reducer)
-    return torque
+    return momentary_torque(reducer)[0]
 
 
 def torque_for_life(reducer: Reducer) -> float:
     """Compute the rated torque for the design's life and speed, at most the momentary torque [N m]."""
-    limits_torque = is_rv_life if isinstance(reducer, RvReducer) else None
-    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life, limits_torque)
+    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
     return min(rated, momentary(reducer))

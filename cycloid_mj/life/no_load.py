@@ -19,7 +19,7 @@ from cycloid_mj.lubrication.bearings import idle_torque
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import bearing_width_of, casing, seat_radius
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.film import seal_torques
 
 
@@ -76,8 +76,11 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     adds the torque by its preload.
 
     Friction that statics includes is left out: contacts of teeth and pins; seals, if the design sets a torque in
-    ``[drag]``; and with the friction law ``film`` cam bearings and seals.
+    ``[drag]``; and with the friction law ``film`` cam bearings and seals. Of an RV reducer, statics includes all
+    bearings and the seal.
     """
+    if isinstance(reducer, RvReducer):
+        return NoLoadTorque(0.0, 0.0, 0.0, 0.0)
     viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
     torques = []

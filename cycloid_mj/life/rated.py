@@ -9,12 +9,12 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.life.as_built import Parts
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import RatedItem, Rating
-from cycloid_mj.life.items import rate
+from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.plastic_set import SET_POWER
 from cycloid_mj.life.rolling import EXPONENT
 from cycloid_mj.life.surfaces import AGMA_2001
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ def rated_torque(
     speed, life
         Speed of the crank [rad/s], and life [h].
     limits_torque
-        Function from the key of an item to whether it limits the torque; by default all items except emergency stops,
-        static factors and wear do.
+        Function from the key of an item to whether it limits the torque; by default all items do, except for wear and
+        those that limit the momentary torque (`is_stop`).
     start_torque
         Torque at which the search starts [N m]; by default the nominal torque.
     crank_angles, rtol
@@ -87,7 +87,7 @@ def rated_torque(
     """
     design = reducer.design
     torque, low, high = start_torque or design.rated_torque, 0.0, math.inf
-    decides = limits_torque or _limits_rated_torque
+    decides = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
     weakest: RatedItem | None = None
     while high > SEARCH.lowest * design.rated_torque:
         limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, decides, crank_angles, with_stops, parts)
@@ -165,6 +165,23 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
     return min(limits, key=lambda pair: pair[0])
 
 
+def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
+    """Compute the largest output torque of an emergency stop, at which the smallest safety factor is 1.
+
+    It is extrapolated from the rating at the nominal torque, with safety factors in proportion to 1/torque.
+
+    Returns
+    -------
+    tuple
+        The torque [N m], and the item that limits it.
+    """
+    design = reducer.design
+    duty = constant_duty(design.rated_torque, design.drive.speed)
+    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_stop(reducer, item.key))
+    first = min(stops, key=lambda item: item.safety or 0.0)
+    return duty.peak * (first.safety or 0.0), first
+
+
 def rated_and_momentary_torque(
     rating: Rating, torque: float
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
@@ -203,14 +220,17 @@ def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
     return torque * (margin**2 if by_pressure else margin)
 
 
-def _limits_rated_torque(key: str) -> bool:
-    """Return whether an item limits the rated torque by default."""
-    return not is_momentary(key) and not key.endswith(WEAR)
-
-
 def is_momentary(key: str) -> bool:
     """Return whether an item, by its key, limits the momentary torque: emergency stops, joints and static factors."""
     return key.startswith(STOPS) or key.endswith(STATIC)
+
+
+def is_stop(reducer: Reducer, key: str) -> bool:
+    """Return whether an item of a rating limits the momentary torque: `is_momentary`, or first yield of an RV reducer.
+
+    An RV reducer has no items of emergency stops; its first yield is rated at the peak torque.
+    """
+    return is_momentary(key) or (isinstance(reducer, RvReducer) and key.endswith("_yield"))
 
 
 def is_strength(key: str) -> bool:

@@ -11,17 +11,16 @@ from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.explore.rv_samples import draw_rv_samples
 from cycloid_mj.life.as_built import SETTINGS as TOLERANCE_SETTINGS
-from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.heat import describe_cooling, heat_limits
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.no_load import grease_of
-from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
+from cycloid_mj.life.rated import is_bearing_life, momentary_torque, rated_torque
 from cycloid_mj.life.sheet_rows import (
     SETTINGS,
     contact_torque,
     describe_speed,
     figure_row,
+    grease_rows,
     nominal_torque_row,
     ratio_row,
     with_interval,
@@ -35,8 +34,8 @@ from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.film import film_text
-from cycloid_mj.statics.rv_sheet import balance_rv, friction_powers
-from cycloid_mj.statics.sheet import Sheet
+from cycloid_mj.statics.rv_sheet import balance_rv
+from cycloid_mj.statics.sheet import Sheet, shaft_powers
 
 ERROR_SAMPLES = 2_000
 """Samples of the transmission error of toleranced parts: its 95 % percentile scatters by less than 3 %."""
@@ -65,35 +64,14 @@ class RvTorqueLimits:
         return min(self.lasting, self.momentary, key=lambda limit: limit[0])
 
 
-def is_rv_stop(key: str) -> bool:
-    """Return whether an item of an RV rating, by its key, limits the momentary torque: static factors, first yield."""
-    return is_momentary(key) or key.endswith("_yield")
-
-
-def is_rv_life(key: str) -> bool:
-    """Return whether an item of an RV rating, by its key, limits the rated torque: lives of bearings and teeth."""
-    return not is_rv_stop(key)
-
-
-def rv_momentary_torque(reducer: RvReducer) -> tuple[float, RatedItem]:
-    """Compute the momentary torque of an RV reducer [N m], and return it with the item that limits it.
-
-    It is extrapolated from the rating at the nominal torque, with safety factors in proportion to 1/torque.
-    """
-    duty = constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
-    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_rv_stop(item.key))
-    stop = min(stops, key=lambda item: item.safety or 0.0)
-    return duty.peak * (stop.safety or 0.0), stop
-
-
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
     """Compute rated and momentary torque of an RV reducer, for a life [h] at the design's speed.
 
     Raises as `rated_torque`.
     """
     speed = reducer.design.drive.speed
-    lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (is_rv_life, is_bearing_life))
-    return RvTorqueLimits(lasting, bearings, rv_momentary_torque(reducer))
+    lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (None, is_bearing_life))
+    return RvTorqueLimits(lasting, bearings, momentary_torque(reducer))
 
 
 def rv_performance_groups(
@@ -278,11 +256,8 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     The rises of all temperatures are taken as in proportion to the share of the time. The largest ambient temperature
     is left out if the nominal torque allows no temperature in the range of the grease.
     """
-    design, grease = reducer.design, grease_of(reducer.design)
-    yield Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name)
-    yield Quantity(
-        "ambient_min", "Ambient temperature, from", grease.coldest, "°C", note="assumed: the grease (K2K-20)"
-    )
+    design = reducer.design
+    yield from grease_rows(design)
     if design.thermal.applied:
         return
     state, ambient = _solve_nominal_state(reducer), design.service.ambient_temperature
@@ -290,7 +265,7 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     rise = max(state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
     reached = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
-    if limit.temperature - rise >= grease.coldest:
+    if limit.temperature - rise >= grease_of(design).coldest:
         warmest, note = limit.temperature - rise, f"{condition}, S1; then {reached}"
         yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
     share = 100.0 * min((limit.temperature - ambient) / rise, 1.0) if rise > 0.0 else 100.0
@@ -301,18 +276,12 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
 def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     """Compute the efficiency [%] over the output torque [N m] at the design's speed; `shares` of the nominal torque."""
     torques = np.array(shares) * reducer.design.rated_torque
-    delivered = torques * abs(reducer.output_speed)
-    lost = [sum(_losses(reducer, torque).values()) for torque in torques.tolist()]
-    efficiency = 100.0 * delivered / (delivered + np.array(lost))
+    efficiency = 100.0 * np.array(
+        [shaft_powers(reducer.but(load={"torque": torque}), torque).efficiency for torque in torques.tolist()]
+    )
     name = "all bearings included" if reducer.design.has_film else "without main bearings and seals"
     panel = f"Efficiency at {describe_speed(reducer)}"
     return Curve(panel, name, torques, efficiency, "output torque [N m]", "efficiency [%]")
-
-
-def _losses(reducer: RvReducer, torque: float) -> dict[str, float]:
-    """Return the mean power lost by source [W] at an output torque [N m]."""
-    loaded = reducer.but(load={"torque": torque})
-    return friction_powers(loaded, torque, rv_sheet.SETTINGS.rotation_angles)
 
 
 def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:

@@ -25,7 +25,7 @@ from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
-from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.film_spread import Spread
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
@@ -219,15 +219,21 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     for temperature in (SETTINGS.cold, SETTINGS.warm):
         if reducer.design.has_film or not curves:  # Coulomb friction is the same at both temperatures
             contacts = _contact_torques_by_speed(reducer, speeds, temperature)
-        idle_torques = np.zeros(len(speeds))
-        if not isinstance(reducer, RvReducer):  # whose contacts include all bearings and the seal
-            idle_torques += [no_load_torque(reducer, float(speed), temperature).total for speed in speeds]
+        idle_torques = [no_load_torque(reducer, float(speed), temperature).total for speed in speeds]
         name = f"{temperature:g} °C"
         panel = "No-load torque"
         curves.append(
             Curve(panel, name, speeds / RPM, contacts + idle_torques, "input speed [rpm]", "crank torque [N m]")
         )
     return tuple(curves)
+
+
+def grease_rows(design: Design) -> Iterator[Quantity]:
+    """Yield the rows of the viscosity of the grease [mm2/s] and of the lowest ambient temperature [°C]."""
+    grease = grease_of(design)
+    yield Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name)
+    note = "assumed: the grease (K2K-20)"
+    yield Quantity("ambient_min", "Ambient temperature, from", grease.coldest, "°C", note=note)
 
 
 def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
@@ -241,11 +247,10 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         housing.value - design.service.ambient_temperature,
         min(heat_limits(reducer), key=lambda limit: limit.temperature),
     )
-    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {describe_cooling(design)}"
-    share, grease = 100.0 * min(housing.safety or 1.0, 1.0), grease_of(design)
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(design)}"
+    share = 100.0 * min(housing.safety or 1.0, 1.0)
     return (
-        Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name),
-        Quantity("ambient_min", "Ambient temperature, from", grease.coldest, "°C", note="assumed: the grease (K2K-20)"),
+        *grease_rows(design),
         Quantity(
             "ambient_max",
             "Ambient temperature, to",
@@ -281,7 +286,7 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
         "Motor, continuous torque",
         design.drive.torque,
         "N m",
-        note=f"{covers.motor.name}, at {abs(design.drive.speed) / RPM:.0f} rpm, "
+        note=f"{covers.motor.name}, at {describe_speed(reducer)}, "
         f"{abs(design.drive.torque * design.drive.speed):.3g} W",
     )
     for screwed_joint in screwed_joints(reducer):

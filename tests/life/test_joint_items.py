@@ -7,9 +7,9 @@ from designs import cases
 
 from cycloid_mj.design import fits, resolve, stock
 from cycloid_mj.life import rate
-from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.item import ItemKind
 from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
+from cycloid_mj.life.rated import momentary_torque
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.reducer import Reducer

@@ -20,13 +20,13 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.life import Duty, DutyPoint, rate, read_duty, rolling, witnesses
-from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
 from cycloid_mj.life.heat import clearance_growth, cooling_area, describe_cooling
 from cycloid_mj.life.loading import Sliding, bending_moment, solve_loading
 from cycloid_mj.life.ranges import read_ranges
+from cycloid_mj.life.rated import momentary_torque
 from cycloid_mj.life.strength import pin_moment, rate_output_pin
 from cycloid_mj.life.surfaces import AGMA_2001, pitting_cycles, pitting_pressure, upper_pitting_cycles
 from cycloid_mj.parts.export import bill, casing
