@@ -22,6 +22,7 @@ from typing import Any
 from docs_page import DATA, DOCS, csv_text, markdown_table, read_csv, replace_sections
 
 from cycloid_mj.base.atomic_write import write_files
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.sizing.search import floor_digits
 
 PAGE, KEPT = DOCS / "market.md", DATA / "market.csv"
@@ -263,17 +264,25 @@ def _run(*words: str) -> dict[str, Any]:
 def _request_drive(drive: MarketDrive, name: str, folder: Path) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Return all requests with their refusals, and the figures of the drive that was created last."""
     requests: list[dict[str, Any]] = []
-    lengths = [drive.length, None] if drive.length else [None]
-    for length in lengths:
-        answer = _request(requests, drive, name, drive.torque, length, folder)
+    for torque, length in _torques_and_lengths(drive, requests):
+        answer = _request(requests, drive, name, torque, length, folder)
         if answer.get("designs"):
             return requests, answer["designs"][0]["figures"]
+    raise ValueError(f"{name}: no drive for {SHARES[-1]} of the stated maximum")
+
+
+def _torques_and_lengths(
+    drive: MarketDrive, requests: Sequence[Mapping[str, Any]]
+) -> Iterator[tuple[float, float | None]]:
+    """Yield torque [N m] and length [mm] of each request: as required, then without length, then with less torque.
+
+    `requests` are those so far; the last of them states the maximum torque, of which `SHARES` are requested.
+    """
+    for length in dict.fromkeys((drive.length, None)):
+        yield drive.torque, length
     most = requests[-1]["most"]
     for share in SHARES:
-        answer = _request(requests, drive, name, floor_digits(share * most), None, folder)
-        if answer.get("designs"):
-            return requests, answer["designs"][0]["figures"]
-    raise ValueError(f"{name}: no drive for {SHARES[-1]} of the stated maximum, {most} N m")
+        yield floor_digits(share * most), None
 
 
 def _request(
@@ -325,11 +334,10 @@ def _parts(file: Path) -> tuple[dict[str, float], dict[str, float]]:
 
     reducer = Reducer(load(file))
     sizes = casing(reducer)
-    lines = bill(reducer, sizes=sizes)
-    ring = next(float(line.size.removesuffix(" mm").rpartition(" ")[2]) for line in lines if line.item == "housing")
-    low, high = (1e3 * end for end in sizes.ends)
-    lengths = (-low - 0.5 * ring, ring, high - 0.5 * ring)
-    return group_masses((line.item, line.mass_kg) for line in lines), dict(zip(LENGTHS, lengths, strict=True))
+    masses = group_masses((line.item, line.mass_kg) for line in bill(reducer, sizes=sizes))
+    (low, high), end = sizes.ends, sizes.end
+    lengths = (MILLIMETRES * length for length in (-low - end, 2.0 * end, high - end))
+    return masses, dict(zip(LENGTHS, lengths, strict=True))
 
 
 def group_masses(parts: Iterable[tuple[str, float]]) -> dict[str, float]:
@@ -392,8 +400,8 @@ def format_sections(rows: Rows) -> dict[str, str]:
 
 def format_comparison(rows: Rows, makers: Sequence[str]) -> str:
     """Tabulate makers' drives and ours in Markdown, a column each; ours with the ratio to the maker's value."""
-    drives = [drive for maker in makers for drive in DRIVES.values() if drive.theirs == maker]
     columns = [(drive, theirs) for maker in makers for drive, theirs in _columns(maker)]
+    drives = [drive for drive, theirs in columns if not theirs]
     head = ("Figure", *(drive.theirs if theirs else drive.label for drive, theirs in columns))
     lines = []
     for suffix in sorted({_within(length) for drive in drives for length in (None, drive.length)}):

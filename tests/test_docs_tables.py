@@ -46,8 +46,8 @@ def test_the_market_page_has_the_figures_of_its_table() -> None:
     assert list(rows) == [drive.point for drive in docs_market.DRIVES.values()]
     lines = [line for line in page.splitlines() if not line.startswith("| ")]
     assert max(map(len, lines)) <= docs_market.MAX_COLUMNS
-    stated = {source for figures in rows.values() for row in figures.values() if (source := row["source"])}
-    assert stated == set(docs_market.SOURCES)
+    sources = {source for figures in rows.values() for row in figures.values() if (source := row["source"])}
+    assert sources == set(docs_market.SOURCES)
     for drive in docs_market.DRIVES.values():
         mass = rows[drive.point]["mass"]
         items = sum(float(rows[drive.point][f"mass: {item}"]["ours"]) for item in docs_market.MASSES)
