@@ -11,12 +11,13 @@ from cycloid_mj.base.frame import Cell
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
+from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
-from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
@@ -218,8 +219,11 @@ def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Mea
     return _compute_figure(figure(name), reducer, options)
 
 
-RV_MEASURES = ("statics", "mass", "checks", "figures")
-"""Measures of `MEASURED` that support RV reducers."""
+MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {
+    **dict.fromkeys(MEASURED, CENTRAL),
+    **dict.fromkeys(("statics", "mass", "checks", "figures"), BOTH),
+}
+"""Measure of `MEASURED` -> layouts of reducers that it supports."""
 
 
 def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
@@ -246,10 +250,11 @@ def _require_measure(reducer: Reducer, name: str) -> None:
     """Raise UsageError unless a name is that of a measure or figure, and the layout of the reducer has it."""
     design = reducer.design
     if name in MEASURED:
-        if isinstance(reducer, RvReducer) and name not in RV_MEASURES:
+        if reducer.LAYOUT not in MEASURE_LAYOUTS[name]:
+            supported = (measure for measure, layouts in MEASURE_LAYOUTS.items() if reducer.LAYOUT in layouts)
             raise UsageError(
                 f'the measure {name!r} does not support layout = "{design.layout}" ({design.name}): choose one of '
-                f"{', '.join(RV_MEASURES)}, or a quantity listed by `cycloid-mj figures`"
+                f"{', '.join(supported)}, or a quantity listed by `cycloid-mj figures`"
             )
         return
     try:
