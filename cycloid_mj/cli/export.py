@@ -326,7 +326,7 @@ def export(
         files |= plates.files
     if flags.assembly:
         files |= _assembly_files(reducer, sizes)
-    if flags.drawings and (sizes or isinstance(reducer, RvReducer)):
+    if flags.drawings:
         files |= _drawing_files(reducer, sizes)
     directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, delivery.force)
     stem = f"{design.name}-parts"

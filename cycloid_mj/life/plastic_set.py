@@ -93,7 +93,7 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
     Returns
     -------
     Array
-        Shape (m, n): the strip passes each place once per turn of the crank against the part.
+        Shares [1], shape (m, n). A strip passes each place once per turn of the crank against the part.
     """
     reducer, design = loading.reducer, loading.reducer.design
     if kind == "output":

@@ -45,6 +45,7 @@ NOT_COMPUTED = (
     "roots (`cycloid-mj stress`), of carrier, posts and screws; load ratings, stiffness, preload and run-out of the "
     "main bearings; speed limits of bearings and planets; churning of the grease."
 )
+"""Note of the data sheet on the figures of a central crank that it does not have for an RV reducer."""
 
 
 @dataclass(frozen=True)

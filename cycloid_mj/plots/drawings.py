@@ -29,7 +29,8 @@ def drawing_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
     """Draw the manufactured parts of a drive, and return the contents of the files: file name -> bytes.
 
     The files are ``drawings.pdf`` with a page for each part, and ``NAME-drawing.dxf`` for each part. `sizes` are the
-    dimensions of the covers; None for an RV reducer, which has no covers.
+    dimensions of the covers, which an RV reducer does not need; without them, a drive with a central crank has no
+    drawings, and the result is empty.
 
     Raises
     ------
@@ -40,8 +41,10 @@ def drawing_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
     """
     if isinstance(reducer, RvReducer):
         drawings = rv_part_drawings(reducer)
+    elif sizes:
+        drawings = part_drawings(reducer, sizes)
     else:
-        drawings = part_drawings(reducer, sizes) if sizes else ()
+        return {}
     pages = [drawing_figure(drawing) for drawing in drawings]
     return {"drawings.pdf": document(pages)} | {f"{item.name}-drawing.dxf": drawing_dxf(item) for item in drawings}
 

@@ -68,10 +68,9 @@ def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, 
     for place in places:
         if place.part == NEEDLE and place.origin[2] == disc.origin[2]:
             draw_disc(axes, np.array(place.origin[:2]), cranks.needle_radius, "pins")
-    labelled_crank = crank_centres(reducer)[1]
     eccentrics = f"{cranks.count} cranks, eccentrics Ø{2 * MILLIMETRES * cranks.eccentric_radius:.4g}"
     text = f"{eccentrics}\non Ø{2 * MILLIMETRES * reducer.crank_radius:.5g}"
-    frame.label_front_view("front view, without the near flange", reducer.crank_radius, labelled_crank, text)
+    frame.label_front_view("front view, without the near flange", reducer.crank_radius, crank_centres(reducer)[1], text)
 
 
 def _placed_prisms(reducer: RvReducer, solids: Mapping[str, Solid]) -> Iterator[tuple[str, Prism]]:

@@ -46,10 +46,11 @@ NEWTON = RvNewtonSettings()
 
 @dataclass(frozen=True)
 class RvFrictionSettings:
-    """Settings of the fixed-point iteration of friction: a step of `rv80e` changes forces by 5 % of the last change.
+    """Settings of the fixed-point iteration of the friction forces.
 
-    Where a change is larger than the last change, the steps are halved (under-relaxation): the friction of a film can
-    depend so much on the sliding of a pin that full steps oscillate.
+    For `rv80e`, each step changes the forces by 5 % of the change of the previous step. If a step changes them by more
+    than the previous step, the step size is halved (under-relaxation): the friction of a film can depend so much on the
+    sliding of a pin that full steps oscillate.
     """
 
     max_steps: int = 50

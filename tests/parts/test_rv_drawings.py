@@ -8,8 +8,8 @@ import pytest
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
-from cycloid_mj.geometry.involute import InvoluteGear
-from cycloid_mj.parts.export.rv_drawing import rv_part_drawings, span_measurement
+from cycloid_mj.geometry.involute import InvoluteGear, span_measurement
+from cycloid_mj.parts.export.rv_drawing import rv_part_drawings
 from cycloid_mj.reducer import RvReducer
 
 RV80E = RvReducer(PRESETS["rv80e"])

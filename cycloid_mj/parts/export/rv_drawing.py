@@ -14,7 +14,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES, in_mm
-from cycloid_mj.geometry.involute import InvoluteGear, involute
+from cycloid_mj.geometry.involute import InvoluteGear, span_measurement
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.drawing import (
     PartDrawing,
@@ -33,8 +33,8 @@ from cycloid_mj.reducer import RvReducer
 INNER_RING, OUTER_RING, NEEDLE_SHAFT, NEEDLE_BORE = "k6", "H7", "h5", "G6"
 """Tolerance zones of the seats of tapered bearings on crank and in flange, and of the raceways of needles."""
 
-POSITION, RUN_OUT = 0.01, 0.01
-"""Position of crank bores, and run-out of seats and teeth [mm] (assumed)."""
+POSITION, LOOSE_POSITION, RUN_OUT = 0.01, 0.2, 0.01
+"""Position of crank bores, and of posts and their windows; run-out of seats and teeth [mm] (assumed)."""
 
 MATERIAL_OF = {CRANK: names.SHAFT, PLANET: names.SHAFT, SUN: names.SHAFT, **dict.fromkeys(FLANGES, names.OUTPUT)}
 """Part of the mechanism that sets the material of a part; a part that is not in it has its own."""
@@ -56,7 +56,7 @@ def rv_part_drawings(reducer: RvReducer) -> tuple[PartDrawing, ...]:
 def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
     """Return the drawing of a part of which a drive has `count` copies."""
     material = reducer.design.material_of(MATERIAL_OF.get(part.name, names.family(part.name)))
-    diameters = section_diameters(part, "eccentric", lambda radius, inner: _zone(reducer, part.name, radius, inner))
+    diameters = section_diameters(part, names.ECCENTRIC, lambda radius, inner: _zone(reducer, part.name, radius, inner))
     datum = "datum B: the face at the lower end of the lengths"
     notes = (*_describe_part(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
     return lay_out_drawing(part, part.name, title_block(reducer, part.name, count, material), diameters, notes)
@@ -78,11 +78,11 @@ def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
     elif names.family(name) == names.GEAR:
         yield describe_lobes(design, "A, the axis of the crank bores' circle")
         yield _holes(crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION)
-        yield _holes(post_centres(reducer), reducer.window_radius, "", "windows for the posts", 0.2)
+        yield _holes(post_centres(reducer), reducer.window_radius, "", "windows for the posts", LOOSE_POSITION)
     elif name in FLANGES:
         yield _holes(crank_centres(reducer), cranks.taper_radius, OUTER_RING, "seats of the tapered bearings", POSITION)
         if name == FLANGES[1]:
-            yield _holes(post_centres(reducer), cranks.post_radius, "", "posts", 0.2)
+            yield _holes(post_centres(reducer), cranks.post_radius, "", "posts", LOOSE_POSITION)
         yield "bore both flanges together; datum A: axis of the circle of the seats; screws and main bearings not drawn"
     elif name == CRANK:
         angles = ", ".join(f"{math.degrees(phase) % 360.0:.4g}°" for phase in reducer.phases)
@@ -104,17 +104,6 @@ def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
         f"{gear.shift:.4f}, basic rack ISO 53 A, tip ⌀{tip}, root ⌀{root}"
     )
     yield f"span over {count} teeth W{count} = {MILLIMETRES * span:.4f}; flank tolerance class 6, ISO 1328-1 (assumed)"
-
-
-def span_measurement(gear: InvoluteGear) -> tuple[int, float]:
-    """Compute the number k of teeth and the span W [m] over them, from flank to flank along the base tangent.
-
-    W = m cos(alpha) ((k - 1/2) pi + z inv(alpha) + 2 x tan(alpha)) less the thinning times cos(alpha) (DIN 3960, 3.5).
-    """
-    angle = gear.pressure_angle
-    count = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)
-    terms = (count - 0.5) * math.pi + gear.teeth * involute(angle) + 2.0 * gear.shift * math.tan(angle)
-    return count, math.cos(angle) * (gear.module * terms - gear.thinning)
 
 
 def _holes(centres: Array, radius: float, zone: str, use: str, position: float) -> str:
