@@ -102,55 +102,6 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
     return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in values.items()})
 
 
-def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw `count` samples with normally distributed errors, whose standard deviations are in the table `errors`.
-
-    Each kind of error has its own random stream, which is seeded by `seed` and the index of the stream. Errors that the
-    design lists part by part, waves and the error of the eccentricity are the same in all samples. The mean of each
-    other error is 0, or the measured deviation of the part, if the design has one.
-    """
-    errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
-    measured_errors = measured_deviations(reducer.design)
-
-    def draw(
-        stream: int, deviation: float, listed_errors: Sequence[float], nominal: Array, mean: Array | float
-    ) -> Array:
-        """Draw errors of one kind about a `mean`, in the shape of `nominal`; `nominal` itself if the design lists them.
-
-        `stream` is the index of the random stream, `deviation` the standard deviation [m]. `listed_errors` are the
-        errors that the design lists, if any.
-        """
-        draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
-        return nominal if listed_errors else mean + deviation * draws
-
-    def draw_positions(
-        stream: int, deviation: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
-    ) -> Array:
-        """Draw position errors in x and y, shape (..., 2), as `draw` with the streams `stream` and `stream` + 1."""
-        means = np.broadcast_to(mean, nominal.shape[1:])
-        axes = [draw(stream + axis, deviation, lists[axis], nominal[..., axis], means[..., axis]) for axis in (0, 1)]
-        return np.stack(axes, axis=-1)
-
-    return replace(
-        nominal_samples,
-        pin_displacement=draw_positions(
-            0,
-            errors.pin_position,
-            (errors.pin_x, errors.pin_y),
-            nominal_samples.pin_displacement,
-            measured_errors.pin_displacement,
-        ),
-        pin_radius=draw(2, errors.pin_radius, errors.pin_dr, nominal_samples.pin_radius, measured_errors.pin_radius),
-        hole_displacement=draw_positions(
-            3, errors.hole_position, (errors.hole_x, errors.hole_y), nominal_samples.hole_displacement
-        ),
-        disc_radius=draw(5, errors.disc_size, errors.disc_dr, nominal_samples.disc_radius, measured_errors.disc_radius),
-        cam_displacement=draw_positions(
-            6, errors.cam_position, (errors.cam_x, errors.cam_y), nominal_samples.cam_displacement
-        ),
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class SampleFigures:
     """Figures of s samples under a torque, over the crank angles of a turn; arrays of shape (s,).
