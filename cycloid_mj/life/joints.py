@@ -26,7 +26,6 @@ from cycloid_mj.parts.export.casing import (
     OUTPUT_COVER,
     Casing,
     casing,
-    motor_bore,
 )
 from cycloid_mj.parts.export.casing_rules import (
     core_radius,
@@ -390,7 +389,7 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     `torques` are those on crank, carrier and ring at the peak torque.
     """
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
-    bore = motor_bore(reducer, sizes)
+    bore = sizes.motor_bore
     if bore:
         radius, low, high = bore
         yield _rate_glued_shaft(

@@ -12,7 +12,6 @@ from cycloid_mj.life.figures import input_inertia
 from cycloid_mj.parts import crank_segments, mass_properties
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
-from cycloid_mj.parts.export.casing import motor_bore
 from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.printing import separate_parts
 from cycloid_mj.reducer import Reducer
@@ -74,7 +73,7 @@ def test_a_straddled_crank_ends_at_its_bearing_and_receives_the_motor_shaft(name
     sizes = casing(reducer)
     shaft = assembly_parts(reducer, sizes)["shaft"].segments
     assert min(segment.z0 for segment in shaft) == pytest.approx(sizes.near[0])
-    radius, start, end = motor_bore(reducer, sizes)
+    radius, start, end = sizes.motor_bore
     assert start == pytest.approx(sizes.near[0])
     assert min(end, sizes.face + sizes.motor.shaft_length) - start >= 1.5 * 2.0 * radius
     coupled = casing(reducer, "circle")

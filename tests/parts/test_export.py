@@ -52,7 +52,6 @@ from cycloid_mj.parts.export import (
     stl_bytes,
 )
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.casing import motor_bore
 from cycloid_mj.parts.export.casing_parts import bored_shaft, casing_parts, fit_part
 from cycloid_mj.parts.export.printing import manufactured_parts, separate_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
@@ -476,7 +475,7 @@ def test_the_shaft_is_bored_for_the_motor_in_every_format(name: str, file_format
     """The bore is that of the assembly: a plain shaft of two discs, and the crank of a single disc."""
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)
-    bore = motor_bore(reducer, sizes)
+    bore = sizes.motor_bore
     assert bore is not None
     radius, start, end = bore
     content = export(PRESETS[name], file_format, CHORD_ERROR).files[f"shaft.{file_format}"]

@@ -44,7 +44,6 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
     bearing_width_of,
-    motor_bore,
     seat_radius,
 )
 from cycloid_mj.parts.export.casing_parts import bored_shaft
@@ -164,7 +163,7 @@ def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     glued_joints = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
     area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued_joints)
     glued_places = [joint.name for joint in glued_joints]
-    if bore := motor_bore(reducer, sizes):
+    if bore := sizes.motor_bore:
         radius, start, end = bore
         area += 2.0 * math.pi * radius * (end - start)
         glued_places.append("motor shaft in the crank")
@@ -339,7 +338,7 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     """Format diameter and depth of the bore for the motor shaft; empty if there is none."""
-    bore = motor_bore(reducer, sizes) if sizes else None
+    bore = sizes.motor_bore if sizes else None
     if not bore:
         return ""
     radius, start, end = bore

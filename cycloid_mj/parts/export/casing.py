@@ -181,6 +181,12 @@ class Casing:
         return min_grip(self.screws.bolt, self.wall) - 2.0 * self.play
 
     @property
+    def motor_bore(self) -> tuple[float, float, float] | None:
+        """Radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
+        end = self.face + self.motor.shaft_length + RULES.blind_room
+        return (self.motor.shaft, self.journal, end) if self.motor.shaft else None
+
+    @property
     def ends(self) -> tuple[float, float]:
         """Ends of the drive along z without the motor [m]."""
         return self.face, self.top + self.flange_thickness
@@ -532,12 +538,6 @@ def flange_screw_length(sizes: Casing) -> float:
     """Return the length of the screws of the output's flange [m]."""
     bolt = sizes.flange_bolt
     return stock_screw_length(bolt, sizes.flange_thickness - bolt.head_height + RULES.engagement * bolt.thread)
-
-
-def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | None:
-    """Return radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
-    motor, end = sizes.motor, sizes.face + sizes.motor.shaft_length + RULES.blind_room
-    return (motor.shaft, sizes.journal, end) if motor.shaft else None
 
 
 def flange_centres(sizes: Casing) -> Array:

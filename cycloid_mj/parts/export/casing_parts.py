@@ -14,7 +14,6 @@ from cycloid_mj.parts.export.casing import (
     MOTOR_COVER,
     OUTPUT_COVER,
     Casing,
-    motor_bore,
     output_cover_step,
 )
 from cycloid_mj.parts.export.casing_rules import (
@@ -102,7 +101,7 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
     shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
     if not sizes:
         return shaft
-    bore = motor_bore(reducer, sizes)
+    bore = sizes.motor_bore
     holes = ((AXIS, *bore),) if bore else ()
     fitted_part = fit_part(reducer, sizes, names.SHAFT, shaft)
     return fitted_part.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted_part.segments))

@@ -34,7 +34,6 @@ from cycloid_mj.parts.export.casing import (
     flange_centres,
     flange_dowel_centres,
     flange_screw_length,
-    motor_bore,
     motor_centres,
     output_cover_step,
 )
@@ -105,7 +104,7 @@ def bought_parts(joints: Iterable[Joint]) -> Iterator[BoughtPart]:
 
 
 def _motor_shaft_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    bore = motor_bore(reducer, sizes)
+    bore = sizes.motor_bore
     if bore:
         hole = (AXIS, *bore)
         yield Joint("shaft of the motor in the crank", JointKind.LOCATED, (MOTOR, names.SHAFT), ((names.SHAFT, hole),))
