@@ -136,10 +136,6 @@ class Jobs:
         threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()
         return job
 
-    def queued(self, queue: str) -> tuple[Job, ...]:
-        """Return the jobs of a queue that wait for the running one."""
-        return tuple(self._queues[queue].waiting)
-
     def describe(self, job: Job) -> dict[str, Any]:
         """Convert a job to JSON values; the progress of a queued job names the job that runs before it."""
         running_job = next((queue.running for queue in self._queues.values() if job in queue.waiting), None)

@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.text import escape_controls
-from cycloid_mj.design.units import BOUNDS, NONE, Unit, bounds_of, file_key, section_of, unit_of
+from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_value
 
 
@@ -82,7 +82,7 @@ def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
     keys, field = _locate_error(details, root)
     key = ".".join(keys)
     if not keys or field is None:
-        requirement = _requirement(details, NONE)
+        requirement = _requirement(details)
         return f"{key}: {requirement}" if keys else requirement
     if details["type"] == "missing":
         return f"{key} is missing ({field.description})"
@@ -138,7 +138,7 @@ def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> st
         # the bounds of the items of a list stand in the error alone
         bounds = bounds_of(field) or details.get("ctx", {})
         return f"it must be {range_words({name: unit.from_si(float(bound)) for name, bound in bounds.items()})}"
-    return _requirement(details, unit)
+    return _requirement(details)
 
 
 def range_words(bounds: dict[str, float]) -> str:
@@ -149,7 +149,7 @@ def range_words(bounds: dict[str, float]) -> str:
     return " and ".join(f"{BOUNDS[name]} {number}" for name, number in numbers.items())
 
 
-def _requirement(details: ErrorDetails, unit: Unit) -> str:
+def _requirement(details: ErrorDetails) -> str:
     """Describe the allowed values by the type of an error."""
     if details["type"] in ("value_error", "assertion_error"):
         return str(details.get("ctx", {}).get("error", "")) or _plain(details["msg"])

@@ -266,7 +266,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
         *(no_load_curves(reducer) if reducer.design.has_film else ()),
     )
     advance()
-    return groups, curves, rv_notes(reducer, life), limits.rated[1]
+    return groups, curves, rv_notes(life), limits.rated[1]
 
 
 def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:

@@ -302,7 +302,7 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     return Curve(panel, name, torques, -sense * np.array(turns), "output torque [N m]", "output turn [arcmin]")
 
 
-def rv_notes(reducer: RvReducer, life: float) -> tuple[str, ...]:
+def rv_notes(life: float) -> tuple[str, ...]:
     """Return the assumptions of the ratings of an RV reducer for a life [h], a sentence each."""
     return (
         f"Rated torque: limited by crank bearings (ISO 281, 90 %) and pitting of cycloid teeth and sun for {life:g} h, "

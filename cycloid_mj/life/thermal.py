@@ -17,7 +17,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
-from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
+from cycloid_mj.life.thermal_network import Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.life.thermal_state import ThermalState, TightestTime
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.film import state_seals
@@ -538,9 +538,3 @@ def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
         f"disc {state.difference:.3g} K warmer than the ring, {state.jam_difference:.3g} K close the teeth; up to "
         f"{state.speed / RPM:.4g} rpm at this torque; conductances are assumed ([thermal]): see `cycloid-mj thermal`",
     )
-
-
-def conductance_between(network: Network, first: str, second: str) -> float:
-    """Return the sum of the conductances between two nodes [W/K]."""
-    links: Sequence[Conductance] = network.conductances
-    return sum(item.value for item in links if {item.first, item.second} == {first, second})

@@ -9,7 +9,7 @@ Isaac Lab has one, so that its links have their own inertia only.
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 from xml.etree import ElementTree
 
 from cycloid_mj.base.array import significant
@@ -27,7 +27,6 @@ from cycloid_mj.robot.reducer import ReducedJoint
 Format = Literal["mjcf", "urdf", "sdf", "isaaclab", "mjx"]
 """Format of the files of a joint; ``mjcf`` are those of `robot.files`."""
 
-FORMATS: tuple[Format, ...] = get_args(Format)
 
 HOUSING, DRIVE = "housing", "drive"
 """Links of the fixed side, and of what turns by the crank's angle over the ratio; the third is `OUTPUT`."""

@@ -276,10 +276,6 @@ class FilmContacts:
     disc: Integers
     centres: Array
 
-    def with_inputs(self, inputs: FilmInputs) -> "FilmContacts":
-        """Return the contacts with other inputs of the law."""
-        return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
-
     def displaced(self, departures: Array) -> "FilmContacts":
         """Return the contacts for displaced discs.
 

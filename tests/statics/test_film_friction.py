@@ -35,7 +35,8 @@ def balanced(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[Spri
     """Return springs and loads of a reducer under its load."""
     springs = springs_of(reducer)
     assert springs.film is not None
-    springs = replace(springs, film=springs.film.with_inputs(inputs))
+    film = replace(springs.film, surfaces=replace(springs.film.surfaces, inputs=inputs))
+    springs = replace(springs, film=film)
     return springs, loads(reducer, springs, LOAD, warm_start=True)
 
 

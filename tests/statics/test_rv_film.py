@@ -43,7 +43,8 @@ def balanced(reducer: RvReducer, inputs: FilmInputs, load: float = LOAD) -> tupl
     """Return film, springs and loads of a reducer under a load [N m], for inputs of the law."""
     springs, torque = springs_over_turn(reducer, FEW_ANGLES), torque_on_carrier(reducer, load)
     film = build_rv_film(reducer, springs.crank, np.sign(torque))
-    film = replace(film, contacts=film.contacts.with_inputs(inputs))
+    surfaces = replace(film.contacts.surfaces, inputs=inputs)
+    film = replace(film, contacts=replace(film.contacts, surfaces=surfaces))
     return film, springs, solve_rv_loads(springs, torque, film)
 
 
