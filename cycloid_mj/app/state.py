@@ -15,8 +15,6 @@ BASE = PRESETS["pin"]
 TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
 """Keys on which the radius of the output holes depends: it follows unless it is set itself."""
 
-Values = Mapping[str, Any]
-
 
 def parse_design(values: Any) -> Design:
     """Return the design of the page's values: keys of the design file -> values that differ from the preset ``pin``.

@@ -78,16 +78,16 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
     return DriveCycle(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
-def braked_output(model: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
+def braked_output(model: Held, reducer: Reducer, torque: Signal) -> DriveCycle:
     """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank.
 
-    The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at `angle` [rad],
-    at full speed; `torque` is a function of the times (n,) [s], with values [N m].
+    The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at angle 0
+    and at full speed; `torque` is a function of the times (n,) [s], with values [N m].
     """
     design = reducer.design
     speed = design.drive.speed
     law = CrankLaw(speed / design.ratio, 0.0)
-    return DriveCycle(angle, speed, torque, lambda time: servo_target(model, law, time) + angle / design.ratio)
+    return DriveCycle(0.0, speed, torque, lambda time: servo_target(model, law, time))
 
 
 def rising(torque: float, rise: float) -> Signal:

@@ -1,14 +1,14 @@
 """Limits on figures in the words of a user: ``backlash_arcmin<=1``."""
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.figures import COMPUTED, Need, figure
+from cycloid_mj.figures import COMPUTED, figure
 from cycloid_mj.reducer import Reducer
 
 MIN_BOUND = 1e-12
@@ -39,7 +39,7 @@ class FigureLimit:
         return f"{self.key}{'<=' if self.at_most else '>='}{self.bound:g}"
 
 
-def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
+def parse_limit(text: str, reducer: Reducer | None = None) -> FigureLimit:
     """Parse the text of a limit on a figure of the catalogue, such as ``backlash_arcmin<=1``.
 
     Parameters
@@ -48,8 +48,6 @@ def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Nee
         ``KEY<=NUMBER`` or ``KEY>=NUMBER``.
     reducer
         Reducer for which the figure must be defined; None accepts the figures of any reducer.
-    needs
-        Kinds of computation that the figure may require.
 
     Raises
     ------
@@ -67,7 +65,7 @@ def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Nee
             "'backlash_arcmin<=1'"
         )
     try:
-        figure(match[1], needs, reducer)
+        figure(match[1], COMPUTED, reducer)
     except UsageError as error:
         raise UsageError(f"--limit {text!r}: {error}") from error
     return FigureLimit(match[1], match[2] == "<=", bound)

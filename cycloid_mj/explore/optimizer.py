@@ -162,7 +162,7 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
         write_files({Path(out) / BEST: best})
 
 
-def add_checks_of_best(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
+def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     """Return a copy of the optimisation with the checks of its best design.
 
     These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
@@ -171,7 +171,7 @@ def add_checks_of_best(optimum: Optimum, solver: Solver = "planar", progress: Pr
     best = optimum.design()
     try:
         zones, samples = tolerance_zones(Reducer(best)), OPTIMIZER.tolerance_samples
-        ranges = tolerance(best, samples, optimum.seed, progress=progress) if zones else None
+        ranges = tolerance(best, samples, optimum.seed) if zones else None
     except TooManyJams as jam:
         ranges = jam.tolerances
     sheets = _compute_sheet(Reducer(best)), _compute_sheet(optimum.task.reducer)

@@ -105,9 +105,9 @@ def pull_out_force(diameter: float, length: float, shear: float) -> float:
     return math.pi * diameter * length * shear
 
 
-def glued_force(diameter: float, length: float, shear: float = JOINTS.glue_strength) -> float:
+def glued_force(diameter: float, length: float) -> float:
     """Compute the force [N] that a glued cylindrical joint transmits along its surface."""
-    return math.pi * diameter * length * shear
+    return math.pi * diameter * length * JOINTS.glue_strength
 
 
 def dowel_force(diameter: float, depth: float, yield_strength: float, shear: float = JOINTS.dowel_shear) -> float:

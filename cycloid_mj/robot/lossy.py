@@ -121,16 +121,16 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     return Shoe(shares, friction, leading, armature, creep)
 
 
-def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
+def lossy_joint_xml(reduced: ReducedJoint) -> str:
     """Return the MJCF of a joint with the brake shoe of `fit_shoe`; at the level `rigid`, it has no shoe.
 
     A model that includes it needs elliptic friction cones and the integrator of `lossy_scene_xml`. Slip elements
     (`ReducedJoint.slips`) are left out, because they creep with that integrator.
     """
-    text = joint_xml(replace(reduced, slips=()), joint)
+    text = joint_xml(replace(reduced, slips=()))
     if reduced.level == "rigid":
         return text
-    shoe, crank, name = fit_shoe(reduced), rotor_name(joint), f"{joint}_shoe"
+    shoe, crank, name = fit_shoe(reduced), rotor_name(OUTPUT), f"{OUTPUT}_shoe"
     # tan(angle) of the hinge; its turn q moves the shoe by its lever cos(angle) q along the axis
     tilt = reduced.way * shoe.leading * SHOE.lever / shoe.friction
     lever = SHOE.lever / math.hypot(1.0, tilt)
@@ -158,10 +158,10 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
     head, tail = text.split("    </body>\n  </worldbody>\n")
     head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
     for number, share in enumerate(shoe.shares.tolist()):
-        tendon, remaining_text = tail.split(f'<fixed name="{reducer_name(joint, number)}"')
+        tendon, remaining_text = tail.split(f'<fixed name="{reducer_name(OUTPUT, number)}"')
         lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
         tail = (
-            f'{tendon}<fixed name="{reducer_name(joint, number)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
+            f'{tendon}<fixed name="{reducer_name(OUTPUT, number)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
         )
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
     return (head + tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)

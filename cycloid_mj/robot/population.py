@@ -164,9 +164,7 @@ def require_central_crank(reducer: Reducer) -> None:
         )
 
 
-def draw_population(
-    reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent, engine: Engine | None = None
-) -> Population:
+def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent) -> Population:
     """Draw random drives of a design, and compute the parameters of their joints; equal seeds draw equal drives.
 
     Parameters
@@ -177,8 +175,6 @@ def draw_population(
         Number of drives, and random seed.
     progress
         Called with the number of finished drives and the number of all drives.
-    engine
-        Workers that compute the drives; by default threads.
 
     Raises
     ------
@@ -190,7 +186,7 @@ def draw_population(
     require_central_crank(reducer)
     ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in VARIED)
     work = partial(_draw_drive, reducer, ranges, seed)
-    drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
+    drives = Engine(kind="threads").each(work, range(samples), progress)
     assembled_drives = [item for item in drives if item is not None]
     if len(assembled_drives) < 2:
         raise RunError(

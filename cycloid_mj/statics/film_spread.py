@@ -263,12 +263,12 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
     )
 
 
-def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
+def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
     """Compute the efficiency [%] and its interval when the output drives with a `torque` [N m].
 
     Raises as `balance.powers`.
     """
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost, outcomes = lost_powers(reducer, -torque, samples)
+    lost, outcomes = lost_powers(reducer, -torque)
     share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)
-    return compute_spread(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs(samples)[1])
+    return compute_spread(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs()[1])

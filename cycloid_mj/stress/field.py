@@ -181,13 +181,13 @@ def ignore_state(index: int, stress: Array) -> None:
     """Ignore a state: the observer where there is none."""
 
 
-def solve_maxima(part: LoadedPart, distance: float | None = None, on_state: StateObserver = ignore_state) -> PartStress:
+def solve_maxima(part: LoadedPart, on_state: StateObserver = ignore_state) -> PartStress:
     """Solve a part at each crank angle, and return the maxima of its stress, as `solve`.
 
     `on_state` is called with index and stress components of each angle.
     """
     responses = _responses(part.case)
-    return _collect_maxima(part.grid, part.loads, part.distances, distance, responses, part.components, on_state)
+    return _collect_maxima(part.grid, part.loads, part.distances, None, responses, part.components, on_state)
 
 
 def _responses(case: LoadCase) -> Iterator[Response]:

@@ -15,12 +15,10 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads, loads_in_turn, part_names, turn_of
 from cycloid_mj.stress.mounts import Mounts, crank_compliance, studs_compliance
 from cycloid_mj.stress.part import part_case, part_grid
-from cycloid_mj.stress.study import QUICK, StudySettings
+from cycloid_mj.stress.study import QUICK
 
 
-def compute_part_compliance(
-    run: Run | None, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
-) -> dict[str, float]:
+def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
     """Compute the torsional compliance of each part at the output [rad/(N m)] by name, as the mean over a crank turn.
 
     It is the work of the forces on the part along their displacements, divided by the square of the output torque
@@ -36,8 +34,6 @@ def compute_part_compliance(
         torque.
     reducer
         The reducer of the run.
-    settings
-        Settings of the grids.
     mounts
         Seats of output pins and crank in elastic plates, from a drawing; None: the entries of these seats are absent.
 
@@ -60,7 +56,7 @@ def compute_part_compliance(
             continue
         if part == "output" and mounts.studs:
             compliance |= studs_compliance(reducer, mounts.studs, loads)
-        response = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
+        response = part_case(reducer, part_grid(reducer.design, part, QUICK.grid(part)), loads).response(
             np.arange(crank.size)
         )
         work = np.sum(response.forces * response.moved, axis=0)

@@ -206,10 +206,10 @@ class _Pair(NamedTuple):
     by: str
 
 
-def describe_difference(forces: dict[Any, float], weights: dict[Any, float], rtol: float = TEST.rtol) -> str:
+def describe_difference(forces: dict[Any, float], weights: dict[Any, float]) -> str:
     """Describe how forces differ from the weights that they carry [N]; "" if they agree."""
     if forces.keys() == weights.keys() and all(
-        abs(forces[key] - weight) <= rtol * weight for key, weight in weights.items()
+        abs(forces[key] - weight) <= TEST.rtol * weight for key, weight in weights.items()
     ):
         return ""
     return f"forces of {sorted(forces.values())} N under weights of {sorted(weights.values())} N"
