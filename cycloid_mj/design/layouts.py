@@ -21,6 +21,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "design check",
         "export",
         "figures",
+        *(f"measure {name}" for name in ("te", "backlash", "lost-motion")),
         "rate",
         "reduce",
         "report",
@@ -75,6 +76,11 @@ def applies(layout: Layout, table: str, name: str) -> bool:
 def supports(layout: Layout, command: str) -> bool:
     """Return whether a command supports a layout."""
     return not SUPPORTED[layout] or command in SUPPORTED[layout]
+
+
+def layouts_of(command: str) -> tuple[Layout, ...]:
+    """Return the layouts that a command supports."""
+    return tuple(layout for layout in SUPPORTED if supports(layout, command))
 
 
 def unsupported_layout(name: str, layout: Layout) -> str:

@@ -14,7 +14,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.rv_loads import closed_form_stiffness
-from cycloid_mj.parts import moving_masses, turning_inertia
+from cycloid_mj.parts import moving_masses, play_inertia, turning_inertia
 from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.statics.structure import wind_up
 
@@ -66,18 +66,26 @@ def closed_stiffness(reducer: Reducer) -> float:
     return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
 
 
-def swing_period(reducer: Reducer) -> float:
+def output_period(reducer: Reducer) -> float:
     """Compute the oscillation period [s] of output and discs at a locked crank, at the stiffness under rated load.
 
-    With wide clearances fewer teeth carry load, and the real period is 1.5 times as long. With a floating sun, the
-    cranks of an RV reducer may oscillate against each other on their bearings; the result is the longer of both
-    periods.
+    With wide clearances fewer teeth carry load, and the real period is 1.5 times as long.
     """
-    squared = turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load)
+    return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load))
+
+
+def swing_period(reducer: Reducer) -> float:
+    """Compute the longest oscillation period [s] at a locked driven shaft, at the stiffness under rated load.
+
+    It is `output_period`, or that of the cranks of an RV reducer with a floating sun, which may oscillate against each
+    other on their bearings, if that is longer.
+    """
+    period = output_period(reducer)
     if isinstance(reducer, RvReducer) and reducer.planet.sun_support == "floating":
         stiffness = reducer.design.gear.discs * reducer.bearing_stiffness * reducer.design.gear.eccentricity**2
-        squared = max(squared, float(moving_masses(reducer)[names.CRANK].inertia[2, 2]) / stiffness)
-    return 2.0 * math.pi * math.sqrt(squared)
+        crank_inertia = float(moving_masses(reducer)[names.CRANK].inertia[2, 2])
+        period = max(period, 2.0 * math.pi * math.sqrt(crank_inertia / stiffness))
+    return period
 
 
 def crossing_time(reducer: Reducer) -> float:
@@ -98,8 +106,8 @@ def crossing_time(reducer: Reducer) -> float:
 
 
 def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
-    """Compute the time [s] in which a torque [N m] rotates output and discs by an angle [rad] from rest."""
-    return math.sqrt(2.0 * turning_inertia(reducer) * angle / torque)
+    """Compute the time [s] in which a torque [N m] rotates the output from rest by an angle [rad] of its backlash."""
+    return math.sqrt(2.0 * play_inertia(reducer) * angle / torque)
 
 
 @once

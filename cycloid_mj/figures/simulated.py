@@ -1,6 +1,7 @@
 """Figures from runs: quantities of `cycloid-mj measure` at the default conditions of the measures."""
 
 from cycloid_mj.base.registry import get_provider
+from cycloid_mj.design.layouts import layouts_of
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
 
@@ -9,7 +10,7 @@ def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, 
     """Return a row of the catalogue whose value is a quantity of a measure; its alias is ``measure/quantity``.
 
     Its key is ``simulated_`` and `key`; unit, name and definition are those of `Figure`. The value is computed by a
-    run.
+    run. The figure exists for the layouts that the measure supports.
     """
 
     def compute(reducer: Reducer) -> float:
@@ -24,6 +25,7 @@ def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, 
         need=Need.RUN,
         function=compute,
         aliases=(f"{measure}/{quantity}",),
+        layouts=layouts_of(f"measure {measure}"),
     )
 
 

@@ -2,11 +2,11 @@
 
 Two small torques press the output against either stop; the line through both angles, extrapolated to zero torque, is
 the stop of rigid parts. Friction and weight are switched off: friction would hold parts on the way, and weight would
-press them to one side.
+press them to one side. The driven shaft is locked: the crank, or the sun of an RV reducer.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,13 +22,16 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Errors, Measured, Modification, Named, resolve
+from cycloid_mj.design.layouts import Layout
+from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import rotation_time
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import ClosedForm, add_errors, error_of_mean, extreme_quantities
-from cycloid_mj.reducer import Reducer, limits
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.statics.rv_motion import rv_backlash
 
 
 @dataclass(frozen=True)
@@ -69,12 +72,14 @@ PRESS = PressSettings()
 NAMES = {
     **{"pin_gear": "teeth on pins", "pin_socket": "pins in sockets", "pin_sleeve": "sleeves on pins"},
     **{"tooth": "teeth", "cam": "cam", "output": "output pins"},
+    **{"crank_bearing": "crank bearings", "planet_mesh": "planets"},
 }
 _FORMULAS = {
     "cam": "2 delta/(c (N-1))",
     "output": "delta (1/max R sin beta + 1/max -R sin beta)",
 }
 _MESH_FORMULA = "delta (1/max l + 1/max -l), about 2 delta/(c (N-1))"
+_STATICS = "statics under the same torques"
 _ALL = "all"
 
 
@@ -129,18 +134,18 @@ def backlash(
         Backlash [arcmin]: mean and extremes with all clearances together, mean with each clearance alone; with
         numerical errors and closed forms; curves over the crank angle.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
         raise UsageError(f"angles = {angles} (the number of crank angles) is out of range: choose 1 or more")
     reducer = reducer.at_rated_load
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     by_kind, checks = _run_presses(reducer, crank_angles, solver, progress)
-    closed_forms = _compute_closed_forms(reducer, crank_angles)
+    closed_forms = REFERENCES[reducer.LAYOUT](reducer, crank_angles)
     return Measurement(
         measure="backlash",
         design=reducer.design,
-        condition=f"crank locked, without friction and weight, {SOLVERS[solver]}",
+        condition=f"{reducer.INPUT} locked, without friction and weight, {SOLVERS[solver]}",
         quantities=by_key(_quantities(by_kind, checks, closed_forms)),
         curves=_curves(reducer, by_kind, closed_forms),
         assumptions=_assumptions(reducer, [pair.run for pairs in by_kind.values() for pair in pairs], solver),
@@ -165,7 +170,7 @@ def _run_presses(
         numerical error.
     """
     cases = {_ALL: bench.without_friction(reducer)} | {
-        kind: with_single_clearance(reducer, kind) for kind in reducer.design.pair_kinds
+        kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)
     }
     if solver == "planar":
         cases = {name: massless(case) for name, case in cases.items()}
@@ -191,18 +196,32 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     The other clearances are `PRESS.no_clearance`, and the holes are as large as the orbit of the output pins.
     """
     design = reducer.design
-    tiny_clearances = {other_kind: PRESS.no_clearance for other_kind in design.pair_kinds if other_kind != kind}
-    clearance = design.clearance.model_copy(update=tiny_clearances)
-    output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
-    ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
-    exact = {"clearance": clearance, "output": output, **ideal}
-    return bench.without_friction(Reducer(design.model_copy(update=exact)))
+    exact: dict[str, Any] = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
+    if design.crank_errors is not None:
+        exact["crank_errors"] = CrankErrors()
+    changes: dict[str, dict[str, float]] = {}
+    for other_kind, keys in reducer.clearance_keys.items():
+        for table, key in keys if other_kind != kind else ():
+            changes.setdefault(table, {})[key] = PRESS.no_clearance
+    if "output" in reducer.clearance_keys:
+        changes["output"] = {"hole_radius": design.output.pin_radius + design.gear.eccentricity}
+    exact |= {table: getattr(design, table).model_copy(update=values) for table, values in changes.items()}
+    return bench.without_friction(type(reducer)(design.model_copy(update=exact)))
+
+
+def _kinds_with_clearance(reducer: Reducer) -> list[str]:
+    """List the kinds of pairs that have a clearance, without preloaded bearings."""
+    return [
+        kind
+        for kind, keys in reducer.clearance_keys.items()
+        if sum(getattr(getattr(reducer.design, table), key) for table, key in keys) > 0.0
+    ]
 
 
 def press_to_stops(
     reducer: Reducer, crank_angle: float, time_factor: float = 1.0, step_divisor: float = 1.0, solver: Solver = "planar"
 ) -> StopPair:
-    """Simulate the output pressed against both stops, with the crank locked at an angle [rad]; return their angles.
+    """Simulate the output pressed against both stops, with the cranks locked at an angle [rad]; return their angles.
 
     The torque follows the sequence `PRESS.levels`; at each stop the line through the angles at two torques is
     extrapolated to zero torque. The design has no friction and no weight.
@@ -215,7 +234,7 @@ def press_to_stops(
         Divisor of the time step.
     """
     torque = PRESS.share * reducer.design.rated_torque
-    press_time = time_factor * PRESS.settling * rotation_time(reducer, limits.widest_play(reducer, crank_angle), torque)
+    press_time = time_factor * PRESS.settling * rotation_time(reducer, reducer.play_at(crank_angle), torque)
     torques = torque * np.array(PRESS.levels)
 
     def signal(time: Array) -> Array:
@@ -250,15 +269,34 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
         closed_forms[_ALL] = ClosedForm(
             rigid_backlash.total_backlash(reducer, np.array(crank_angles)),
             rigid_backlash.backlash_over_turn(reducer)[1],
+            "rigid contacts: linear programme",
         )
-    for kind in reducer.design.pair_kinds:
+    for kind in _kinds_with_clearance(reducer):
         single = with_single_clearance(reducer, kind)
         sampled_backlash, full = (
             rigid_backlash.single_clearance_backlash(single, angles)[kind]
             for angles in (np.array(crank_angles), turn_angles)
         )
-        closed_forms[kind] = ClosedForm(sampled_backlash, full)
+        closed_forms[kind] = ClosedForm(sampled_backlash, full, _FORMULAS.get(kind, _MESH_FORMULA))
     return closed_forms
+
+
+def _compute_static_backlash(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
+    """Compute the backlash of an RV reducer [rad] by statics; result and arguments as of `_compute_closed_forms`."""
+    cases = {_ALL: reducer} | {kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)}
+    turn_angles, torque = rigid_backlash.full_turn_angles(reducer), PRESS.share * reducer.design.rated_torque
+    return {
+        name: ClosedForm(rv_backlash(case, crank_angles, torque), rv_backlash(case, turn_angles, torque), _STATICS)
+        for name, case in cases.items()
+        if isinstance(case, RvReducer)
+    }
+
+
+REFERENCES: Mapping[Layout, Callable[[Reducer, list[float]], dict[str, ClosedForm]]] = {
+    "central": _compute_closed_forms,
+    "rv": _compute_static_backlash,
+}
+"""Function that computes the references of each layout."""
 
 
 def _quantities(
@@ -283,16 +321,15 @@ def _quantities(
         error = add_errors(numerical, error_of_mean(values, closed_form))
         error = None if error is None else error / ARCMINUTE
         reference = None if closed_form is None else float(closed_form.turn.mean()) / ARCMINUTE
-        mean = float(values.mean()) / ARCMINUTE
+        mean, source = float(values.mean()) / ARCMINUTE, "" if closed_form is None else closed_form.source
         if name == _ALL:
-            source = "" if closed_form is None else "rigid contacts: linear programme"
             yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
             extreme_arguments = "backlash", "backlash", values, numerical, "arcmin"
             yield from extreme_quantities(
                 *extreme_arguments, scale=ARCMINUTE, closed_form=closed_form, reference=closed_form, source=source
             )
         else:
-            label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
+            label = f"by clearance of {NAMES[name]} alone, mean"
             single_clearances.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
     yield from single_clearances
     yield Quantity(
@@ -332,11 +369,11 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
     """
     torque = PRESS.share * reducer.design.rated_torque
     return (
-        f"the crank is locked; the output is pressed against its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and "
-        "the line through both angles is extrapolated to zero torque",
+        f"the {reducer.INPUT} is locked; the output is pressed against its stops by {torque:.2g} and "
+        f"{2.0 * torque:.2g} N m, and the line through both angles is extrapolated to zero torque",
         "without friction and weight; `measure lost-motion` includes them",
         "contacts have their stiffness under the rated load, whose effect the extrapolation removes: "
-        f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",
         f"a clearance alone: the others are {1e6 * PRESS.no_clearance:g} um, without manufacturing errors and "
         "modification",
         f"time step {bench.timesteps_text(runs)}; numerical error: change with {PRESS.longer:g} times the time at each "

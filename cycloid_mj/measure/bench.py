@@ -9,6 +9,7 @@ be stable where friction keeps the pin in place. A run that fails is repeated wi
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import Drive, Friction, Load, Settings
+from cycloid_mj.design.layouts import applies
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.dynamics.drive_cycle import Signal, locked_crank
 from cycloid_mj.dynamics.law import FRICTION
@@ -25,10 +27,10 @@ from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.regime import static_warnings
 from cycloid_mj.dynamics.run import Solver, simulate
-from cycloid_mj.dynamics.settling import swing_period
+from cycloid_mj.dynamics.settling import output_period
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ class BenchSettings:
     at 23 us within 1 %, at 35 us within 14 %.
     """
     steps_per_swing: float = 16.0
-    """Time steps in an oscillation of the output on all contacts where no pins move; used if that step is longer.
+    """Time steps in an oscillation of the output on all contacts where no pins and planets move; used if that step is
+    longer.
 
     With a longer step friction is fully developed from a lower speed on (`prepare_bench`), so the loops of soft drives
     come nearer to those of statics. Plastic drives with 60 to 250 um at the nominal torque and oscillations of 1.9 to
@@ -80,9 +83,14 @@ def crank_angles(reducer: Reducer, count: int) -> Array:
 
 def without_friction(reducer: Reducer) -> Reducer:
     """Return the design without friction and weight, the state of the closed forms."""
-    friction = Friction().model_copy(update=NO_FRICTION)
-    level = reducer.design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
-    return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
+    design = reducer.design
+    values = {key: value for key, value in NO_FRICTION.items() if applies(design.layout, "friction", key)}
+    friction = Friction().model_copy(update=values)
+    level = design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
+    changes: dict[str, Any] = {"friction": friction, "environment": level}
+    if design.planet is not None:
+        changes["planet"] = design.planet.model_copy(update={"friction": 0.0})
+    return type(reducer)(design.model_copy(update=changes))
 
 
 def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
@@ -96,8 +104,10 @@ def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -
     if design.settings.timestep:
         return design.settings.timestep
     if solver == "planar":
-        max_step = BENCH.max_planar_step
-        return max_step if design.ring.has_pin_bodies else max(max_step, swing_period(reducer) / BENCH.steps_per_swing)
+        # the planets of an RV reducer oscillate on the sun much faster than its output
+        if design.ring.has_pin_bodies or isinstance(reducer, RvReducer):
+            return BENCH.max_planar_step
+        return max(BENCH.max_planar_step, output_period(reducer) / BENCH.steps_per_swing)
     ring, seat_pair = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
         return BENCH.max_step
@@ -140,7 +150,7 @@ def prepare_bench(
     )
     creep_speed = min(design.contact.creep_speed or math.inf, min_creep_speed or reducer.contacts.creep_speed)
     contact_changes = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep_speed}
-    return Reducer(
+    return type(reducer)(
         design.model_copy(
             update={
                 "contact": design.contact.model_copy(update=contact_changes),
@@ -153,17 +163,17 @@ def prepare_bench(
 
 def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Solver = "planar") -> Run:
     """Simulate a design of `prepare_bench` at a locked crank angle [rad] with output `torque` [N m] over time [s]."""
-    timestep = reducer.design.settings.timestep
+    timestep, driven_angle = reducer.design.settings.timestep, float(reducer.member.driven_angle(crank_angle))
     if solver == "planar":
         model = _build_planar_model(
             reducer.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep
         )
-        return simulate(reducer.design, model, locked_crank(model, crank_angle, torque))
+        return simulate(reducer.design, model, locked_crank(model, driven_angle, torque))
     contact_timestep = timestep * BENCH.contact_step * (BENCH.friction_step if _max_friction_force(reducer) else 1.0)
     drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
     bench_tables = {"drive": drive, "load": Load(), "settings": Settings(timestep=contact_timestep)}
-    compiled = _build_mujoco_model(Reducer(reducer.design.model_copy(update=bench_tables)), timestep)
-    return simulate(reducer.design, compiled, locked_crank(compiled, crank_angle, torque))
+    compiled = _build_mujoco_model(type(reducer)(reducer.design.model_copy(update=bench_tables)), timestep)
+    return simulate(reducer.design, compiled, locked_crank(compiled, driven_angle, torque))
 
 
 def run_with_step_retries(
@@ -214,9 +224,9 @@ def run_with_step_retries(
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
-        f"{reducer.design.name}: the simulation with the crank locked at {math.degrees(crank_angle):.1f} deg and up to "
-        f"{max_torque:.4g} N m on the output failed, even after halving the time step {BENCH.max_halvings} times to "
-        f"{1e6 * shortest:.3g} us: {problem}. Reduce the torque"
+        f"{reducer.design.name}: the simulation with the {reducer.INPUT} locked at a crank angle of "
+        f"{math.degrees(crank_angle):.1f} deg and up to {max_torque:.4g} N m on the output failed, even after halving "
+        f"the time step {BENCH.max_halvings} times to {1e6 * shortest:.3g} us: {problem}. Reduce the torque"
     ) from problem
 
 
@@ -247,7 +257,7 @@ def _build_planar_model(reducer: Reducer, timestep: float) -> PlanarModel:
 
 def _max_friction_force(reducer: Reducer) -> float:
     """Return the largest friction force of all contacts at their working forces [N]."""
-    return max(reducer.design.friction_of(kind) * reducer.contacts[kind].force for kind in reducer.design.pair_kinds)
+    return max(reducer.design.friction_of(kind) * reducer.contacts[kind].force for kind in reducer.clearance_keys)
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:
@@ -255,8 +265,8 @@ def centre_lead(run: Run, reducer: Reducer) -> Array:
 
     Positive is counter-clockwise; with several discs it is their mean.
     """
-    leads = []
+    leads, crank_angle = [], reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])
     for gear, phase in zip(reducer.gears, reducer.phases, strict=True):
-        (x, y, _), eccentric_angle = names.planar_joints(gear), run["crank_angle"] + phase
+        (x, y, _), eccentric_angle = names.planar_joints(gear), crank_angle + phase
         leads.append(-run[x] * np.cos(eccentric_angle) - run[y] * np.sin(eccentric_angle))
     return np.asarray(np.mean(leads, axis=0))

@@ -19,9 +19,9 @@ from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.drive_cycle import Signal
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.settling import closed_stiffness
+from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.measure import bench
-from cycloid_mj.parts import turning_inertia
+from cycloid_mj.parts import play_inertia
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
@@ -230,10 +230,10 @@ def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
     It is the shortest period that meets two conditions. Output and discs cross the backlash b [rad] before the torque
     exceeds the share `LOOP.arrival` of its peak T = `peak_torque` [N m]. With the inertia J [kg m2] and the initial
     torque T (omega t)^5, they have crossed it at (omega t)^7 = 42 J b omega^2/T. The period is also at least
-    `LOOP.slowness` natural periods of J on the stiffness of the reducer.
+    `LOOP.slowness` times the longest oscillation period at a locked driven shaft.
     """
-    inertia = turning_inertia(reducer)
+    inertia = play_inertia(reducer)
     angular_frequency = math.sqrt(
         LOOP.arrival ** (7.0 / LOOP.power) * peak_torque / (42.0 * inertia * max(reducer.play, 1e-9))
     )
-    return 2.0 * math.pi * max(1.0 / angular_frequency, LOOP.slowness * math.sqrt(inertia / closed_stiffness(reducer)))
+    return max(2.0 * math.pi / angular_frequency, LOOP.slowness * swing_period(reducer))

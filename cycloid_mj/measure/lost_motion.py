@@ -11,7 +11,7 @@ from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.hysteresis import LOOP
 from cycloid_mj.measure.lost_motion_table import LostMotionLoops, angle_rows, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, solve_windups
 
@@ -55,7 +55,7 @@ def lost_motion(
     RunError
         A run failed.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     rated_torque = reducer.design.rated_torque if load is None else load
     angles = (LOOP.quick_angles if quick else LOOP.angles) if angles is None else angles
     if not rated_torque > 0.0 or angles < 1:
@@ -70,7 +70,7 @@ def lost_motion(
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
-        condition=f"crank locked, up to {rated_torque:.4g} N m on the output, {SOLVERS[solver]}",
+        condition=f"{reducer.INPUT} locked, up to {rated_torque:.4g} N m on the output, {SOLVERS[solver]}",
         quantities=quantities(loops),
         curves=curves(loops),
         assumptions=_assumptions(loops, period, solver),
@@ -127,7 +127,7 @@ def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]
     missing_statics = () if data.statics else (LEFT_OUT,)
     return (
-        f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
+        f"the {data.reducer.INPUT} is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
         f"{data.service[0].rated:.4g} N m (rated input torque times the ratio by default)",
         f"time step {timesteps[0]}, without friction and weight {timesteps[1]}; numerical error: changes with a "
         f"{LOOP.slower:g} times slower loop and with time steps of {check_timesteps[0]} and {check_timesteps[1]} at "
@@ -137,7 +137,7 @@ def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[
         "time step lowers the stiffness by some percent",
         structure_text(data.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{data.reducer.contacts.working_forces_text(data.reducer.design.pair_kinds)}",
+        f"{data.reducer.contacts.working_forces_text(tuple(data.reducer.clearance_keys))}",
         *(assumptions(data.reducer, "runs without friction and weight") if solver == "planar" else ()),
         *missing_statics,
     )

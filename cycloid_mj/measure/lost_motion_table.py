@@ -1,6 +1,6 @@
 """Quantities and curves of `lost_motion` from its loops and static solutions."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,16 +9,21 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.measure import bench, rigid_backlash
-from cycloid_mj.measure.hysteresis import HysteresisLoop
+from cycloid_mj.measure.hysteresis import LOOP, HysteresisLoop
 from cycloid_mj.measure.sampled import ClosedForm, add_errors, error_of_extreme, error_of_mean, extreme_quantities
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics.rv_motion import rv_backlash
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, split_in_series
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
+STATIC_STOPS = "statics, extrapolated to zero torque"
 IDEAL = "without friction and weight"
 BY_WAY = "by the relative motion of the parts; the compliance of each spring is listed by statics"
 _PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+SERIES_BY_LAYOUT: Mapping[Layout, tuple[str, ...]] = {"central": SERIES, "rv": ()}
+"""Parts in series whose compliances are listed, for each layout."""
 _OF_SPRINGS = {**_PARTS, "output": "output pins, including bending and twisting parts"}
 
 Loops = list[HysteresisLoop]
@@ -128,8 +133,8 @@ def stiffness(loop: HysteresisLoop) -> float:
 def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield lost motion and backlash [arcmin], as designed and without friction and weight."""
     static_values = [windup.lost_motion / ARCMINUTE for windup in data.statics]
-    rigid_form = _rigid_backlash(data)
-    rigid_values = rigid_form.turn if rigid_form is not None else ()
+    rigid_form = BACKLASH[data.reducer.LAYOUT](data)
+    rigid_values, rigid_source = (rigid_form.turn, rigid_form.source) if rigid_form is not None else ((), "")
     loops = {"": (data.service, data.service_checks), "_ideal": (data.ideal, data.ideal_checks)}
     for suffix, loop_sets in loops.items():
         case = f", {IDEAL}" if suffix else ""
@@ -153,7 +158,7 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
             lambda loop: loop.backlash / ARCMINUTE,
             *loop_sets,
             reference_values=rigid_values,
-            source=RIGID,
+            source=rigid_source,
             closed_form=rigid_form,
         )
 
@@ -169,14 +174,36 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
     return ClosedForm(
         rigid_backlash.total_backlash(data.reducer, crank_angles) / ARCMINUTE,
         rigid_backlash.backlash_over_turn(data.reducer)[1] / ARCMINUTE,
+        RIGID,
     )
+
+
+def _static_backlash(data: LostMotionLoops) -> ClosedForm | None:
+    """Return the backlash of an RV reducer by statics [arcmin] at the crank angles and over the turn."""
+    assert isinstance(data.reducer, RvReducer)
+    torque = LOOP.unloading[0] * data.service[0].rated
+    sampled, turn = (
+        rv_backlash(data.reducer, crank_angles, torque) / ARCMINUTE
+        for crank_angles in ([loop.crank for loop in data.service], rigid_backlash.full_turn_angles(data.reducer))
+    )
+    return ClosedForm(sampled, turn, STATIC_STOPS)
+
+
+BACKLASH: Mapping[Layout, Callable[[LostMotionLoops], ClosedForm | None]] = {
+    "central": _rigid_backlash,
+    "rv": _static_backlash,
+}
+"""Function that computes the backlash without simulation for each layout."""
+
+BACKLASH_NAMES: Mapping[Layout, str] = {"central": "backlash of rigid parts", "rv": "backlash by statics"}
+"""Its name in the figure."""
 
 
 def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness [N m/arcmin], and the compliances of output, cam and mesh in series [arcmin/(N m)].
 
     The stiffness is that of the design, and that without friction and weight. The compliances are without friction and
-    weight.
+    weight. An RV reducer, whose parts are not in series, has none.
     """
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
@@ -187,7 +214,7 @@ def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     yield from _extreme_quantities("stiffness", "stiffness", stiffness, *service, unit)
     yield _mean_quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, static_values, STATICS)
     part_names = _OF_SPRINGS if data.reducer.design.structure == "springs" else _PARTS
-    for part in SERIES:
+    for part in SERIES_BY_LAYOUT[data.reducer.LAYOUT]:
         static_compliances = [item.series(data.reducer)[part] / ARCMINUTE for item in data.statics]
 
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
@@ -246,7 +273,7 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
             max(shifts),
             "arcmin",
             add_errors(numerical, error_of_extreme(shifts, True)),
-            note="the weight of the disc turns it about the pitch point; the lock of the crank supports it",
+            note="the weight of the disc turns it about the pitch point; the locked shaft supports it",
         ),
     ]
 
@@ -285,12 +312,12 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
         ("lost motion at ±3 %", "arcmin"): (lost_motion, [item.lost_motion / ARCMINUTE for item in data.statics]),
         ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in data.statics]),
     }
-    known = _rigid_backlash(data)
+    known = BACKLASH[data.reducer.LAYOUT](data)
     for (panel, unit), (read_value, static_values) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read_value is lost_motion and known is not None:
             turn_angles = np.degrees(rigid_backlash.full_turn_angles(data.reducer))
-            result.append(Curve(panel, "backlash of rigid parts", turn_angles, known.turn, *axes, "theory"))
+            result.append(Curve(panel, BACKLASH_NAMES[data.reducer.LAYOUT], turn_angles, known.turn, *axes, "theory"))
         if static_values:
             result.append(Curve(panel, "statics", crank, np.array(static_values), *axes, "rings"))
         for name, loops in (("as designed", data.service), ("no friction", data.ideal)):

@@ -4,21 +4,24 @@ An order is a number of cycles in a crank turn. The crank turns by theta relativ
 relative to disc and output, which turn in the opposite direction by theta/(N-1). Errors of the ring therefore repeat at
 whole orders, errors of disc or output at multiples of N/(N-1), and those common to all teeth at the mesh order N. Where
 the ring turns, by theta/N, its errors repeat at multiples of (N-1)/N, those of disc and carrier at whole orders.
+The cranks of an RV reducer turn relative to ring and carrier in the same way.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.base.array import Array, Integers, Mask
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.design.layouts import Layout
+from cycloid_mj.reducer import Reducer, RvReducer
 
-Place = Literal["gear", "stage"]
-"""Signal of an error: the rotation of the disc, or that of the output relative to the disc (stage of output pins)."""
+Place = Literal["gear", "stage", "output"]
+"""Signal of an error: the rotation of the disc, that of the output relative to the disc (stage of output pins), or that
+of the output."""
 
 
 @dataclass(frozen=True)
@@ -72,36 +75,50 @@ def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
 
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
     """Return the causes of transmission error of a design, with the crank orders that each of them excites."""
-    design = reducer.design
-    teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
-    ring = "pins" if design.ring.kind == "pin" else "lobes"
-    mesh_signal: Place = "gear"
-    holes_signal: Place = "stage"
-    mesh_base, holes_base = base_orders(reducer)
+    return CAUSES[reducer.LAYOUT](reducer)
+
+
+def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Cause]:
+    """Return the causes at the ring: what all teeth have in common, and errors of single pins or lobes.
+
+    `place` is the signal in which they appear, `shared` names what all teeth have in common besides the clearance.
+    """
+    design, (mesh_base, _) = reducer.design, base_orders(reducer)
+    teeth, ring = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
     base_factor = "" if mesh_base == 1 else f"{mesh_base} times "
-    if design.output.turns_ring:
-        # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
-        mesh_signal, holes_signal = holes_signal, mesh_signal
     return (
         Cause(
             "mesh",
             "mesh",
-            mesh_signal,
+            place,
             float(mesh_base),
             lambda k: k % teeth == 0,
             f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
-            f"elasticity, modification, the cam's eccentricity)",
+            f"{shared})",
         ),
         Cause(
             "ring",
             f"ring {ring}",
-            mesh_signal,
+            place,
             float(mesh_base),
             lambda k: k % teeth > 0,
             f"{base_factor}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a "
             f"function of its angle to the crank, so it causes all of them; an error with m periods around the ring "
             f"causes m, {teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
         ),
+    )
+
+
+def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
+    design = reducer.design
+    lobes, pins, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
+    mesh_signal: Place = "gear"
+    holes_signal: Place = "stage"
+    if design.output.turns_ring:
+        # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
+        mesh_signal, holes_signal = holes_signal, mesh_signal
+    return (
+        *_ring_causes(reducer, mesh_signal, "elasticity, modification, the cam's eccentricity"),
         Cause(
             "holes",
             "holes and output pins",
@@ -121,3 +138,31 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             f"output pins (clearance, elasticity, the cam's eccentricity)",
         ),
     )
+
+
+def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
+    lobes, teeth, (_, base) = reducer.design.lobes, cast(RvReducer, reducer).planet.planet_teeth, base_orders(reducer)
+    return (
+        *_ring_causes(reducer, "output", "elasticity, modification"),
+        Cause(
+            "cranks",
+            "cranks, bores and planets",
+            "output",
+            float(base),
+            lambda k: (k % teeth > 0) & (k % lobes > 0),
+            f"multiples of {base}: number of turns of the cranks relative to disc and carrier in a crank turn; an "
+            f"error of an eccentric, of a bore in disc or carrier, or the run-out of a planet causes {base}",
+        ),
+        Cause(
+            "planet_mesh",
+            "planet mesh",
+            "output",
+            float(base),
+            lambda k: k % teeth == 0,
+            f"multiples of {teeth} x {base} = {teeth * float(base):.4g}: transmission error of the planets",
+        ),
+    )
+
+
+CAUSES: Mapping[Layout, Callable[[Reducer], tuple[Cause, ...]]] = {"central": _central_causes, "rv": _rv_causes}
+"""Function that returns the causes of each layout."""

@@ -18,10 +18,11 @@ from cycloid_mj.base.statistics import student_half_width
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
-    """A closed form at the measured crank angles, shape (k,), and over the full turn, shape (n,)."""
+    """A closed form at the measured crank angles, shape (k,), and over the full turn, shape (n,), with its source."""
 
     sampled: Array
     turn: Array
+    source: str = ""
 
 
 def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:

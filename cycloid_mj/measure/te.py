@@ -4,7 +4,7 @@ Whole turns of the crank, in both directions, without and under load, slow and a
 counter-clockwise, as a forward crank is.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import product
 
 import numpy as np
@@ -15,15 +15,34 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import by_key
 from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import STEADY, describe_loads, halve_time_step, load_cases, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.trace import TRACE, ErrorCurves, Trace, TraceCondition, copy_model, run_trace
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
+
+STATICS: Mapping[Layout, str] = {
+    "central": "statics: contacts of the ideal mesh as springs with gaps, without friction, and without inertia except "
+    "the centrifugal force of the disc; friction increases the tooth forces, and with them the wind-up of a loaded "
+    "disc",
+    "rv": "statics: contacts of the ideal mesh, crank bearings and planets as springs with gaps, with friction, but "
+    "without weight and inertia",
+}
+"""Assumptions of the static solution of each layout."""
+
+SEPARATION: Mapping[Layout, Callable[[bool], str]] = {
+    "central": lambda ring_is_fixed: (
+        f": the disc's error is evaluated in whole orders (of the {'ring' if ring_is_fixed else 'holes'}), that of the "
+        "output relative to the disc in multiples"
+    ),
+    "rv": lambda ring_is_fixed: ", so each of both spectra includes orders of the other cause",
+}
+"""Evaluation of runs that do not separate all orders, for a fixed or rotating ring, as the end of a sentence."""
 
 
 @shows_progress
@@ -49,10 +68,10 @@ def te(
         Torque of the unloaded runs [N m], by default the rated torque times `SteadySettings.drag_share`; at 0 the disc
         floats in its clearances.
     slow
-        Slow crank speed [rad/s], by default the design's speed times `TraceSettings.slow_share`.
+        Slow speed of the driven shaft [rad/s], by default the design's speed times `TraceSettings.slow_share`.
     turns
-        Crank turns relative to the ring; N - 1 turns (N ring teeth) separate the orders of the ring from those of the
-        holes.
+        Crank turns relative to the ring; N - 1 turns (N ring teeth) separate the orders of the ring from those of holes
+        or cranks.
     quick
         Whether to skip the slow runs and those with half the time step.
     progress, solver
@@ -65,7 +84,7 @@ def te(
         and directions, and the rms of the orders of each cause [arcsec], with numerical errors and static solutions;
         curves over the crank angle and spectra.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     require_motion(reducer)
     torques = load_cases(reducer, load, drag)
     rpm = abs(reducer.design.drive.speed) / RPM
@@ -92,8 +111,8 @@ def _list_conditions(
 ) -> list[TraceCondition]:
     """List the conditions of the runs: each load in both directions, at full speed and, unless `quick`, at slow speed.
 
-    `torques` maps the loads to output torques [N m]. `slow` is the slow crank speed [rad/s]; None for the design's
-    speed times `TraceSettings.slow_share`.
+    `torques` maps the loads to output torques [N m]. `slow` is the slow speed of the driven shaft [rad/s]; None for the
+    design's speed times `TraceSettings.slow_share`.
     """
     speed = abs(reducer.design.drive.speed)
     speed_by_pace = (
@@ -160,23 +179,18 @@ def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> E
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     """Return the sentences on bearings, drag, statics, contact stiffness, numerical errors and orders."""
     design = reducer.design
-    lobes = design.lobes
     ring, holes = base_orders(reducer)
-    multiples, other_cause = (holes, "ring") if ring == 1 else (ring, "holes")
     separation_sentence = (
-        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot separate whole orders from multiples of "
-        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {other_cause}), that of the "
-        "output relative to the disc in multiples"
+        f"orders are cycles in a crank turn; fewer than {design.lobes} turns cannot separate whole orders from "
+        f"multiples of {holes if ring == 1 else ring} in one signal{SEPARATION[reducer.LAYOUT](ring == 1)}"
     )
     return (
         f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
         f"the default drag of an unloaded reducer is {STEADY.drag_share:.0%} of the nominal torque: without it the "
         "disc floats in its clearances; up to the nominal torque presses the flanks together before the window",
-        "statics: contacts of the ideal mesh as springs with gaps, without friction, and without inertia except the "
-        "centrifugal force of the disc; friction increases the tooth forces, and with them the wind-up of a loaded "
-        "disc",
+        STATICS[reducer.LAYOUT],
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",
         f"numerical error: change with half the time step over the first {TRACE.checked_periods} mesh periods of the "
         "forward run, also used for the reverse run (not available with --quick), and half the change of a level "
         "between the halves of the window, as crank turns differ; of orders: the rms of the change with half the "

@@ -9,7 +9,7 @@ from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
-from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.orders import Place, causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 
@@ -17,7 +17,7 @@ STATICS = "statics"
 _CRANK, _ERROR = "crank angle [deg]", "error [arcsec]"
 _ORDER, _AMPLITUDE = "order [cycles in a crank turn]", "amplitude [arcsec]"
 _PACES = {"slow": "slow", "speed": "at speed"}
-_PLACES = {"gear": "disc", "stage": "output against the disc"}
+_PLACES: Mapping[Place, str] = {"gear": "disc", "stage": "output against the disc", "output": "output"}
 
 
 Traces = Mapping[TraceCondition, Trace]
@@ -83,10 +83,11 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
         for curve in _panel_curves(traces, statics, pace, shaft, load)
     ]
     result += _panel_curves(traces, statics, next(iter(paces)), "output")
-    for location, cycles_per_turn in _bases(reducer).items():
+    for place, cycles_per_turn in _bases(reducer):
         for condition in evaluated_conditions(traces):
-            spectrum = _spectrum(reducer, traces[condition], location, cycles_per_turn)
-            panel = f"orders of the {_PLACES[location]}, {condition.direction}, {_PACES[condition.pace]}"
+            spectrum = _spectrum(reducer, traces[condition], place, cycles_per_turn)
+            panel = f"orders of the {_signal_name(reducer, place, cycles_per_turn)}, {condition.direction}, "
+            panel += _PACES[condition.pace]
             result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(result)
 
@@ -226,15 +227,15 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     Orders that no cause excites, which are due to leakage from other orders, have the cause "between".
     """
     rows = []
-    for location, cycles_per_turn in _bases(reducer).items():
-        spectrum = _spectrum(reducer, trace, location, cycles_per_turn)
-        causes_of_signal = [cause for cause in causes(reducer) if cause.place == location]
+    for place, cycles_per_turn in _bases(reducer):
+        spectrum = _spectrum(reducer, trace, place, cycles_per_turn)
+        causes_of_signal = [cause for cause in causes(reducer) if (cause.place, cause.base) == (place, cycles_per_turn)]
         for k in np.argsort(spectrum.amplitude)[::-1][:12]:
             order = float(spectrum.order[k])
             cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
             rows.append(
                 {
-                    "shows_in": location,
+                    "shows_in": place,
                     "order": order,
                     "amplitude_arcsec": float(spectrum.amplitude[k]),
                     "cause": cause,
@@ -243,8 +244,15 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     return rows
 
 
-def _bases(reducer: Reducer) -> dict[str, float]:
-    return {cause.place: cause.base for cause in causes(reducer)}
+def _bases(reducer: Reducer) -> tuple[tuple[Place, float], ...]:
+    """List the signals in which orders appear, each with the base of its orders [1]; a signal may have two bases."""
+    return tuple(dict.fromkeys((cause.place, cause.base) for cause in causes(reducer)))
+
+
+def _signal_name(reducer: Reducer, place: Place, base: float) -> str:
+    """Return the name of a signal, with the base of its orders if it has another base as well."""
+    has_two_bases = sum(place == other for other, _ in _bases(reducer)) > 1
+    return f"{_PLACES[place]}{f', multiples of {base:.4g}' if has_two_bases else ''}"
 
 
 def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -> Orders:

@@ -46,7 +46,7 @@ class TraceCondition:
     torque: float
     """Against the output's rotation [N m]."""
     speed: float
-    """Speed of the crank [rad/s], signed."""
+    """Speed of the driven shaft [rad/s], signed: of the crank, or of the sun of an RV reducer."""
 
     @property
     def key(self) -> str:
@@ -88,10 +88,10 @@ def copy_model(compiled: Model) -> Model:
 
 
 def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
-    """Return a drive cycle at constant crank speed, at whose start a pulse of the load presses the flanks together.
+    """Return a drive cycle at constant speed, at whose start a pulse of the load presses the flanks together.
 
     With a light load, the disc oscillates in its clearance for about 30 ms. The pulse, a squared sine with a peak of up
-    to the nominal torque, shortens this to a few milliseconds. `start` is the initial angle of the crank [rad].
+    to the nominal torque, shortens this to a few milliseconds. `start` is the initial angle of the driven shaft [rad].
     """
     design = reducer.design
     law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)
@@ -109,11 +109,12 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
     """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
 
-    A forward run starts at the crank angle 0, a reverse run at the number of turns, rounded up. Over an integer number
-    of turns, both directions therefore cover the same angles.
+    A run with increasing crank angle starts at the angle 0, one with decreasing angle at the number of turns, rounded
+    up. Over an integer number of turns, both directions therefore cover the same angles.
     """
-    direction = float(np.sign(condition.speed))
-    sample_rate = TRACE.samples * reducer.mesh_periods * abs(condition.speed) / (2.0 * np.pi)
+    crank_speed = float(reducer.member.crank_angle(condition.speed))
+    direction = float(np.sign(crank_speed))
+    sample_rate = TRACE.samples * reducer.mesh_periods * abs(crank_speed) / (2.0 * np.pi)
     settling = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
         settling,
@@ -124,8 +125,8 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
         settings={"log_rate": min(sample_rate, 1.0 / model.timestep)},
     )
     # Both directions cover the same angles, so that their curves can be compared.
-    start = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - condition.speed * settling
-    run = simulate(reducer.design, model, preload_cycle(reducer, model, start))
+    start = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - crank_speed * settling
+    run = simulate(reducer.design, model, preload_cycle(reducer, model, float(reducer.member.driven_angle(start))))
     window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
     return _resample_errors(window, reducer, turns, direction)
 
@@ -133,13 +134,13 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
     """Resample the errors of disc and output [arcsec] at equal steps of the crank angle, by a cubic spline.
 
-    `turns` is the number of crank turns, `direction` the sign of the crank speed. The angles increase in both
+    `turns` is the number of crank turns, `direction` the sign of the crank's own speed. The angles increase in both
     directions; the last angle is one step before the end of the turns.
     """
     from scipy.interpolate import CubicSpline
 
     ascending = slice(None, None, int(direction))
-    crank_angle = run["crank_angle"][ascending]
+    crank_angle = reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])[ascending]
     points = round(TRACE.samples * reducer.mesh_periods * turns)
     span = 2.0 * np.pi * turns
     start = 0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns) - span

@@ -9,6 +9,7 @@ from cycloid_mj.parts.body_inertia import (
     input_inertia,
     moving_masses,
     output_inertia,
+    play_inertia,
     turning_inertia,
 )
 from cycloid_mj.parts.gear import gear_solid
@@ -60,6 +61,7 @@ __all__ = [
     "parts",
     "pin_radius",
     "pin_solid",
+    "play_inertia",
     "rv_solids",
     "shaft_segments",
     "shaft_solid",

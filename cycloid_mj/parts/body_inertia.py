@@ -47,6 +47,25 @@ def _turning_inertia(reducer: Reducer) -> float:
     return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
 
 
+def play_inertia(reducer: Reducer) -> float:
+    """Compute the inertia that the output moves across its backlash at a locked driven shaft, seen from it [kg m2].
+
+    It is `turning_inertia`. In an RV reducer, the output also rotates the cranks with their planets and moves the discs
+    on their orbit: this part is the larger one.
+    """
+    if not isinstance(reducer, RvReducer):
+        return turning_inertia(reducer)
+    ratio = abs(float(reducer.member.crank_angle(1.0) / reducer.member.output_angle(1.0)))
+    return turning_inertia(reducer) + _crank_inertia(reducer) * ratio**2
+
+
+def _crank_inertia(reducer: RvReducer) -> float:
+    """Compute the inertia of all cranks with their planets, and of the discs on their orbit, at the cranks [kg m2]."""
+    masses, eccentricity = moving_masses(reducer), reducer.design.gear.eccentricity
+    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * eccentricity**2
+    return reducer.cranks.count * _about_axis(masses[names.CRANK]) + orbit
+
+
 def input_inertia(reducer: Reducer) -> float:
     """Compute the moment of inertia of the mechanism at the input [kg m2], without the rotor of the motor.
 
@@ -55,12 +74,11 @@ def input_inertia(reducer: Reducer) -> float:
     left out, about 1e-4 of the total, and so are needles.
     """
     design, masses = reducer.design, moving_masses(reducer)
-    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
     slow = turning_inertia(reducer) / design.reduction**2
     if isinstance(reducer, RvReducer):
-        cranks = reducer.cranks.count * _about_axis(masses[names.CRANK])
         speed_ratio = reducer.orbit_speed / design.drive.speed
-        return _about_axis(masses[names.SUN]) + (cranks + orbit) * speed_ratio**2 + slow
+        return _about_axis(masses[names.SUN]) + _crank_inertia(reducer) * speed_ratio**2 + slow
+    orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
     return _about_axis(masses[names.SHAFT]) + orbit + slow
 
 

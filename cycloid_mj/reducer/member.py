@@ -63,6 +63,10 @@ class Member:
         """Return the angle of the crank [rad] at angles of the driven shaft [rad]; speeds map to speeds."""
         return np.asarray(driven, dtype=np.float64)
 
+    def driven_angle(self, crank: npt.ArrayLike) -> Array:
+        """Return the angle of the driven shaft [rad] at angles of the crank [rad]; the inverse of `crank_angle`."""
+        return np.asarray(crank, dtype=np.float64)
+
     def mesh_angle(self, driven: npt.ArrayLike, ring: npt.ArrayLike) -> Array:
         """Return the crank angle relative to the ring [rad] at angles of the driven shaft and the ring [rad]."""
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))

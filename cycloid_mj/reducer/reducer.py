@@ -95,8 +95,9 @@ class Reducer:
         return self.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Return the reducer for a run at full speed from its start, as ``Design.steady``; errors as there."""
-        return type(self)(self.design.steady(settled, turns, samples, **changes), self.worn)
+        """Return the reducer for a run at full speed from its start, over some crank turns, as ``Design.steady``."""
+        driven_turns = turns * abs(float(self.member.driven_angle(1.0)))
+        return type(self)(self.design.steady(settled, driven_turns, samples, **changes), self.worn)
 
     def working_at(self, torque: float) -> Self:
         """Return the reducer whose contact stiffnesses are those at an output torque [N m], not those at its load.
@@ -179,9 +180,18 @@ class Reducer:
     @property
     def play(self) -> float:
         """Largest backlash of the output with rigid parts [rad], at crank angle 0; errors as in ``limits.stops``."""
+        return self.kept("play", lambda: self.play_at(0.0))
+
+    def play_at(self, crank: float) -> float:
+        """Compute the largest backlash of the output with rigid parts [rad] at a crank angle [rad]; see `play`."""
         from cycloid_mj.reducer.limits import widest_play
 
-        return self.kept("play", lambda: widest_play(self, 0.0))
+        return widest_play(self, crank)
+
+    @property
+    def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
+        """Kind of mating pair -> table and key of its clearances in the design, from the ring to the output."""
+        return {kind: (("clearance", kind),) for kind in self.design.pair_kinds}
 
     @property
     def gears(self) -> tuple[str, ...]:
@@ -295,12 +305,12 @@ class Reducer:
     @property
     def mesh_turn(self) -> float:
         """Crank rotation after which it has passed all of the ring [rad]: 2 pi, or 2 pi N/(N-1) if the ring rotates."""
-        return 2.0 * math.pi / self.share
+        return 2.0 * math.pi * self.design.ring.teeth / self.mesh_periods
 
     @property
     def mesh_periods(self) -> int:
         """Number of mesh periods per crank revolution: N, or N - 1 if the ring rotates."""
-        return round(self.design.ring.teeth * self.share)
+        return self.design.lobes if self.design.output.turns_ring else self.design.ring.teeth
 
 
 Drive = TypeVar("Drive", bound=Reducer)

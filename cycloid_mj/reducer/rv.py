@@ -253,8 +253,17 @@ class RvReducer(Reducer):
         return float(self.member.crank_angle(self.design.drive.speed))
 
     @property
-    def play(self) -> float:
-        """Backlash of the output [rad] with rigid parts without errors, while the sun is fixed.
+    def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
+        """Kind of mating pair -> table and key of its clearances in the design, from the ring to the sun."""
+        ring = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
+        return {
+            **{kind: (("clearance", kind),) for kind in ring},
+            names.CRANK_BEARING: (("cranks", "needle_clearance"), ("cranks", "taper_clearance")),
+            names.PLANET_MESH: (("planet", "backlash"),),
+        }
+
+    def play_at(self, crank: float) -> float:
+        """Compute the backlash of the output [rad] with rigid parts without errors at a fixed sun, equal at all angles.
 
         It is the sum of the backlash of the planets, the clearance of the crank bearings and the clearance of the
         teeth, each converted to the output (principle of virtual work). The clearance of the crank bearings contributes
@@ -267,7 +276,7 @@ class RvReducer(Reducer):
         eccentricity = design.gear.eccentricity
         crank_play = planet.backlash / pitch_radius + 2.0 * (max(clearance, 0.0) + tooth) / eccentricity
         turn = 2.0 * design.lobes * max(clearance, 0.0) / self.crank_radius
-        return float((crank_play + turn) / self.stage.speed_up / self.share)
+        return float((crank_play + turn) / self.stage.speed_up * self.share)
 
     @property
     def near_face(self) -> float:

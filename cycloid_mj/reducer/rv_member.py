@@ -45,6 +45,10 @@ class RvMember(Member):
         """Return the angle of the cranks [rad] at angles of the sun [rad]; speeds map to speeds."""
         return np.asarray(self.against_ring(driven) + self.ring_angle(driven))
 
+    def driven_angle(self, crank: npt.ArrayLike) -> Array:
+        """Return the angle of the sun [rad] at angles of the cranks [rad], both against the ground."""
+        return np.asarray(np.asarray(crank, dtype=np.float64) / float(self.crank_angle(1.0)))
+
     def mesh_angle(self, driven: npt.ArrayLike, ring: npt.ArrayLike) -> Array:
         """Return the crank angle relative to the ring [rad] at angles of the sun and the ring [rad]."""
         against_ring = np.asarray(driven, dtype=np.float64) - np.asarray(ring)

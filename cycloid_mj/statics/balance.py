@@ -10,10 +10,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.film import FilmFriction, drag_power, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
 from cycloid_mj.statics.kernel import RESIDUAL_RTOL, Residual, balance
+from cycloid_mj.statics.rv_motion import rv_transmission_error
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -287,7 +288,8 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Compute the rotations of disc and output from their ideal angles under a torque, without friction.
 
-    The only inertia force is the disc's centrifugal force at the speed of the design.
+    The only inertia force is the disc's centrifugal force at the speed of the design. In an RV reducer, there are no
+    inertia forces, but the friction of the running drive is included.
 
     Parameters
     ----------
@@ -308,6 +310,8 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     RunError
         There is no equilibrium.
     """
+    if isinstance(reducer, RvReducer):
+        return rv_transmission_error(reducer, crank, torque)
     contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, warm_start=True)
     return np.stack([contact_loads.gear_turn, contact_loads.output_turn], axis=1)
 

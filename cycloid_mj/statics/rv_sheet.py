@@ -33,6 +33,7 @@ from cycloid_mj.statics.rv_film import (
     running_friction,
     rv_film_assumption,
 )
+from cycloid_mj.statics.rv_motion import stop_width
 from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
@@ -49,10 +50,10 @@ class RvSheetSettings:
         The same for the range of rotations: within 1 % of that at 720 angles.
     rotation_angles
         The same for means of rotations.
-    closed_angles
-        The same for closed forms: 24 in each turn of a crank of 40 pins.
     stop_torque_share
         Torque that moves the parts to their stops, over the load; the stop is extrapolated to no torque.
+    closed_angles
+        The same for closed forms: 24 in each turn of a crank of 40 pins.
     """
 
     force_angles: int = 720
@@ -176,21 +177,17 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     Friction and weight are not included; `load` is the torque on the output [N m].
     """
 
-    def rotation(share: float) -> Array:
-        """Return the output's rotation under a share of the load [rad], shape (m,)."""
-        return reducer.share * balance_rv(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
+    def rotation(torque: float) -> Array:
+        """Return the output's rotation under a torque on it [N m] in [rad], shape (m,)."""
+        return reducer.share * balance_rv(reducer, torque, SETTINGS.rotation_angles).carrier_turn
 
-    stop_share = SETTINGS.stop_torque_share
-    forward_stop, backward_stop = (
-        2.0 * rotation(sign * stop_share) - rotation(2.0 * sign * stop_share) for sign in (1.0, -1.0)
-    )
-    width = np.abs(forward_stop - backward_stop) / ARCMINUTE
+    width = stop_width(rotation, SETTINGS.stop_torque_share * load) / ARCMINUTE
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
     yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
     low, high = STRAIGHT
-    rise = np.abs(rotation(high) - rotation(low)) + np.abs(rotation(-high) - rotation(-low))
+    rise = sum((np.abs(rotation(side * high * load) - rotation(side * low * load)) for side in (1, -1)), np.zeros(1))
     stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 

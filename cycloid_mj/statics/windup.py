@@ -12,13 +12,14 @@ deflection.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.balance import Loads, loads
+from cycloid_mj.statics.rv_motion import rv_springs_at, static_rotations
 from cycloid_mj.statics.springs import Springs, at_rest, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -48,13 +49,15 @@ class Windup:
         the eccentric [m], by relative torque.
     work
         Work of the forces over the linear part, both sides together, by `SPRINGS` [J].
+
+    `centre_lead` and `work` of an RV reducer are empty.
     """
 
     rated: float
     turn: dict[float, float]
     gear_turn: dict[float, float]
-    centre_lead: dict[float, float]
-    work: dict[str, float]
+    centre_lead: dict[float, float] = field(default_factory=dict)
+    work: dict[str, float] = field(default_factory=dict)
 
     @property
     def lost_motion(self) -> float:
@@ -119,6 +122,8 @@ def solve_windups(
     RunError
         There is no equilibrium.
     """
+    if isinstance(reducer, RvReducer):
+        return _solve_rv_windups(reducer, cranks, rated_torque)
     static_reducer = at_rest(reducer)
     springs = springs_of(static_reducer, cranks, friction=False)
     by_torque = {
@@ -151,6 +156,24 @@ def solve_windups(
             select_angle(index, gear_turns),
             select_angle(index, centre_leads),
             {spring: works[index] for spring, works in work.items()},
+        )
+        for index in range(len(cranks))
+    ]
+
+
+def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated_torque: float) -> list[Windup]:
+    """Solve for the poses of an RV reducer; arguments, result and errors are those of `solve_windups`."""
+    springs = rv_springs_at(reducer, cranks)
+    rotations = {
+        side * share: static_rotations(reducer, springs, side * share * rated_torque).tolist()
+        for side in (-1, 1)
+        for share in SHARES
+    }
+    return [
+        Windup(
+            rated_torque,
+            turn={share: angles[index][1] for share, angles in rotations.items()},
+            gear_turn={share: angles[index][0] for share, angles in rotations.items()},
         )
         for index in range(len(cranks))
     ]

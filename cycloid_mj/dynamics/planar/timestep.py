@@ -7,7 +7,7 @@ this motion by the midpoint rule; at a longer step implicit Euler damps it, wher
 
 from dataclasses import dataclass
 
-from cycloid_mj.dynamics.settling import swing_period
+from cycloid_mj.dynamics.settling import output_period
 from cycloid_mj.dynamics.timestep import (
     StepAccuracy,
     StepRule,
@@ -58,7 +58,7 @@ def choose_step(reducer: Reducer) -> TimeStep:
     allowed = {
         "largest allowed step": SETTINGS.max_step,
         "log rate": 1.0 / design.settings.log_rate,
-        "oscillation on all contacts": swing_period(reducer) / SETTINGS.min_steps_per_swing,
+        "oscillation on all contacts": output_period(reducer) / SETTINGS.min_steps_per_swing,
     }
     if design.drive.speed:
         allowed["tooth passing"] = passing_limit(reducer, SETTINGS.min_steps_per_tooth)

@@ -1,0 +1,109 @@
+"""Measures of RV reducers by the planar solver, compared with statics."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.dynamics.massless import massless
+from cycloid_mj.dynamics.run import model_for
+from cycloid_mj.measure import Measurement, backlash, lost_motion, te
+from cycloid_mj.measure.backlash import press_to_stops, with_single_clearance
+from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.trace import TraceCondition, run_trace
+from cycloid_mj.reducer import RvReducer, reducer_of
+from cycloid_mj.statics import transmission_error
+from cycloid_mj.statics.rv_motion import rv_backlash
+
+BORE_ERROR = {"crank_errors": {"bore_x": (1e-5, 0.0, 0.0, 0.0, 0.0, 0.0)}}
+PLAY = {
+    "cranks": {"needle_clearance": 2e-6, "taper_clearance": 1e-6},
+    "planet": {"backlash": 2e-5},
+    "clearance": {"pin_gear": 3e-6, "pin_socket": 2e-6},
+}
+
+
+def rv80e(**changes: object) -> Design:
+    return PRESETS["rv80e"].but(**changes)
+
+
+def require_agreement(measured: Measurement, keys: tuple[str, ...], rtol: float = 5e-3) -> None:
+    for key in keys:
+        quantity = measured.quantities[key]
+        assert quantity.value == pytest.approx(quantity.reference, rel=rtol), key
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("member", ["carrier", "ring"])
+def test_transmission_error_of_a_bore_error_is_that_of_statics(member: str) -> None:
+    measured = te(rv80e(**BORE_ERROR, output={"member": member}), quick=True)
+    conditions = ("loaded_forward_speed", "loaded_reverse_speed")
+    levels = [f"output_{level}_{condition}" for level in ("peak_to_peak", "rms") for condition in conditions]
+    require_agreement(measured, (*levels, "output_wind_up", "gear_wind_up"))
+    assert measured["output_peak_to_peak_loaded_forward_speed"] > 10.0
+    rows = measured.details["orders"]["cases"]["loaded_forward_speed"]
+    base = 1.0 if member == "ring" else 40.0 / 39.0
+    strongest = max((row for row in rows if row["cause"] == "cranks"), key=lambda row: row["amplitude_arcsec"])
+    assert strongest["order"] == pytest.approx(base)
+
+
+def test_orders_of_the_cranks_are_those_of_their_rotation_against_the_carrier() -> None:
+    reducer = reducer_of(PRESETS["rv80e"])
+    by_key = {cause.key: cause for cause in causes(reducer)}
+    assert by_key["cranks"].has(40.0 / 39.0)
+    assert not by_key["ring"].has(40.0 / 39.0)
+    assert by_key["planet_mesh"].has(38.0 * 40.0 / 39.0)
+    assert by_key["mesh"].has(40.0)
+    ring = {cause.key: cause for cause in causes(reducer.but(output={"member": "ring"}))}
+    assert ring["cranks"].has(1.0)
+    assert ring["mesh"].has(39.0)
+
+
+def test_a_run_over_a_quarter_turn_has_the_angles_and_the_wind_up_of_statics() -> None:
+    reducer = reducer_of(rv80e(**BORE_ERROR)).working_at(784.0)
+    condition = TraceCondition("loaded", "forward", "speed", 784.0, reducer.design.drive.speed)
+    trace = run_trace(reducer, model_for("planar", reducer), 0.25, condition)
+    assert trace.crank[0] == pytest.approx(1.5 * np.pi)  # the cranks turn against the sun
+    assert np.ptp(trace.crank) == pytest.approx(0.5 * np.pi, rel=0.01)
+    static = -transmission_error(reducer, trace.crank, 784.0) * 648000.0 / np.pi
+    np.testing.assert_allclose(trace.output, static[:, 1], atol=0.3)
+    np.testing.assert_allclose(trace.gear, static[:, 0], atol=0.3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["pin_gear", "pin_socket", "crank_bearing", "planet_mesh"])
+def test_backlash_of_a_single_clearance_is_that_of_statics(kind: str) -> None:
+    reducer = reducer_of(rv80e(**PLAY)).at_rated_load
+    single = massless(with_single_clearance(reducer, kind))
+    assert isinstance(single, RvReducer)
+    (static,) = rv_backlash(single, [0.7], 0.0025 * 784.0)
+    assert press_to_stops(single, 0.7).backlash == pytest.approx(static, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_backlash_with_all_clearances_is_that_of_statics() -> None:
+    require_agreement(backlash(rv80e(), angles=2), ("backlash", "backlash_min", "backlash_max", "backlash_pin_gear"))
+    measured = backlash(rv80e(**PLAY), angles=1)
+    (row,) = measured.details["angles"]
+    assert row["backlash_arcmin"]["all"] == pytest.approx(row["closed_form_arcmin"]["all"], rel=5e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rv80e", "rv64"])
+def test_stiffness_and_lost_motion_are_those_of_statics(name: str) -> None:
+    measured = lost_motion(PRESETS[name], quick=True)
+    require_agreement(measured, ("stiffness_ideal", "lost_motion_ideal", "lost_motion"))
+    assert measured["stiffness"] > measured["stiffness_ideal"]  # friction holds the parts
+    assert not [key for key in measured.quantities if key.startswith("compliance")]
+
+
+@pytest.mark.slow
+def test_the_command_measures_an_rv_reducer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = str(tmp_path / "te")
+    assert main(["measure", "te", "rv80e", "--quick", "--no-log", "--html", "--quiet", "--json", "--out", out]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["figures"]["simulated_te_loaded_arcsec"]["unit"] == "arcsec"
+    assert list(tmp_path.rglob("*.html"))
