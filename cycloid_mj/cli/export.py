@@ -268,7 +268,11 @@ class ExportFlags:
     def require_supported(self, reducer: Reducer) -> None:
         """Raise UsageError for a flag that does not support the layout of the reducer."""
         if isinstance(reducer, RvReducer) and self.plate:
-            raise UsageError(f'--plate does not support layout = "rv" ({reducer.design.name}): remove --plate')
+            raise UsageError(
+                f'--plate does not support layout = "rv" ({reducer.design.name}): an RV reducer has no printed casing '
+                "with covers, and its cranks and gears are steel parts. Use --format 3mf or stl without --plate, which "
+                "writes a file for each part"
+            )
 
     def print_settings(self, reducer: Reducer) -> "PrintSettings":
         """Return accuracy, offset, seat of the cam bearing and bed size of a print plate [m]."""

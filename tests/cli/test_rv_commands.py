@@ -11,8 +11,7 @@ from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
-    ("compare", "pin", "rv80e"),
-    ("measure", "te", "rv80e"),
+    ("measure", "vibration", "rv80e"),
     ("protocol", "rv80e"),
     ("design", "kinematics", "rv80e", "--csv", "k.csv"),
     ("design", "profile", "rv80e", "--csv", "p.csv"),
@@ -39,7 +38,9 @@ def test_export_writes_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "rv80e", "--format", "svg", "--chord-error-um", "20", "--out", "parts", "--quiet"]) == 0
     assert {path.stem for path in Path("parts").glob("*.svg")} >= {"gear_1", "crank", "planet", "sun", "carrier_2"}
     assert main(["export", "rv80e", "--plate", "--out", "plate"]) == 2
-    assert '--plate does not support layout = "rv" (rv80e): remove --plate' in capsys.readouterr().err
+    refusal = capsys.readouterr().err
+    assert '--plate does not support layout = "rv" (rv80e)' in refusal
+    assert "Use --format 3mf or stl without --plate" in refusal
 
 
 def test_statics_has_the_figures_of_the_rv80e(capsys: pytest.CaptureFixture[str]) -> None:
