@@ -142,16 +142,17 @@ UPPER_FIGURES = (
     ]),
     *_make_figures(Need.STATICS, "life.output_bearing", [
         ("output_tilting_capacity", "N m", "tilting moment on the output",
-         "Moment across the axis that the two bearings of the output's hub support next to the nominal torque, for "
+         "Moment across the axis that the bearings of the output's hub support next to the nominal torque, for "
          "the life of the design with its service factor (ISO 281) and standing (ISO 76)."),
         ("output_tilting_stiffness", "N m/arcmin", "tilting stiffness of the output",
-         "Moment across the axis over the tilt by the balls of the hub's two bearings, at half their moment limit, "
+         "Moment across the axis over the tilt by balls or rollers of the hub's bearings, at half their moment limit, "
          "without clearance; hub and covers rigid."),
         ("output_radial_load", "N", "radial load on the output",
          "Force across the axis on the flange's face that the hub's bearings support next to the nominal torque, as "
          "the tilting moment."),
         ("output_axial_load", "N", "axial load on the output",
-         "Force along the axis on the flange without other loads: a quarter of a bearing's static rating."),
+         "Force along the axis on the flange without other loads: a quarter of a deep groove bearing's static rating, "
+         "or by ISO 281 and 76."),
     ], _has_covers),
     *_make_figures(Need.LIFE, "life.figures", [
         ("life", "h", "life",

@@ -30,6 +30,7 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
 )
 from cycloid_mj.parts.export.casing_rules import (
+    hub_shoulders,
     shoulder_radius,
 )
 from cycloid_mj.parts.export.step import occ, planar_face
@@ -235,9 +236,13 @@ def _rings(reducer: Reducer, sizes: Casing, place: PlacedPart, drawn: PartSectio
     if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield around, _annulus(outside.radius, bore.radius)
         return
-    yield around, _annulus(outside.radius, shoulder_radius(outside.radius, bore.radius))
-    inside = names.SHAFT if on_shaft else names.OUTPUT
-    yield inside, _annulus(shoulder_radius(bore.radius, outside.radius), bore.radius)
+    inner, outer = (
+        (shoulder_radius(bore.radius, outside.radius), shoulder_radius(outside.radius, bore.radius))
+        if on_shaft
+        else hub_shoulders(sizes.hub)
+    )
+    yield around, _annulus(outside.radius, outer)
+    yield names.SHAFT if on_shaft else names.OUTPUT, _annulus(inner, bore.radius)
 
 
 def _annulus(outer: float, inner: float) -> Face:

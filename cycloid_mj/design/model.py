@@ -250,10 +250,10 @@ class Output(Section):
         "support of the output pins: cantilever, by the output disc only; both_ends, also by a second "
         "disc beyond the cycloid discs",
     )
-    main_bearings: Literal["deep_groove", "angular_contact"] = choice(
+    main_bearings: Literal["deep_groove", "angular_contact", "crossed_roller"] = choice(
         "deep_groove",
-        "both bearings of the output's hub: deep_groove, sealed; angular_contact, a preloaded pair back to back, "
-        "for several times the tilting moment and stiffness",
+        "bearings of the output's hub: deep_groove, two, sealed; angular_contact, a preloaded pair back to back, "
+        "for several times the tilting moment and stiffness; crossed_roller, one, sealed, under a retainer",
     )
 
     @property

@@ -197,6 +197,22 @@ class AngularContactSeries:
 
 ANGULAR_CONTACT = AngularContactSeries()
 
+_CROSSED_ROLLERS = """
+RB 20 36 8 27 3.23 3.1        RB 25 41 8 32 3.63 3.83       RB 30 55 10 41.5 7.35 8.36    RB 35 60 10 46.5 7.64 9.12
+RB 40 65 10 51.5 8.33 10.6    RB 45 70 10 56.5 8.62 11.3    RB 50 80 13 64 16.7 20.9      RB 60 90 13 74 18 24.3
+RB 70 100 13 84 19.4 27.7     RB 80 120 16 98 30.1 42.1     RB 90 130 16 108 31.4 45.3    RB 110 145 15 126.5 23.7 41.5
+RB 120 150 16 134.2 24.2 43.2 RB 130 160 15 144.5 25 46.7   RB 140 175 16 154.8 25.9 50.1 RB 150 180 13 164 27 53.5
+RA 50 66 8 57 5.1 7.19        RA 60 76 8 67 5.68 8.68       RA 70 86 8 77 5.98 9.8        RA 80 96 8 87 6.37 11.3
+RA 90 106 8 97 6.76 12.4      RA 100 116 8 107 7.15 13.9    RA 110 126 8 117 7.45 15      RA 120 136 8 127 7.84 16.5
+RA 130 146 8 137 7.94 17.6    RA 140 156 8 147 8.33 19.1    RA 150 166 8 157 8.82 20.6    RA 160 186 13 172 23.3 44.9
+RA 170 196 13 182 23.5 46.5   RA 180 206 13 192 24.5 49.8   RA 190 216 13 202 24.9 51.5   RA 200 226 13 212 25.8 54.7
+"""
+"""Crossed roller bearings: series, bore, outside, width, pitch circle, dynamic and static load rating [kN].
+
+They are of THK, Cross-Roller Ring Series (No. 382-3E). RA is the thin series, RB has larger sections; other makers sell
+bearings of the same dimensions. The designation is series, bore and width; UU is sealed, CC0 preloaded.
+"""
+
 _BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, *range(20, 61, 5), 80)
 """Diameters of shafts of hardened and ground steel, h6, by the metre (ISO 13012-1 has bushings for most of them)."""
 
@@ -298,7 +314,10 @@ class StockKey:
 
 @dataclass(frozen=True)
 class StockBearing:
-    """A rolling bearing: designation, bore, outside and width [m], load ratings [N], contact angle [rad]."""
+    """A rolling bearing: designation, bore, outside and width [m], load ratings [N], contact angle [rad].
+
+    `pitch` is the diameter of the pitch circle of crossed rollers [m]; 0 for all other bearings.
+    """
 
     designation: str
     bore: float
@@ -307,6 +326,7 @@ class StockBearing:
     dynamic: float
     static: float
     contact_angle: float = 0.0
+    pitch: float = 0.0
 
     @property
     def load_centre_offset(self) -> float:
@@ -537,6 +557,26 @@ def angular_contact_bearings() -> tuple[StockBearing, ...]:
         for bearing in thin_ball_bearings()
         if "/" not in bearing.designation and bearing.bore <= ANGULAR_CONTACT.largest_bore
     )
+
+
+@cache
+def crossed_roller_bearings() -> tuple[StockBearing, ...]:
+    """List the crossed roller bearings in stock, sorted by bore and outside diameter."""
+    fields = _CROSSED_ROLLERS.split()
+    numbers = (list(map(float, fields[start + 1 : start + 7])) for start in range(0, len(fields), 7))
+    bearings = [
+        StockBearing(
+            f"{series} {bore:g}{width:02g} UU CC0",
+            *_si(bore, outer_diameter, width),
+            dynamic * KN,
+            static * KN,
+            pitch=round(pitch_circle * MM, 9),
+        )
+        for series, (bore, outer_diameter, width, pitch_circle, dynamic, static) in zip(
+            fields[::7], numbers, strict=True
+        )
+    ]
+    return tuple(sorted(bearings, key=lambda item: (item.bore, item.outside)))
 
 
 def bolt_lengths(thread: float) -> tuple[float, ...]:

@@ -20,7 +20,8 @@ from cycloid_mj.life.modified_life import (
     life_factor,
     reference_viscosity,
 )
-from cycloid_mj.life.output_bearing import balls_of, equivalent_load, output_bearing_forces
+from cycloid_mj.life.output_bearing import balls_of
+from cycloid_mj.life.output_loads import output_bearing_loads
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
@@ -142,10 +143,14 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
         joins: tuple[Body, Body] = ("shaft", "output") if straddles and end == "far" else ("shaft", "housing")
         yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
-        ratings, bore = _hub_ratings(reducer), casing(reducer).hub.bore
-        for end_name in ("inner", "outer"):
-            name = f"{end_name} bearing of the output"
-            yield Bearing(f"output_bearing_{end_name}", name, ratings, ("output", "housing"), bore=bore)
+        ratings, hub = _hub_ratings(reducer), casing(reducer).hub
+        if hub.pitch:
+            name = "crossed roller bearing of the output"
+            yield Bearing("output_bearing", name, ratings, ("output", "housing"), bore=hub.bore)
+        else:
+            for end_name in ("inner", "outer"):
+                name = f"{end_name} bearing of the output"
+                yield Bearing(f"output_bearing_{end_name}", name, ratings, ("output", "housing"), bore=hub.bore)
     if output.has_needles:
         spin = output.hole_radius / output.pin_radius - 1.0
         yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin)
@@ -154,7 +159,8 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
     """Return the load on each bearing with a key [N], shape (m, bearings), at m crank angles.
 
-    It is the magnitude of the radial force; the equivalent load of bearings of the output includes their preload.
+    It is the magnitude of the radial force; for bearings of the output it is the equivalent load, which includes their
+    preload and, for crossed rollers, the tilting moment.
 
     `bearing_key` is a key of `bearings_of`; equal bearings, such as those of all cams, share a key. `loading` has the
     solved forces at the crank angles.
@@ -166,9 +172,8 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
     if bearing_key.startswith("shaft"):
         force = loading.shaft[:, FAR if bearing_key.endswith("far") else NEAR]
     else:
-        inner, outer = output_bearing_forces(reducer, loading)
-        force = rolling.magnitudes(inner if bearing_key.endswith("inner") else outer)
-        return equivalent_load(casing(reducer).hub, force)[:, np.newaxis]
+        loads = output_bearing_loads(reducer, loading)
+        return loads[0 if bearing_key.endswith("inner") else -1][:, np.newaxis]
     return rolling.magnitudes(force)[:, np.newaxis]
 
 
@@ -250,6 +255,9 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     For a deep groove bearing the source also states the rating of its estimated balls by ISO 281, for comparison.
     """
     bearing = casing(reducer).hub
+    if bearing.pitch:
+        source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
+        return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     if bearing.contact_angle:
         source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"

@@ -28,7 +28,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import grease_of
-from cycloid_mj.life.output_bearing import BALL_BEARINGS, output_bearings
+from cycloid_mj.life.output_bearing import output_bearings
 from cycloid_mj.life.rated import (
     is_bearing_life,
     is_strength,
@@ -456,27 +456,21 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     Load limits are those in addition to the nominal torque, except that of the axial load, which acts alone.
     """
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
-    loose_stiffness = seat.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
-    bearings, is_angular = f"2 x {seat.bearing.designation}", seat.bearing.contact_angle > 0.0
-    centres = f"load centres {1e3 * seat.spacing:.4g} mm apart"
     return (
         figure_row(
             reducer,
             "output_tilting_capacity_nm",
             "Tilting moment",
-            f"{torque}; {bearings}, {centres if is_angular else f'{1e3 * seat.spacing:.4g} mm apart'}, ISO 281 and 76",
+            f"{torque}; {seat.layout}, ISO 281 and 76",
         ),
         figure_row(
             reducer,
             "output_tilting_stiffness_nm_per_arcmin",
             "Tilting stiffness",
-            "at half the tilting moment, Palmgren; "
-            + ("preloaded" if is_angular else f"{loose_stiffness:.3g} with the usual clearance, closed"),
+            f"at half the tilting moment, Palmgren; {seat.stiffness_note}",
         ),
         figure_row(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
-        figure_row(
-            reducer, "output_axial_load_n", "Axial load", f"alone, {'ISO 281, 76' if is_angular else '0.25 C0 (SKF)'}"
-        ),
+        figure_row(reducer, "output_axial_load_n", "Axial load", f"alone, {seat.axial_source}"),
     )
 
 

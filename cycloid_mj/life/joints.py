@@ -15,6 +15,7 @@ from cycloid_mj.base import names
 from cycloid_mj.design import Material, fits, stock
 from cycloid_mj.life.item import RatedItem, torque_item
 from cycloid_mj.life.loading import Loading
+from cycloid_mj.life.output_loads import crossed_roller_loads
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
@@ -24,6 +25,7 @@ from cycloid_mj.parts.export.casing import (
     FLANGE_WASHER,
     MOTOR_COVER,
     OUTPUT_COVER,
+    RETAINER,
     Casing,
     casing,
 )
@@ -125,10 +127,11 @@ def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Itera
     output pins' holes compares pressures [MPa]. Forces of pins are in proportion to those of a solved `loading`.
     """
     torques = JointTorques.at_output(reducer, peak_torque)
+    force_scale = peak_torque / abs(loading.point.torque)
     if has_casing(reducer):
         yield from _rate_faces(reducer, torques)
         yield from _rate_crank(reducer, torques)
-    force_scale = peak_torque / abs(loading.point.torque)
+        yield from _rate_retainer(reducer, loading, force_scale)
     yield from _rate_output_pins(reducer, loading, force_scale)
     yield from _rate_ring_pins(reducer, loading, force_scale)
 
@@ -166,6 +169,8 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     ring_slip_torque = _ring_slip_torque(reducer, clamp) if clamp else 0.0
     for screwed_joint in screwed:
         parts = screwed_joint.joint.parts
+        if RETAINER in parts:
+            continue  # it transmits no torque
         through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
         positive = min(by_face.get(frozenset(face), 0.0) for face in pairwise(through_ring))
         shared = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
@@ -197,6 +202,37 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     if clamp:
         ring = [torque for joint, torque in dowelled.items() if names.HOUSING in joint.parts]
         yield _rate_clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
+
+
+def retainer_joint(reducer: Reducer) -> ScrewedJoint:
+    """Return the screwed joint of the retainer of a drive with a crossed roller bearing."""
+    return next(screwed_joint for screwed_joint in screwed_joints(reducer) if RETAINER in screwed_joint.joint.parts)
+
+
+def gaping_moment(retainer: ScrewedJoint) -> float:
+    """Compute the tilting moment [N m] at which the most loaded of n screws on a circle loses its preload: n F d/4."""
+    return 0.5 * retainer.count * retainer.preload * retainer.radius
+
+
+def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
+    """Yield the item of the retainer of a crossed roller bearing under the tilting moment of discs and shaft.
+
+    `force_scale` [1] multiplies the forces of `loading`. Yields nothing for a pair of ball bearings.
+    """
+    if casing(reducer).retainer is None:
+        return
+    retainer = retainer_joint(reducer)
+    _, moment = crossed_roller_loads(reducer, loading)
+    yield torque_item(
+        f"{_slug(retainer.joint)}_gap",
+        f"{retainer.joint.name}, gaping of the clamped outer ring",
+        force_scale * float(moment.max()),
+        gaping_moment(retainer),
+        "M = n F d/4 (VDI 2230, screws on a circle)",
+        f"tilting moment of the drive's own forces; {retainer.designation} on a circle of "
+        f"{2e3 * retainer.radius:.4g} mm with {1e-3 * retainer.preload:.3g} kN each; tighten with "
+        f"{retainer.tightening_torque:.3g} N m",
+    )
 
 
 def _rate_clamped_ring(

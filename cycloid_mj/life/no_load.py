@@ -14,7 +14,7 @@ from cycloid_mj.design.lubricants import lubricant, walther
 from cycloid_mj.design.stock import has_inner_ring
 from cycloid_mj.life.bearings import Bearing, bearings_of, friction_torque
 from cycloid_mj.life.loading import relative_speed
-from cycloid_mj.life.output_bearing import equivalent_load
+from cycloid_mj.life.output_loads import equivalent_load
 from cycloid_mj.lubrication.bearings import idle_torque
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import shaft_bearing
@@ -49,8 +49,11 @@ def grease_of(design: Design) -> Grease:
     return Grease(f"{oil.name} (friction.lubricant)", oil.viscosity_40, oil.viscosity_100)
 
 
-BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0)}
-"""Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF)."""
+BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0), "crossed roller": (3.0, 6.0)}
+"""Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF).
+
+Crossed rollers have that of tapered rollers, which also slide at their ends.
+"""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
-    """Return type (``ball`` or ``needle``), number of equal bearings and mean diameter [m] of a bearing."""
+    """Return type (a key of `BEARING_FACTORS`), number of equal bearings and mean diameter [m] of a bearing."""
     design = reducer.design
     if bearing.key == "cam_bearing":
         stock_bearing = cam_bearing(reducer)
@@ -128,7 +131,7 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
-        return "ball", 1, 0.5 * (hub.bore + hub.outside)
+        return "crossed roller" if hub.pitch else "ball", 1, 0.5 * (hub.bore + hub.outside)
     on_shaft = shaft_bearing(reducer)
     ball = on_shaft is not None and has_inner_ring(on_shaft)
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))

@@ -1,63 +1,35 @@
 """Load limits of the output flange in addition to the torque: tilting moment, radial and axial load.
 
-Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings on a rigid hub, with the
+Covers and bearings are those of ``parts.export.casing``. Two ball bearings are rigid rings on a rigid hub, with the
 distance of their load centres: of their middles, or for angular contact bearings back to back of the points at which
 the lines of contact meet the axis. They also carry the forces of the discs on the output, and of the shaft where its
 bearing is in the hub. Load ratings are those of ``design.stock``. Balls, for the tilting stiffness, are estimated:
 0.3 (D - d) in diameter, as many as fill 195 deg between the rings (Conrad assembly; Harris, Rolling Bearing Analysis),
 or 270 deg of angular contact bearings (assumed).
+
+A crossed roller bearing carries a force F and a moment M together by the load F + 2 M/d_pw (THK, No. 382-3E). Its
+rollers, for the tilting stiffness, are estimated from its static rating by ISO 76; its retainer must not gape.
 """
 
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.stock import ANGULAR_CONTACT, DEEP_GROOVE_FILLED_ANGLE, StockBearing
 from cycloid_mj.life import rolling
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.loading import FAR, Loading, solve_loading
+from cycloid_mj.life.joints import gaping_moment, retainer_joint
+from cycloid_mj.life.loading import Loading, solve_loading
+from cycloid_mj.life.output_loads import (
+    BALL_BEARINGS,
+    CROSSED_ROLLERS,
+    crossed_roller_loads,
+    output_bearing_forces,
+    output_bearing_loads,
+)
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.bearings import Planes
-
-
-@dataclass(frozen=True)
-class BallBearingData:
-    """Data of ball bearings.
-
-    Attributes
-    ----------
-    ball_share
-        Diameter of balls over D - d (Harris).
-    max_axial_share
-        Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018).
-    radial_factor, axial_factor, static_axial_factor
-        Equivalent loads P = X F_r + Y F_a and, of an axial load alone, P_0 = Y_0 F_a at a contact angle of 25 deg (ISO
-        281, Table 3; ISO 76, Table 2).
-    preload_share
-        Preload of a pair over the dynamic rating: the least load of ball bearings (SKF, Rolling bearings, 2018).
-    no_clearance, usual_clearance
-        Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual clearance (Stribeck).
-    approach
-        Approach of both rings at a ball in um over (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5).
-    """
-
-    ball_share: float = 0.3
-    max_axial_share: float = 0.25
-    radial_factor: float = 0.41
-    axial_factor: float = 0.87
-    static_axial_factor: float = 0.38
-    preload_share: float = 0.01
-    no_clearance: float = 4.37
-    usual_clearance: float = 5.0
-    approach: float = 0.44
-
-
-BALL_BEARINGS = BallBearingData()
 
 
 @dataclass(frozen=True)
@@ -100,6 +72,25 @@ class OutputBearings:
     own: tuple[float, float]
 
     @property
+    def layout(self) -> str:
+        """Bearings and their distance, in words."""
+        centres = "load centres " if self.bearing.contact_angle else ""
+        return f"2 x {self.bearing.designation}, {centres}{1e3 * self.spacing:.4g} mm apart"
+
+    @property
+    def stiffness_note(self) -> str:
+        """Condition of the tilting stiffness, in words; without preload the stiffness with the usual clearance."""
+        if self.bearing.contact_angle:
+            return "preloaded"
+        loose_stiffness = self.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
+        return f"{loose_stiffness:.3g} with the usual clearance, closed"
+
+    @property
+    def axial_source(self) -> str:
+        """Source of the limit of the axial load."""
+        return "ISO 281, 76" if self.bearing.contact_angle else "0.25 C0 (SKF)"
+
+    @property
     def moment(self) -> float:
         """Tilting moment limit in addition to the nominal torque [N m]: force times spacing."""
         return self.spacing * max(self.capacity - max(self.own), 0.0)
@@ -130,13 +121,86 @@ class OutputBearings:
         return bearing_force * self.spacing**2 / (2.0 * approach) if bearing_force else 0.0
 
 
-def equivalent_load(bearing: StockBearing, radial_force: Array) -> Array:
-    """Compute the equivalent load of radial forces and of the preload, if the bearing has one [N]."""
-    if not bearing.contact_angle:
-        return radial_force
-    preload = BALL_BEARINGS.preload_share * bearing.dynamic
-    with_preload = BALL_BEARINGS.radial_factor * radial_force + BALL_BEARINGS.axial_factor * preload
-    return np.maximum(radial_force, with_preload)
+@dataclass(frozen=True, eq=False)
+class CrossedRollerBearing:
+    """The crossed roller bearing of the output.
+
+    Attributes
+    ----------
+    bearing
+        The bearing, with its load ratings.
+    lever
+        Distance from its middle to the flange's face [m].
+    capacity
+        Limit of its equivalent load [N], standing and for the life of the design, as in `OutputBearings`.
+    own
+        Largest equivalent load by discs and shaft at the nominal torque [N].
+    retainer_moment, retainer_force
+        Tilting moment [N m] in addition to the nominal torque, and axial force [N], at which the retainer gapes.
+    """
+
+    bearing: StockBearing
+    lever: float
+    capacity: float
+    own: float
+    retainer_moment: float
+    retainer_force: float
+
+    @property
+    def layout(self) -> str:
+        """Bearing and pitch circle of its rollers, in words."""
+        return f"{self.bearing.designation}, rollers on {1e3 * self.bearing.pitch:.4g} mm"
+
+    @property
+    def stiffness_note(self) -> str:
+        """Condition of the tilting stiffness, in words."""
+        return "preloaded; rollers alone, an upper bound"
+
+    @property
+    def axial_source(self) -> str:
+        """Source of the limit of the axial load."""
+        return "ISO 281, 76; preload of the retainer"
+
+    @property
+    def moment(self) -> float:
+        """Tilting moment limit in addition to the nominal torque [N m]."""
+        return max(min(0.5 * self.bearing.pitch * (self.capacity - self.own), self.retainer_moment), 0.0)
+
+    @property
+    def radial(self) -> float:
+        """Limit of a radial load on the flange's face in addition to the nominal torque [N]."""
+        load = max(self.capacity - self.own, 0.0) / (1.0 + 2.0 * abs(self.lever) / self.bearing.pitch)
+        return min(load, max(self.retainer_moment, 0.0) / abs(self.lever))
+
+    @property
+    def axial(self) -> float:
+        """Limit of an axial load alone [N]."""
+        by_life = self.capacity / CROSSED_ROLLERS.axial_factor
+        return min(by_life, self.bearing.static / CROSSED_ROLLERS.static_axial_factor, self.retainer_force)
+
+    @property
+    def rollers(self) -> tuple[float, float]:
+        """Number of rollers [1] and their length [m], as long as thick, by their spacing and C0 (ISO 76).
+
+        C0 = 44 Z L D cos 45 deg, without the factor of their curvature. Every second roller carries a direction.
+        """
+        total_thickness = math.pi * self.bearing.pitch / CROSSED_ROLLERS.roller_spacing
+        length = 1e-6 * self.bearing.static / (44.0 * total_thickness * math.cos(CROSSED_ROLLERS.contact_angle))
+        return total_thickness / length, length
+
+    def tilting_stiffness(self) -> float:
+        """Compute the tilting stiffness [N m/rad] at half of the moment limit, by the approach of its rollers.
+
+        Each roller under a force Q approaches by Palmgren's formula; half of the rollers carry, with forces in
+        proportion to the power 1/0.9 of the sine of their angle around the bearing. Rings and seats are rigid.
+        """
+        (count, length), cosine = self.rollers, math.cos(CROSSED_ROLLERS.contact_angle)
+        radius, moment, power = 0.5 * self.bearing.pitch, 0.5 * self.moment, 1.0 / CROSSED_ROLLERS.load_exponent + 1.0
+        mean_sine = math.gamma(0.5 * (power + 1.0)) / (math.sqrt(math.pi) * math.gamma(0.5 * power + 1.0))
+        force = moment / (0.5 * count * mean_sine * cosine * radius)
+        load_share = force**CROSSED_ROLLERS.load_exponent / (1e3 * length) ** CROSSED_ROLLERS.length_exponent
+        approach = 1e-3 * CROSSED_ROLLERS.approach * load_share
+        return moment * radius * cosine / approach if moment else 0.0
 
 
 def balls_of(bearing: StockBearing) -> BallRow:
@@ -147,11 +211,11 @@ def balls_of(bearing: StockBearing) -> BallRow:
 
 
 @once
-def output_bearings(reducer: Reducer) -> OutputBearings:
-    """Compute dimensions, load ratings and load limits of the two bearings of the output's hub.
+def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
+    """Compute dimensions, load ratings and load limits of the bearings of the output's hub.
 
-    The radial load limit of each bearing is that for the life of the design, at most its static rating. The forces at
-    the nominal torque leave only a part of it for other loads.
+    The load limit of each bearing is that for the life of the design, at most its static rating. The forces at the
+    nominal torque leave only a part of it for other loads.
 
     Raises
     ------
@@ -161,49 +225,44 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
         No static equilibrium exists.
     """
     sizes, design = casing(reducer), reducer.design
-    row = balls_of(sizes.hub)
-    dynamic, static = sizes.hub.dynamic, sizes.hub.static
-    inner, outer = sizes.load_centres
+    hub, face = sizes.hub, sizes.ends[1]
     speed = abs(design.drive.speed) / design.reduction
-    lasting_force = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
-    lasting_force /= design.bearing.service_factor
+    exponent = rolling.EXPONENT if hub.pitch else rolling.BALL_EXPONENT
+    lasting_force = rolling.load_for_life(hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent)
+    capacity = min(lasting_force / design.bearing.service_factor, hub.static)
+    if hub.pitch:
+        load, moment = _own_load_and_moment(reducer)
+        retainer = retainer_joint(reducer)
+        lever, preload = face - 0.5 * sum(sizes.bearings[-1]), retainer.count * retainer.preload
+        return CrossedRollerBearing(hub, lever, capacity, load, gaping_moment(retainer) - moment, preload)
+    inner, outer = sizes.load_centres
     return OutputBearings(
-        bearing=sizes.hub,
-        row=row,
+        bearing=hub,
+        row=balls_of(hub),
         spacing=outer - inner,
-        lever=sizes.ends[1] - outer,
-        dynamic=dynamic,
-        static=static,
-        capacity=min(lasting_force, static),
+        lever=face - outer,
+        dynamic=hub.dynamic,
+        static=hub.static,
+        capacity=capacity,
         own=_own_forces(reducer),
     )
 
 
-def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
+def _own_load_and_moment(reducer: Reducer) -> tuple[float, float]:
+    """Compute the largest equivalent load [N] and tilting moment [N m] of crossed rollers at the nominal torque.
 
-    They balance the forces of the discs on the output, and that of the shaft if its far bearing is in the hub.
-
-    Returns
-    -------
-    tuple of Array
-        Forces on the inner and on the outer bearing [N], shape (m, 2) each.
-
-    Raises
-    ------
-    DesignError
-        The covers do not fit.
+    They are caused by discs and shaft.
     """
-    sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
-    inner, outer = sizes.load_centres
-    forces = loading.on_output
-    if sizes.far:
-        cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
-        x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
-        hub_force = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-        forces = np.concatenate([forces, hub_force[:, np.newaxis]], axis=1)
-        planes.append(0.5 * sum(sizes.far))
-    return Planes(forces, np.array(planes)).reactions_at(inner, outer)
+    at_rated = _rated_loading(reducer)
+    _, moment = crossed_roller_loads(reducer, at_rated)
+    return float(output_bearing_loads(reducer, at_rated)[0].max()), float(moment.max())
+
+
+def _rated_loading(reducer: Reducer) -> Loading:
+    """Return the forces at the nominal torque and speed."""
+    design = reducer.design
+    point = constant_duty(design.rated_torque, design.drive.speed).points[0]
+    return solve_loading(reducer, point, with_wind_up=False)
 
 
 def _own_forces(reducer: Reducer) -> tuple[float, float]:
@@ -211,10 +270,7 @@ def _own_forces(reducer: Reducer) -> tuple[float, float]:
 
     They are caused by discs and shaft.
     """
-    design = reducer.design
-    point = constant_duty(design.rated_torque, design.drive.speed).points[0]
-    at_rated = solve_loading(reducer, point, with_wind_up=False)
-    inner, outer = (float(magnitudes(force).max()) for force in output_bearing_forces(reducer, at_rated))
+    inner, outer = (float(magnitudes(force).max()) for force in output_bearing_forces(reducer, _rated_loading(reducer)))
     return inner, outer
 
 

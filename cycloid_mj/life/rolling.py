@@ -122,10 +122,12 @@ def life_hours(
     return float(turns * 2.0 * math.pi / abs(speed) / HOUR)
 
 
-def load_for_life(capacity: float, life: float, speed: float, reliability: float) -> float:
-    """Compute the load on a ball bearing [N] for a life [h] at a relative speed of its rings [rad/s]."""
+def load_for_life(
+    capacity: float, life: float, speed: float, reliability: float, exponent: float = BALL_EXPONENT
+) -> float:
+    """Compute the load on a bearing [N] for a life [h] at a relative speed of its rings [rad/s]."""
     turns = life * HOUR * abs(speed) / (2.0 * math.pi)
-    return float(capacity * (reliability_factor(reliability) * 1e6 / turns) ** (1.0 / BALL_EXPONENT))
+    return float(capacity * (reliability_factor(reliability) * 1e6 / turns) ** (1.0 / exponent))
 
 
 def magnitudes(force: Array) -> Array:

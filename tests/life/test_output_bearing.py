@@ -11,13 +11,22 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.joints import retainer_joint
 from cycloid_mj.life.loading import FAR, solve_loading
 from cycloid_mj.life.no_load import no_load_torque
-from cycloid_mj.life.output_bearing import BALL_BEARINGS, equivalent_load, output_bearing_forces, output_bearings
+from cycloid_mj.life.output_bearing import output_bearings
+from cycloid_mj.life.output_loads import (
+    BALL_BEARINGS,
+    crossed_roller_loads,
+    equivalent_load,
+    output_bearing_forces,
+    output_bearing_loads,
+)
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
 TWO = Reducer(PRESETS["twodisc"])
+CROSSED = Reducer(PRESETS["pin"].but(output={"main_bearings": "crossed_roller"}, drive={"torque": 0.25}))
 
 
 def test_the_moment_leaves_the_bearings_their_force_over_their_distance() -> None:
@@ -126,3 +135,65 @@ def test_the_preload_of_a_pair_loads_its_bearings_and_rubs() -> None:
     angular, deep = (no_load_torque(reducer, 100.0, 20.0).bearings for reducer in (pair, TWO))
     expected = 2.0 * 0.5 * mu * 0.87 * preload * 80e-3 / pair.design.reduction
     assert angular - deep == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_crossed_roller_bearing_carries_forces_and_moments_by_the_equation_of_its_maker() -> None:
+    """P = F + 2 M/d_pw (THK, No. 382-3E): moment, force on the flange and both together reach the same limit."""
+    found, pitch = output_bearings(CROSSED), 57e-3
+    assert (found.bearing.designation, found.bearing.pitch) == ("RA 5008 UU CC0", pitch)
+    free = replace(found, retainer_moment=math.inf, retainer_force=math.inf)
+    assert free.moment == pytest.approx((found.capacity - found.own) * 0.5 * pitch)
+    assert found.own + free.radial * (1.0 + 2.0 * found.lever / pitch) == pytest.approx(found.capacity)
+    assert free.axial == pytest.approx(min(found.capacity / 0.67, found.bearing.static / 0.44))
+    design = CROSSED.design
+    turns = design.service.life * 3600.0 * abs(design.drive.speed) / (2.0 * math.pi) / design.reduction
+    lasting = found.bearing.dynamic * (1e6 / turns) ** 0.3 / design.bearing.service_factor
+    assert found.capacity == pytest.approx(min(lasting, found.bearing.static))
+    assert replace(found, retainer_moment=1.0).moment == 1.0
+    assert replace(found, own=1e6).moment == replace(found, own=1e6).tilting_stiffness() == 0.0
+
+
+def test_force_and_moment_on_crossed_rollers_balance_discs_and_shaft() -> None:
+    """Force and moment about the middle of the single bearing are those of a pair of supports anywhere on the axis."""
+    one = solve_loading(CROSSED, constant_duty(CROSSED.design.rated_torque, CROSSED.design.drive.speed).points[0])
+    force, moment = crossed_roller_loads(CROSSED, one)
+    ((low, high),) = casing(CROSSED).bearings
+    discs = one.on_output @ np.array([1.0, 1.0j])
+    arms = np.array(CROSSED.design.gear.disc_planes) - 0.5 * (low + high)
+    np.testing.assert_allclose(force, np.abs(discs.sum(axis=1)), rtol=1e-9)
+    np.testing.assert_allclose(moment, np.abs(discs @ arms), rtol=1e-9)
+    (load,) = output_bearing_loads(CROSSED, one)
+    expected = np.maximum(force + 2.0 * moment / 57e-3, 0.02 * 5100.0)
+    np.testing.assert_allclose(load, expected, rtol=1e-9)
+    items = rate(CROSSED.design).items
+    assert "output_bearing_inner" not in items
+    assert items["output_bearing"].limit == 5100.0
+    assert items["output_bearing_static"].limit == 7190.0
+
+
+def test_the_retainer_of_crossed_rollers_is_a_joint_with_a_limit() -> None:
+    """Eight M3 8.8 on 71 mm: n F d/4 with F = 0.7 x 640 MPa x 5.03 mm2, and all of them against an axial load."""
+    retainer, found = retainer_joint(CROSSED), output_bearings(CROSSED)
+    preload = retainer.preload
+    assert (retainer.count, retainer.radius) == (8, pytest.approx(35.5e-3))
+    assert preload == pytest.approx(0.7 * 640e6 * 5.03e-6, rel=2e-3)
+    assert found.retainer_force == pytest.approx(8.0 * preload)
+    item = rate(CROSSED.design).items["joint_screws_of_the_bearing_retainer_gap"]
+    assert item.limit == pytest.approx(8.0 * preload * 71e-3 / 4.0)
+    at_rated = solve_loading(CROSSED, constant_duty(CROSSED.design.rated_torque, CROSSED.design.drive.speed).points[0])
+    assert found.retainer_moment == pytest.approx(item.limit - crossed_roller_loads(CROSSED, at_rated)[1].max())
+    assert item.safety == pytest.approx(item.limit / item.value)
+    assert not any("retainer" in key and key.endswith("slip") for key in rate(CROSSED.design).items)
+
+
+def test_the_tilt_of_crossed_rollers_is_that_of_each_roller() -> None:
+    """The moment that rollers around the bearing exert at the tilt by its stiffness, by Palmgren's formula."""
+    found = output_bearings(CROSSED)
+    count, length = found.rollers
+    assert 44e6 * count * length**2 * math.cos(math.pi / 4.0) == pytest.approx(found.bearing.static)
+    tilt = 0.5 * found.moment / found.tilting_stiffness()
+    angles = np.linspace(0.0, math.pi, 20001)
+    approach = 1e3 * tilt * 0.5 * found.bearing.pitch * np.sin(angles) * math.cos(math.pi / 4.0)
+    force = (approach * (1e3 * length) ** 0.8 / 3.84e-5) ** (1.0 / 0.9)
+    moment = 0.5 * count * np.mean(force * np.sin(angles)) * math.cos(math.pi / 4.0) * 0.5 * found.bearing.pitch
+    assert moment == pytest.approx(0.5 * found.moment, rel=1e-3)

@@ -3,16 +3,18 @@
 from dataclasses import replace
 
 import pytest
-from designs import FOLDER, design_file
+from designs import FOLDER, cases, design_file
 
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export import Casing, casing, place_parts
+from cycloid_mj.parts.export import Casing, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import bearing_width_of
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
+from cycloid_mj.parts.export.order import assembly_order
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
 
@@ -66,8 +68,9 @@ def test_dowels_key_a_ring_inside_of_its_cover():
     reducer = reducer_of("printed")
     sizes = casing(reducer)
     assert sizes.screws.outside
-    dowelled = {part for one in drive_joints(reducer, sizes) if one.kind is JointKind.DOWELLED for part in one.parts}
-    assert dowelled == {"motor_cover", "housing", "output_cover"}
+    dowelled = [set(one.parts) for one in drive_joints(reducer, sizes) if one.kind is JointKind.DOWELLED]
+    assert {"motor_cover", "housing"} in dowelled
+    assert {"housing", "output_cover"} in dowelled
     cover = assembly_parts(reducer, sizes)["motor_cover"].segments
     assert max(one.z1 for one in cover) <= sizes.end - 1e-4
     seats = [hole.radius for one in cover for hole in one.holes if hole.centre == (0.0, 0.0)]
@@ -120,6 +123,28 @@ def test_the_flange_covers_open_bearings_with_a_gap():
     (joint,) = [one for one in drive_joints(reducer, sizes) if one.name == "hub in the output cover"]
     assert joint.bought[0].designation == "71812 ACD"
     assert "preload" in joint.fit
+
+
+@pytest.mark.parametrize("name", cases(("pin", "twodisc"), "pin"))
+def test_a_retainer_clamps_the_outer_ring_of_crossed_rollers(name):
+    """It touches the outer ring only, stands off the cover, and its screws stay below the face of the flange."""
+    reducer = Reducer(PRESETS[name].but(output={"main_bearings": "crossed_roller"}))
+    sizes = casing(reducer)
+    assert list(describe_violations(reducer, sizes)) == []
+    ring, hub = sizes.retainer, sizes.hub
+    parts = assembly_parts(reducer, sizes)
+    (annulus, *_) = parts["bearing_retainer"].segments
+    bore = min(hole.radius for hole in annulus.holes if not any(hole.centre))
+    assert 0.5 * hub.outside > bore > 0.5 * hub.pitch > sizes.flange_radius > 0.5 * hub.bore
+    cover_end = max(segment.z1 for segment in parts["output_cover"].segments)
+    assert annulus.z0 - cover_end == pytest.approx(sizes.play)
+    assert annulus.z0 == sizes.top == sizes.bearings[-1][1]
+    assert ring.height + sizes.play <= sizes.flange_thickness + 1e-12
+    lines = {line.item: line for line in bill(reducer, 0.0, sizes)}
+    assert (lines["output_bearing"].count, lines["output_bearing"].designation) == (1, hub.designation)
+    assert lines["retainer_screw"].count == ring.count
+    assert lines["bearing_retainer"].material == lines["output_cover"].material
+    assert any("bearing_retainer" in step for step in assembly_order(reducer, sizes))
 
 
 @pytest.mark.parametrize("name", ["printed", "twodisc"])

@@ -35,6 +35,9 @@ HUB_BEARING_FIT = "H7 outside, k6 on the hub, sealed (2RS1)"
 ANGULAR_HUB_FIT = "H6 outside, k5 on the hub, back to back, light preload, greased; the flange covers a gap"
 """Fit of the angular contact bearings of the output, which have no seals."""
 
+CROSSED_ROLLER_FIT = "H7 outside, g5 on the hub, clamped by the retainer and the flange"
+"""Fit of a preloaded crossed roller bearing (CC0) in a joint of a robot, without interference (THK, No. 382-3E)."""
+
 LIGHT_BORE = 18e-3
 """Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""
 
@@ -175,6 +178,8 @@ def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
 
 def hub_bearing_fit(bearing: stock.StockBearing) -> str:
     """Return the fit of the bearings of the output."""
+    if bearing.pitch:
+        return CROSSED_ROLLER_FIT
     return ANGULAR_HUB_FIT if bearing.contact_angle else HUB_BEARING_FIT
 
 

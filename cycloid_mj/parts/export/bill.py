@@ -155,7 +155,7 @@ def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     free_space = math.pi * (
         2.0 * sizes.end * wall**2
         + (-sizes.end - sizes.floor) * sizes.cavity**2
-        + (sizes.bearings[0][0] - sizes.end) * sizes.output_cavity**2
+        + (sizes.hub_floor - sizes.end) * sizes.output_cavity**2
     )
     grease = CONSUMABLES.grease_fill * max(free_space - solid, 0.0)
     designation = "NLGI 1 with EP additives"
@@ -192,7 +192,7 @@ def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
     `z` [m] is the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
-    low, high = sizes.floor - z, sizes.bearings[0][0] - z
+    low, high = sizes.floor - z, sizes.hub_floor - z
     return sum(
         abs(region_moments(prism).area) * max(min(prism.z1, high) - max(prism.z0, low), 0.0) for prism in solid.prisms
     )

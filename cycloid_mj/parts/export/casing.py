@@ -18,17 +18,18 @@ from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import needs_rings
+from cycloid_mj.parts.export.bearing_retainer import Retainer, retainer_of
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     axial_play,
     counterbore,
     flange_washer,
     hole_depth,
+    hub_shoulders,
     is_plastic,
     least_wall,
     min_grip,
     ring_end,
-    shoulder_radius,
     stock_screw_length,
     thickest_bolt,
     thread_radius,
@@ -47,11 +48,14 @@ from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
-MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
+MOTOR_COVER, OUTPUT_COVER, FLANGE, RETAINER = "motor_cover", "output_cover", "output_flange", "bearing_retainer"
+COVERS = MOTOR_COVER, OUTPUT_COVER, RETAINER
+"""Parts of the casing that are fixed to the ring."""
 SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
-FLANGE_WASHER, FLANGE_DOWEL = "flange_washer", "flange_dowel"
+FLANGE_WASHER, FLANGE_DOWEL, RETAINER_SCREW = "flange_washer", "flange_dowel", "retainer_screw"
 SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
+RETAINER_INSERT = "retainer_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
 
 LIGHT_METAL = "aluminium 6061"
@@ -82,7 +86,10 @@ class Casing:
         Height below which the motor cover is slimmer, behind the threads of its screws, and its radius there; at `face`
         without a step.
     hub, hub_floor, spacing
-        Bearing of the output (two of it), start of the first one, and the distance between them.
+        Bearing of the output (two of it, or one with crossed rollers), end of the cavity of the output's disc, where
+        the first of two starts, and the distance between both or from there to the only one.
+    retainer
+        Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
     rim
         Radius of the disc of the output.
     play, end
@@ -125,13 +132,15 @@ class Casing:
     flange_circle: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
+    retainer: Retainer | None
     cover_material: str = ""
 
     @property
-    def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ends of the two bearings of the output along z [m]."""
+    def bearings(self) -> tuple[tuple[float, float], ...]:
+        """Ends of the bearings of the output along z [m], the outer one last."""
         first, width = self.hub_floor, self.hub.width
-        return (first, first + width), (first + width + self.spacing, self.top)
+        inner = () if self.hub.pitch else ((first, first + width),)
+        return *inner, (self.top - width, self.top)
 
     @property
     def has_outer_dowels(self) -> bool:
@@ -140,17 +149,27 @@ class Casing:
 
     @property
     def load_centres(self) -> tuple[float, float]:
-        """Positions at which both bearings of the output carry radial forces [m]: their middles, or further apart.
+        """Positions at which a pair of output bearings carries radial forces [m]: their middles, or further apart.
 
         The lines of contact of a pair back to back meet the axis outside of it (SKF, Rolling bearings, 2018).
         """
-        inner, outer = (0.5 * sum(ends) for ends in self.bearings)
+        inner, outer = (0.5 * sum(ends) for ends in (self.bearings[0], self.bearings[-1]))
         return inner - self.hub.load_centre_offset, outer + self.hub.load_centre_offset
 
     @property
     def top(self) -> float:
         """End of output cover and hub, where the flange begins [m]."""
-        return self.hub_floor + 2.0 * self.hub.width + self.spacing
+        return self.hub_floor + output_bearing_count(self.hub) * self.hub.width + self.spacing
+
+    @property
+    def output_cover_end(self) -> float:
+        """End of the output cover [m]; a retainer presses on the outer ring, not on the cover."""
+        return self.top - (self.play if self.retainer else 0.0)
+
+    @property
+    def output_neck(self) -> float:
+        """Radius of the output cover beyond the heads of its screws [m], if it is slimmer there."""
+        return max(self.output_cavity + 2.0 * self.wall, self.retainer.cover_radius if self.retainer else 0.0)
 
     @property
     def boss(self) -> float:
@@ -163,7 +182,7 @@ class Casing:
     @property
     def flange_radius(self) -> float:
         """Radius of the output flange, which clamps the inner rings [m]."""
-        return shoulder_radius(0.5 * self.hub.bore, 0.5 * self.hub.outside)
+        return hub_shoulders(self.hub)[0]
 
     @property
     def gap_seal_radius(self) -> float:
@@ -311,6 +330,7 @@ class _OutputSide(TypedDict):
     flange_circle: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
+    retainer: Retainer | None
 
 
 def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> _OutputSide:
@@ -321,9 +341,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
     max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _choose_hub_bearing(
-        stock.angular_contact_bearings()
-        if design.output.main_bearings == "angular_contact"
-        else stock.thin_ball_bearings(),
+        _hub_bearings(reducer, max_hub_radius, wall),
         min(max_hub_radius, design.ring_root_radius),
         rim - wall,
         seat + 2.0 * wall if straddles else 0.0,
@@ -339,19 +357,40 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     )
     washer = flange_washer(reducer, bolt)[1]
     thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
+    retainer = retainer_of(reducer, hub, wall)
+    if retainer:
+        thickness = max(thickness, retainer.height + axial_play(reducer))
     pattern = flange_circle, flange_screws
     flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
     return {
         "hub": hub,
         "hub_floor": hub_floor,
-        "spacing": max(0.5 * hub.width, thread_end - hub_floor - 2.0 * hub.width),
+        "spacing": max(0.5 * hub.width, thread_end - hub_floor - output_bearing_count(hub) * hub.width),
         "flange_bolt": bolt,
         "flange_thickness": thickness,
         "flange_screws": flange_screws,
         "flange_circle": flange_circle,
         "flange_dowel": flange_dowel,
         "flange_dowel_circle": flange_dowel_circle,
+        "retainer": retainer,
     }
+
+
+def output_bearing_count(hub: stock.StockBearing) -> int:
+    """Return the number of bearings of the output: one with crossed rollers, else a pair."""
+    return 1 if hub.pitch else 2
+
+
+def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
+    """Return the bearings in stock of the kind that the output has, the smallest first.
+
+    Crossed roller bearings leave room for their retainer within `max_radius` [m], with a minimum `wall` [m].
+    """
+    kind = reducer.design.output.main_bearings
+    if kind == "crossed_roller":
+        retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
+        return tuple(bearing for bearing, ring in retainers if ring and ring.cover_radius <= max_radius + wall)
+    return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
 
 
 def _input_side(
@@ -488,8 +527,7 @@ def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) ->
 def output_cover_step(sizes: Casing) -> float | None:
     """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
     step = sizes.end + sizes.grip + sizes.screws.bolt.head_height
-    slim = sizes.output_cavity + 2.0 * sizes.wall
-    fits = slim < sizes.screws.circle - counterbore(sizes.screws.bolt) and step < sizes.bearings[0][0]
+    fits = sizes.output_neck < sizes.screws.circle - counterbore(sizes.screws.bolt) and step < sizes.hub_floor
     return step if fits else None
 
 

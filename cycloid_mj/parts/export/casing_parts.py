@@ -13,11 +13,12 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
     OUTPUT_COVER,
+    RETAINER,
     Casing,
     output_cover_step,
 )
 from cycloid_mj.parts.export.casing_rules import (
-    shoulder_radius,
+    hub_shoulders,
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.crank_rings import (
@@ -66,6 +67,7 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
         MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
         OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
         FLANGE: (names.OUTPUT, _flange_rounds(sizes)),
+        RETAINER: (names.HOUSING, _retainer_rounds(sizes)),
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
@@ -82,7 +84,7 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
 
 def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
     """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
-    for name in (MOTOR_COVER, OUTPUT_COVER):
+    for name in (MOTOR_COVER, OUTPUT_COVER, *((RETAINER,) if sizes.retainer else ())):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPosition(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
     for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
@@ -215,8 +217,14 @@ def _output_cover(sizes: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the output cover: a single one, or a slimmer one beyond the heads of its screws."""
     step = output_cover_step(sizes)
     if step:
-        return (sizes.outer, sizes.end, step), (sizes.output_cavity + 2.0 * sizes.wall, step, sizes.top)
-    return ((sizes.outer, sizes.end, sizes.top),)
+        return (sizes.outer, sizes.end, step), (sizes.output_neck, step, sizes.output_cover_end)
+    return ((sizes.outer, sizes.end, sizes.output_cover_end),)
+
+
+def _retainer_rounds(sizes: Casing) -> tuple[Round, ...]:
+    """Return the cylinder of the retainer of a crossed roller bearing; none for a pair of bearings."""
+    ring = sizes.retainer
+    return ((ring.radius, sizes.top, sizes.top + ring.thickness),) if ring else ()
 
 
 def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
@@ -233,9 +241,9 @@ def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
     The floor covers the bores for the output pins.
     """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
-    hub, shoulder = 0.5 * sizes.hub.bore, floor + 0.5 * AXIAL_GAP
+    shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, sizes.bearings[0][0]
     return (
         (sizes.rim, floor, shoulder),
-        (shoulder_radius(hub, 0.5 * sizes.hub.outside), shoulder, sizes.hub_floor),
-        (hub, sizes.hub_floor, sizes.top),
+        (hub_shoulders(sizes.hub)[0], shoulder, first_bearing),
+        (0.5 * sizes.hub.bore, first_bearing, sizes.top),
     )

@@ -37,8 +37,9 @@ class CasingRules:
         Depth of the bore of the crank beyond the motor shaft: those of NEMA 17 are up to 24 instead of 22 mm long.
     collar
         Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings.
-    shoulder_share
-        Height of a shoulder relative to the section of its bearing.
+    shoulder_share, crossed_roller_shoulder_share
+        Height of a shoulder relative to the section of its bearing; the second is for crossed rollers, the least of
+        THK's shoulder dimensions for series RA and RB.
     boss_share
         Wall around a bearing of the crank relative to the radius of its seat.
     """
@@ -60,6 +61,7 @@ class CasingRules:
     blind_room: float = 3e-3
     collar: float = 0.5 * AXIAL_GAP
     shoulder_share: float = 0.3
+    crossed_roller_shoulder_share: float = 0.19
     boss_share: float = 0.3
 
 
@@ -153,6 +155,13 @@ def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
 def shoulder_radius(ring: float, other: float) -> float:
     """Compute the radius of a shoulder [m] that touches the ring of a bearing with the first radius only."""
     return ring + RULES.shoulder_share * (other - ring)
+
+
+def hub_shoulders(hub: stock.StockBearing) -> tuple[float, float]:
+    """Compute the radii of the shoulders [m] that touch only the inner and only the outer ring of an output bearing."""
+    inner, outer = 0.5 * hub.bore, 0.5 * hub.outside
+    height = (RULES.crossed_roller_shoulder_share if hub.pitch else RULES.shoulder_share) * (outer - inner)
+    return inner + height, outer - height
 
 
 def flange_washer(reducer: Reducer, bolt: stock.Bolt) -> tuple[float, float]:

@@ -4,14 +4,14 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing, casing_or_none
+from cycloid_mj.parts.export.casing import COVERS, FLANGE, Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
 
-TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, MOTOR_COVER, OUTPUT_COVER)}
+TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, *COVERS)}
 """Parts that rotate with the loaded body, by body."""
 
 

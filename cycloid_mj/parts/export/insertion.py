@@ -29,6 +29,9 @@ from cycloid_mj.parts.export.casing import (
     MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
+    RETAINER,
+    RETAINER_INSERT,
+    RETAINER_SCREW,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
@@ -175,9 +178,12 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     yield Move(_names_of_family(placements, FLANGE_INSERT), "hub", DOWN)
     yield Move(_names_of_family(placements, OUTPUT_PIN), "hub", UP)
     yield Move((OUTPUT_COVER,), DRIVE)
-    inner, outer = sorted(_names_of_family(placements, OUTPUT_BEARING))
-    yield Move((inner,), DRIVE, UP)
+    *inner, outer = sorted(_names_of_family(placements, OUTPUT_BEARING))
+    yield Move(_names_of_family(placements, RETAINER_INSERT), DRIVE, DOWN)
+    yield Move(tuple(inner), DRIVE, UP)
     yield Move((outer,), DRIVE, DOWN)
+    for family in (RETAINER, RETAINER_SCREW):
+        yield Move(_names_of_family(placements, family), DRIVE, DOWN)
     if sizes.far:
         yield Move(_names_of_family(placements, SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)

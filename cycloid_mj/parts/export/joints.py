@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
+from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.export.bearings import DOWEL_FIT, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
@@ -25,6 +26,9 @@ from cycloid_mj.parts.export.casing import (
     MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
+    RETAINER,
+    RETAINER_INSERT,
+    RETAINER_SCREW,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
@@ -43,6 +47,7 @@ from cycloid_mj.parts.export.casing_rules import (
     counterbore,
     flange_washer,
     hole_depth,
+    hub_shoulders,
     insert_in,
     shoulder_radius,
     thickest_bolt,
@@ -51,14 +56,15 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
 from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
+from cycloid_mj.parts.export.output_flange import pattern_angles
 from cycloid_mj.parts.export.round_part import AXIS, Hole, dowel_body, screw_body, tube
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
-    *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
-    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL, FLANGE_DOWEL, KEY),
+    *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, RETAINER_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
+    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, RETAINER_INSERT, DOWEL, FLANGE_DOWEL, KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
 
@@ -84,6 +90,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         _cover_bearing_joint(reducer, sizes),
         *_cavity_joints(sizes),
         _output_bearing_joint(sizes),
+        *_retainer_joint(reducer, sizes),
         _cover_screw_joint(reducer, sizes),
         _motor_screw_joint(reducer, sizes),
         *_ring_seat_joint(reducer, sizes),
@@ -175,17 +182,17 @@ def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
     """Yield the cavities in which crank and output turn."""
     crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
     yield Joint("crank in its cavity", JointKind.CLEARANCE, (names.SHAFT, MOTOR_COVER), ((MOTOR_COVER, crank),))
-    output = (AXIS, sizes.output_cavity, sizes.end, sizes.bearings[0][0])
+    output = (AXIS, sizes.output_cavity, sizes.end, sizes.hub_floor)
     yield Joint("output in its cavity", JointKind.CLEARANCE, (names.OUTPUT, OUTPUT_COVER), ((OUTPUT_COVER, output),))
 
 
 def _output_bearing_joint(sizes: Casing) -> Joint:
-    """Return the joint of the output's hub and its cover: two bearings on a common shoulder."""
-    hub, ((first, inner), (outer, top)) = sizes.hub, sizes.bearings
-    seat = 0.5 * hub.outside
+    """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or one on a shoulder."""
+    hub, seat, (*inner, (outer, top)) = sizes.hub, 0.5 * sizes.hub.outside, sizes.bearings
+    shoulder_start = inner[0][1] if inner else sizes.hub_floor
     holes: tuple[Hole, ...] = (
-        (AXIS, seat, first, inner),
-        (AXIS, shoulder_radius(seat, 0.5 * hub.bore), inner, outer),
+        *((AXIS, seat, *ends) for ends in inner),
+        (AXIS, hub_shoulders(hub)[1], shoulder_start, outer),
         (AXIS, seat, outer, top),
     )
     bearings = BoughtPart(
@@ -200,7 +207,31 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
     parts = (names.OUTPUT, OUTPUT_COVER)
     cover_holes = tuple((OUTPUT_COVER, hole) for hole in holes)
     name, fit = "hub in the output cover", bearings.fit
-    return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, 2, hub.bore, hub.width)
+    count = len(sizes.bearings)
+    return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, count, hub.bore, hub.width)
+
+
+def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the screwed joint of the retainer and the output cover, which clamp the outer ring of crossed rollers."""
+    ring = sizes.retainer
+    if ring is None:
+        return
+    thread, face, end = ring.bolt.thread, sizes.top + ring.thickness, sizes.output_cover_end
+    centres = ring.circle * unit(pattern_angles(ring.count)[::2])
+    depth = hole_depth(reducer, thread, ring.length - ring.thickness)
+    holes: tuple[tuple[str, Hole], ...] = (
+        (OUTPUT_COVER, (centres, core_radius(reducer, thread), end - depth, end)),
+        (RETAINER, (AXIS, hub_shoulders(sizes.hub)[1], sizes.top, face)),
+        (RETAINER, (centres, 0.5 * stock.bolt_hole(thread), sizes.top, face)),
+    )
+    bought_parts = (
+        _screws(RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
+        *_inserts(reducer, RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
+    )
+    threads = (_tapped_holes(reducer, OUTPUT_COVER, centres, thread, depth),)
+    parts = OUTPUT_COVER, RETAINER
+    name = "screws of the bearing retainer"
+    yield Joint(name, JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
 
 def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
@@ -213,7 +244,7 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     holes: list[tuple[str, Hole]] = [
         (MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
         (OUTPUT_COVER, (centres, screws.hole, ring_half_width, ring_half_width + sizes.grip)),
-        (OUTPUT_COVER, (centres, counterbore(bolt), ring_half_width + sizes.grip, step or sizes.top)),
+        (OUTPUT_COVER, (centres, counterbore(bolt), ring_half_width + sizes.grip, step or sizes.output_cover_end)),
     ]
     if not screws.outside:
         holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))

@@ -17,6 +17,9 @@ from cycloid_mj.parts.export.casing import (
     MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
+    RETAINER,
+    RETAINER_INSERT,
+    RETAINER_SCREW,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
@@ -57,6 +60,9 @@ ALONG = (
     OUTPUT_BEARING,
     OUTPUT_COVER,
     SCREW,
+    RETAINER_INSERT,
+    RETAINER,
+    RETAINER_SCREW,
     FLANGE_DOWEL,
     FLANGE,
     LOAD_INSERT,
@@ -68,7 +74,7 @@ ALONG = (
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     """Describe the assembly of a drive in ten sentences, with parts and tools of each step; see ``insertion``."""
-    screws, hub = sizes.screws, sizes.hub.designation
+    screws = sizes.screws
     has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
@@ -76,12 +82,12 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{'' if has_plastic else '; put sealant on both faces of the ring before a cover goes on'}.",
         "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
-        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside"
-        f"{', back to back, and pack them with grease' if sizes.hub.contact_angle else ''}.",
+        _describe_output_bearings(sizes),
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through both{_describe_flange_dowels(sizes)}, and screw the {FLANGE} on "
+        f"through {'it' if sizes.retainer else 'both'}{_describe_flange_dowels(sizes)}, and screw the {FLANGE} on "
         f"({sizes.flange_screws} x {sizes.flange_bolt.designation}"
-        f"{', with washers' if has_plastic else ''}): it clamps them{_describe_preload(sizes)}.",
+        f"{', with washers' if has_plastic else ''}): "
+        f"it clamps {'the inner ring' if sizes.retainer else 'them'}{_describe_preload(sizes)}.",
         f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
@@ -90,6 +96,20 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
         _describe_last_step(sizes),
+    )
+
+
+def _describe_output_bearings(sizes: Casing) -> str:
+    """Describe how the bearings of the output are mounted in their cover."""
+    hub, ring = sizes.hub.designation, sizes.retainer
+    if ring:
+        return (
+            f"Put the {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from outside, screw the {RETAINER} on its outer "
+            f"ring ({ring.count} x {ring.bolt.designation}) and tighten crosswise in steps while it is turned."
+        )
+    grease = ", back to back, and pack them with grease" if sizes.hub.contact_angle else ""
+    return (
+        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside{grease}."
     )
 
 

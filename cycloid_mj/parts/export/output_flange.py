@@ -9,8 +9,8 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     flange_washer,
+    hub_shoulders,
     is_plastic,
-    shoulder_radius,
     thread_radius,
 )
 from cycloid_mj.reducer import Reducer
@@ -21,7 +21,7 @@ def choose_flange_pattern(
 ) -> tuple[float, int]:
     """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    flange = shoulder_radius(radius, 0.5 * hub.outside)
+    flange = hub_shoulders(hub)[0]
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
     fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
     return circle, next(fitting, RULES.flange_screws[-1])

@@ -11,9 +11,8 @@ from cycloid_mj.parts import Part, Segment, Solid, lay_out_parts, output_centres
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.bearings import cam_radius, output_pin_span
 from cycloid_mj.parts.export.casing import (
+    COVERS,
     FLANGE,
-    MOTOR_COVER,
-    OUTPUT_COVER,
     Casing,
 )
 from cycloid_mj.parts.export.casing_parts import casing_parts, fit_part
@@ -74,7 +73,7 @@ def material_part(reducer: Reducer, part: str) -> str:
         return names.SHAFT
     if family == PRESSED_PIN:
         return names.PIN
-    if family in (MOTOR_COVER, OUTPUT_COVER):
+    if family in COVERS:
         return names.HOUSING
     if family in (names.OUTPUT, FLANGE):
         return names.HOUSING if is_printed(reducer, names.HOUSING) else names.OUTPUT
@@ -83,7 +82,7 @@ def material_part(reducer: Reducer, part: str) -> str:
 
 def part_material(reducer: Reducer, part: str, sizes: Casing | None) -> Material:
     """Return the material of a part of a drive; covers can have one of their own."""
-    if sizes and sizes.cover_material and names.family(part) in (MOTOR_COVER, OUTPUT_COVER):
+    if sizes and sizes.cover_material and names.family(part) in COVERS:
         return Material(name=sizes.cover_material)
     return reducer.design.material_of(material_part(reducer, part))
 

@@ -28,6 +28,7 @@ from cycloid_mj.parts.export.casing import (
     Casing,
 )
 from cycloid_mj.parts.export.casing_rules import (
+    hub_shoulders,
     shoulder_radius,
 )
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
@@ -179,7 +180,11 @@ def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterato
     if is_on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield Annulus(bearing.part, outer_body, bearing.inner, bearing.outer, *ends)
         return
-    inner, outer = shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner)
+    inner, outer = (
+        (shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner))
+        if is_on_shaft
+        else hub_shoulders(sizes.hub)
+    )
     yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
     yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
     yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)

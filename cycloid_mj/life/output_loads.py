@@ -1,0 +1,148 @@
+"""Forces of discs and shaft on the bearings of the output's hub, and their equivalent loads."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design.stock import StockBearing
+from cycloid_mj.life.loading import FAR, Loading
+from cycloid_mj.life.rolling import magnitudes
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.bearings import Planes
+
+
+@dataclass(frozen=True)
+class BallBearingData:
+    """Data of ball bearings.
+
+    Attributes
+    ----------
+    ball_share
+        Diameter of balls over D - d (Harris).
+    max_axial_share
+        Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018).
+    radial_factor, axial_factor, static_axial_factor
+        Equivalent loads P = X F_r + Y F_a and, of an axial load alone, P_0 = Y_0 F_a at a contact angle of 25 deg (ISO
+        281, Table 3; ISO 76, Table 2).
+    preload_share
+        Preload of a pair over the dynamic rating: the least load of ball bearings (SKF, Rolling bearings, 2018).
+    no_clearance, usual_clearance
+        Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual clearance (Stribeck).
+    approach
+        Approach of both rings at a ball in um over (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5).
+    """
+
+    ball_share: float = 0.3
+    max_axial_share: float = 0.25
+    radial_factor: float = 0.41
+    axial_factor: float = 0.87
+    static_axial_factor: float = 0.38
+    preload_share: float = 0.01
+    no_clearance: float = 4.37
+    usual_clearance: float = 5.0
+    approach: float = 0.44
+
+
+BALL_BEARINGS = BallBearingData()
+
+
+@dataclass(frozen=True)
+class CrossedRollerData:
+    """Data of crossed roller bearings.
+
+    Attributes
+    ----------
+    contact_angle
+        Angle of the rollers' contacts to the plane of the bearing [rad].
+    axial_factor, static_axial_factor
+        Equivalent loads P = Y F_a and P_0 = Y_0 F_a of an axial load alone (THK, No. 382-3E; IKO has the same).
+    preload_share
+        Least load over the dynamic rating, which the preload provides (SKF, Rolling bearings, 2018: roller bearings).
+    roller_spacing
+        Distance of rollers over their diameter, with a spacer between them (assumed).
+    approach, load_exponent, length_exponent
+        Approach of both rings at a roller [mm]: 3.84e-5 Q^0.9/L^0.8 in N and mm (Palmgren; Harris, Rolling Bearing
+        Analysis).
+    """
+
+    contact_angle: float = math.radians(45.0)
+    axial_factor: float = 0.67
+    static_axial_factor: float = 0.44
+    preload_share: float = 0.02
+    roller_spacing: float = 1.1
+    approach: float = 3.84e-5
+    load_exponent: float = 0.9
+    length_exponent: float = 0.8
+
+
+CROSSED_ROLLERS = CrossedRollerData()
+
+
+def equivalent_load(bearing: StockBearing, load: Array) -> Array:
+    """Compute the equivalent load of a load on a bearing and of its preload, if it has one [N].
+
+    `load` is the radial force; for crossed rollers F + 2 M/d_pw.
+    """
+    if bearing.pitch:
+        return np.maximum(load, CROSSED_ROLLERS.preload_share * bearing.dynamic)
+    if not bearing.contact_angle:
+        return load
+    preload = BALL_BEARINGS.preload_share * bearing.dynamic
+    with_preload = BALL_BEARINGS.radial_factor * load + BALL_BEARINGS.axial_factor * preload
+    return np.maximum(load, with_preload)
+
+
+def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...]:
+    """Compute the equivalent loads on the bearings of the output's hub [N], shape (m,) each, the outer one last.
+
+    `loading` has the solved forces at m crank angles. Raises DesignError if the covers do not fit.
+    """
+    hub = casing(reducer).hub
+    if hub.pitch:
+        force, moment = crossed_roller_loads(reducer, loading)
+        return (equivalent_load(hub, force + 2.0 * moment / hub.pitch),)
+    return tuple(equivalent_load(hub, magnitudes(force)) for force in output_bearing_forces(reducer, loading))
+
+
+def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
+    """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
+
+    They balance the forces of the discs on the output, and that of the shaft if its far bearing is in the hub.
+
+    Returns
+    -------
+    tuple of Array
+        Forces on the inner and on the outer bearing [N], shape (m, 2) each.
+
+    Raises
+    ------
+    DesignError
+        The covers do not fit.
+    """
+    return _output_planes(reducer, loading).reactions_at(*casing(reducer).load_centres)
+
+
+def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
+    """Compute force [N] and tilting moment [N m] on a single bearing of the output's hub, shape (m,) each.
+
+    They balance the same forces as those of `output_bearing_forces`. Raises DesignError if the covers do not fit.
+    """
+    planes, middle = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
+    about_middle = Planes(planes.force, planes.place - middle)
+    return magnitudes(about_middle.net), magnitudes(about_middle.moment)
+
+
+def _output_planes(reducer: Reducer, loading: Loading) -> Planes:
+    """Return the forces of discs and shaft on the output [N] with the positions of their planes [m]."""
+    sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
+    forces = loading.on_output
+    if sizes.far:
+        cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
+        x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
+        hub_force = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+        forces = np.concatenate([forces, hub_force[:, np.newaxis]], axis=1)
+        planes.append(0.5 * sum(sizes.far))
+    return Planes(forces, np.array(planes))
