@@ -13,7 +13,9 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
 from cycloid_mj.design import PRESETS, Design, Material, override, stock
+from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES
+from cycloid_mj.design.units import bounds_of
 from cycloid_mj.life import rolling
 from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
@@ -31,7 +33,7 @@ SHORT_WIDTHS = 0.3, 0.9
 WIDTHS = 0.1, 1.2
 """Face width of all discs relative to the pin circle: a narrower disc warps, a wider one tilts (assumed)."""
 
-MAX_WIDTH = 1.0
+MAX_WIDTH = bounds_of(Gear.model_fields["face_width"])["le"]
 """Largest face width that a design may have [m]."""
 
 OUTPUT_PINS = np.array([4, 5, 6, 8, 10, 12])
@@ -176,10 +178,13 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
     rings = []
     for pin in fitting[:: max(len(fitting) // 24, 1)]:
-        inner = outer
+        inner, least = outer, pin / (1.0 - WALL_SHARES[0])  # at the least radius, the pin circle has no radius
         for _ in range(3):  # a fixed point: the screws depend on the radius
-            inner -= max(_cover_radius(ratio, inner, pin, WALL_SHARES[0] * inner, 1.0, material, custom) - outer, 0.0)
-        rings.append((pin, float(_round_down(np.array(inner))), WALL_SHARES[0] * inner, math.inf))
+            if inner > least:
+                radius = _cover_radius(ratio, inner, pin, WALL_SHARES[0] * inner, 1.0, material, custom)
+                inner -= max(radius - outer, 0.0)
+        if inner > least:
+            rings.append((pin, float(_round_down(np.array(inner))), WALL_SHARES[0] * inner, math.inf))
         widest = 0.0
         for wall in (share * outer for share in WALL_SHARES):
             circle = outer - wall - pin
@@ -261,9 +266,10 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
     """
     if free:
         bore = _round_down(_between(share, (0.25, 0.65)) * root)
-        size = bore * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
+        positive = np.maximum(bore, ROUNDING)  # a disc without room for a bore is not valid
+        size = positive * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
         dynamic, static = (
-            np.vectorize(rate)(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * bore)
+            np.vectorize(rate)(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * positive)
             for rate in (rolling.dynamic_capacity, rolling.static_capacity)
         )
         return bore, bore, dynamic, static, bore > 0.0

@@ -87,6 +87,8 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
     """Return a rated drive in the form shown to users, with its figures and the reason for each value.
 
+    A metal drive gets preloaded output bearings, unless it then fails its tolerance study.
+
     Parameters
     ----------
     solution

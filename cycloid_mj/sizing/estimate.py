@@ -197,15 +197,15 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
     output = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
     half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / output]) / (math.pi * sizes.face)
-    travel = np.stack([(sizes.circle - sizes.pin) / requirement.ratio, hole])  # of the strip per radian of the crank
-    strip = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
+    travel = np.stack([(sizes.circle - sizes.pin) / requirement.ratio, hole])  # of the contact per radian of the crank
+    loaded_shares = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
     limits = {}
     for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", output)):
         partners = design.partners(kind)
         strength = min(part.surface_strength for part in partners)
         if any(part.is_plastic for part in partners):
-            loaded = requirement.life * np.minimum(strip[kind], 1.0)
-            allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded**SET_POWER, f"{kind}_set"
+            loaded_hours = requirement.life * np.minimum(loaded_shares[kind], 1.0)
+            allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded_hours**SET_POWER, f"{kind}_set"
         else:
             factor, power = AGMA_2001.factor, AGMA_2001.power
             cycles = requirement.speed / (2.0 * math.pi) * HOUR * requirement.life

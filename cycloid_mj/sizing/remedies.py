@@ -119,7 +119,11 @@ def _series(requirement: Requirement, key: str, end: float, unit: float, words: 
 
 
 def _single_changes(requirement: Requirement) -> Iterator[Changes]:
-    """Yield changes of a single value: life, duty (share of the time under load), speed, cooling, material, ..."""
+    """Yield series of changes of a single value, each series from the smallest change to the largest.
+
+    The values are life, duty (share of the time under load), speed, cooling, material, discs, clearance, backlash and
+    length, in this order. With a duty file, life, duty and speed do not change.
+    """
     if not requirement.duty:
         yield _series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
         yield _series(requirement, "duty_share", MIN_SHARE, 1.0, "a duty of {:.3g} of the time")
