@@ -11,7 +11,7 @@ from cycloid_mj.base.result import Quantity, Table, load_words
 from cycloid_mj.cli.delivery import Destination
 from cycloid_mj.design import Design
 from cycloid_mj.papers import RunsJudged
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.comparison import Comparison, Trial
@@ -20,7 +20,8 @@ FORMATS = ("png",)
 
 HEADLINE = (
     *("backlash_arcmin", "lost_motion_arcmin", "stiffness_nm_per_arcmin", "te_loaded_arcsec", "capacity_nm", "mass_kg"),
-    *("te_unloaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n", "efficiency_percent"),
+    *("te_unloaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n", "crank_bearing_force_n"),
+    "efficiency_percent",
 )
 """Keys of the catalogue's figures that are printed next to those of the runs, the first six in the headline; JSON has
 all of geometry and statics."""
@@ -30,7 +31,7 @@ def catalogue_figures(designs: Sequence[Design]) -> dict[str, dict[str, Quantity
     """Compute the catalogue's figures of geometry and statics of each design, by its name."""
     from cycloid_mj.figures import quantities
 
-    return {design.name: quantities(Reducer(design)) for design in designs}
+    return {design.name: quantities(reducer_of(design)) for design in designs}
 
 
 def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
@@ -40,11 +41,16 @@ def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
     """
     first_row = next(iter(by_design.values()))
     rows: list[tuple[str | float, ...]] = []
-    for key in HEADLINE:
+    for key in _available(HEADLINE, by_design):
         values = [figures[key].value for figures in by_design.values()]
         rows.append((key, *values, *ratios(values), first_row[key].unit))
     header = ("figure", *by_design, *ratio_columns(tuple(by_design)), "unit")
     return Table("by geometry and statics: see `cycloid-mj figures`", header, tuple(rows))
+
+
+def _available(keys: Sequence[str], by_design: Mapping[str, Mapping[str, Quantity]]) -> list[str]:
+    """Return those `keys` of figures that all designs have."""
+    return [key for key in keys if all(key in figures for figures in by_design.values())]
 
 
 def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
@@ -133,7 +139,7 @@ def capacity_of(case: Design) -> float:
         return math.nan
     for share in (1.0, 0.1):  # a large overload has no static balance, or flattens contacts beyond their model
         try:
-            return figure("capacity_nm").value(Reducer(case).but(load={"torque": share * case.load.torque}))
+            return figure("capacity_nm").value(reducer_of(case).but(load={"torque": share * case.load.torque}))
         except CycloidError:
             continue
     return math.nan
@@ -156,7 +162,7 @@ def _headline(
             [figures[key].value for figures in by_statics.values()],
             first_quantities[key].unit,
         )
-        for key in HEADLINE[:6]
+        for key in _available(HEADLINE[:6], by_statics)
     ]
     for figure in OF_RUNS:
         spreads = [trial.over_starts(figure.read) for trial in trials]

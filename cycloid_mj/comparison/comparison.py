@@ -16,7 +16,7 @@ from cycloid_mj.comparison.table import ROWS, figure_frame, table
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import require_pin_bodies
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -128,7 +128,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
     )
     return Comparison(
         designs=tuple(designs),
-        conditions=conditions(Reducer(ordered_trials[-1].design)),
+        conditions=conditions(reducer_of(ordered_trials[-1].design)),
         differences=differences(list(designs.values())),
         trials=ordered_trials,
         solver=_same_solver(ordered_trials),
@@ -146,7 +146,7 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
     """
     by_name: dict[str, Design] = {}
     for case in cases:
-        require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
+        require_pin_bodies(reducer_of(case), "the idle and dynamic figures of a comparison")
         # a name identifies one design, with any load and duration
         first_case = by_name.setdefault(case.name, case)
         if differing := [key for key in differences([first_case, case]) if key != HOLD]:
@@ -185,8 +185,8 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
     """Raise UsageError for runs under different settings; idle and loaded runs may differ in duration."""
     for case in cases:
         first = next(each for each in cases if each.load.torque == case.load.torque)
-        _require_equal_settings(Reducer(first), Reducer(case), ())
-        _require_equal_settings(Reducer(cases[0]), Reducer(case), (HOLD,))
+        _require_equal_settings(reducer_of(first), reducer_of(case), ())
+        _require_equal_settings(reducer_of(cases[0]), reducer_of(case), (HOLD,))
 
 
 def _same_solver(trials: Sequence[Trial]) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cycloid_mj.design import Design, dump, override
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 TABLES = ("drive", "load", "environment", "settings")
 HOLD = "drive.hold_s"
@@ -39,7 +39,7 @@ def apply_conditions(reducer: Reducer, shared: Mapping[str, Any], load: float) -
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return the values that differ between designs, except the load torque: key -> values, None for a missing one."""
-    all_values = [design_values(Reducer(design)) for design in designs]
+    all_values = [design_values(reducer_of(design)) for design in designs]
     keys = dict.fromkeys(key for values in all_values for key in values if key != "load.torque_nm")
     each = {key: tuple(values.get(key) for values in all_values) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}

@@ -6,6 +6,7 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.comparison.fluctuation import full_turns
 
 
@@ -15,7 +16,8 @@ class ForceSummary:
 
     A tooth is a ring pin, or a lobe of the internal gear with all its contact lines. `tooth_mean_n` is the mean over
     time of the force on the most loaded tooth; peaks are the largest of any sample. Teeth are counted on all discs, and
-    forces are those of the most loaded contact, cam and pin of any disc.
+    forces are those of the most loaded contact of any disc: tooth, cam, output pin, or crank bearing and planet of an
+    RV reducer. Forces of contacts that the reducer does not have are None.
     """
 
     teeth_mean: float
@@ -23,14 +25,28 @@ class ForceSummary:
     teeth_most: int
     tooth_mean_n: float
     tooth_peak_n: float
-    cam_mean_n: float
-    cam_peak_n: float
-    output_pin_peak_n: float
+    cam_mean_n: float | None = None
+    cam_peak_n: float | None = None
+    output_pin_peak_n: float | None = None
+    crank_bearing_mean_n: float | None = None
+    crank_bearing_peak_n: float | None = None
+    planet_mesh_peak_n: float | None = None
+
+
+MEAN_AND_PEAK = {"cam": "cam", "crank_bearing": "crank_bearing"}
+PEAK = {"output": "output_pin", "planet_mesh": "planet_mesh"}
+"""Kinds of pairs -> stems of their attributes of `ForceSummary`: with mean and peak force, and with peak force only."""
 
 
 def tooth_forces(motion: Series) -> Array:
     """Compute the force of each tooth of the ring on each of D discs [N], shape (n, D N)."""
     return _force_magnitudes(motion, motion.design.tooth_pair)
+
+
+def crank_bearing_force(motion: Series) -> Array:
+    """Compute the force of the most loaded crank bearing on the disc of the series [N], shape (n,); RV reducers."""
+    force = _force_magnitudes(motion, CRANK_BEARING)
+    return np.asarray(np.split(force, len(motion.reducer.gears), axis=1)[motion.disc].max(axis=1))
 
 
 def cam_force(motion: Series) -> Array:
@@ -39,14 +55,19 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute how many teeth carry force, and the forces of teeth, cams and output pins [N], over full crank turns.
+    """Compute how many teeth carry force, and the largest forces of all kinds of pairs [N], over full crank turns.
 
     The samples are those of the hold after settling, or all of them if these are less than a turn.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)
-    teeth, cams = tooth_forces(motion)[rows], _force_magnitudes(motion, "cam")[rows]
-    output_pins = _force_magnitudes(motion, "output")[rows]
+    teeth, kinds = tooth_forces(motion)[rows], motion.reducer.mechanism.kinds
+    largest = {
+        kind: _force_magnitudes(motion, kind)[rows].max(axis=1) for kind in (*MEAN_AND_PEAK, *PEAK) if kind in kinds
+    }
+    means = {f"{stem}_mean_n": float(largest[kind].mean()) for kind, stem in MEAN_AND_PEAK.items() if kind in largest}
+    stems = MEAN_AND_PEAK | PEAK
+    peaks = {f"{stems[kind]}_peak_n": float(force.max()) for kind, force in largest.items()}
     loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded_teeth.mean()),
@@ -54,9 +75,8 @@ def forces(motion: Series) -> ForceSummary:
         teeth_most=int(loaded_teeth.max()),
         tooth_mean_n=float(largest_force.mean()),
         tooth_peak_n=float(largest_force.max()),
-        cam_mean_n=float(cams.max(axis=1).mean()),
-        cam_peak_n=float(cams.max()),
-        output_pin_peak_n=float(output_pins.max()),
+        **means,
+        **peaks,
     )
 
 

@@ -13,7 +13,7 @@ from cycloid_mj.comparison.fluctuation import Level, compute_level, full_turns, 
 from cycloid_mj.comparison.forces import ForceSummary, forces
 from cycloid_mj.comparison.vibration import VibrationLevels, vibration
 from cycloid_mj.dynamics.settling import SETTLING, slowness
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,13 @@ def settling_time(reducer: Reducer) -> float:
     """
     design = reducer.design
     load_settling = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING.min_time * slowness(reducer)
-    return load_settling + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
+    crank_speed = abs(float(reducer.member.crank_angle(design.drive.speed)))
+    return load_settling + (2 * math.pi / crank_speed if crank_speed else 0.0)
 
 
 def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
     """Compare a run with the closed form after its `settling_time`; `q` and errors as of `analysis.series`."""
-    motion = series(run, q, settling_time(Reducer(design_of(run))))
+    motion = series(run, q, settling_time(reducer_of(design_of(run))))
     require_hold(motion.reducer, motion.time)
     return motion
 

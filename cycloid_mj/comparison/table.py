@@ -75,6 +75,9 @@ ROWS = (
     ComparedFigure("force of the cam, mean", "N", lambda m: m.forces.cam_mean_n),
     ComparedFigure("force of the cam, peak", "N", lambda m: m.forces.cam_peak_n),
     ComparedFigure("force of one output pin, peak", "N", lambda m: m.forces.output_pin_peak_n),
+    ComparedFigure("force on the most loaded crank bearing, mean", "N", lambda m: m.forces.crank_bearing_mean_n),
+    ComparedFigure("force on the most loaded crank bearing, peak", "N", lambda m: m.forces.crank_bearing_peak_n),
+    ComparedFigure("force of a planet, peak", "N", lambda m: m.forces.planet_mesh_peak_n),
     ComparedFigure("penetration, largest", "um", lambda m: m.findings.contact_summary.max_penetration_um),
 )
 

@@ -72,8 +72,8 @@ def acceleration(motion: Series) -> Acceleration:
     disc is `Series.disc`.
     """
     run, reducer = motion.run, motion.reducer
-    angle = run["crank_angle"] + reducer.phases[motion.disc]
-    theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle, run["crank_speed"])
+    angle, speed = (reducer.member.crank_angle(run[f"{reducer.INPUT}_{quantity}"]) for quantity in ("angle", "speed"))
+    theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle + reducer.phases[motion.disc], speed)
     velocity_error = run.block(planar_speeds(motion.gear)[:2]) - theory
     interval = np.diff(motion.time)
     return Acceleration(

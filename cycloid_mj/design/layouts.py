@@ -15,6 +15,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "rv": (
         "analyze",
         "build",
+        "compare",
         "datasheet",
         "design new",
         "design show",

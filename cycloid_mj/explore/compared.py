@@ -29,7 +29,10 @@ from cycloid_mj.comparison import compare as compare_trials
 from cycloid_mj.design import Design, Named, override, resolve
 from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
+
+PIN_AND_NONPIN = {("central", "pin"), ("central", "nonpin")}
+"""Layout and kind of ring of two designs that a third design separates, see `list_cases`."""
 
 UNCHANGED = Variation("", "unchanged", ())
 
@@ -69,7 +72,7 @@ class RunPlan:
         A design has one run from each of its initial states in `self.starts`, and `variation` is applied to all of
         them. `measures_by_design` has the measures of every simulated design.
         """
-        starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
+        starts_by_design = ([variation.of(reducer_of(start)) for start in self.starts[design]] for design in designs)
         return [
             Trial(first_start, measures_by_design[first_start], tuple(measures_by_design[repeat] for repeat in repeats))
             for first_start, *repeats in starts_by_design
@@ -144,7 +147,7 @@ def compare(
     runs = list(plan.names)
 
     def measure_design(design: Design) -> tuple[Measures, Series | None]:
-        motion = settle_run(simulate(design, model_for(solver, Reducer(design))))
+        motion = settle_run(simulate(design, model_for(solver, reducer_of(design))))
         return measure_run(motion), motion if design in plan.starts else None
 
     results = dict(zip(runs, Engine(kind="threads").each(measure_design, runs, progress), strict=True))
@@ -186,22 +189,22 @@ def list_cases(
     UsageError
         There are fewer than two designs, or two designs have one name.
     """
-    common_conditions = conditions(Reducer(first_design))
+    common_conditions = conditions(reducer_of(first_design))
     rated_torque = round(first_design.rated_torque, 9) if load_nm is None else load_nm
     compared_designs = list(designs)
-    if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
+    if {(design.layout, design.ring.kind) for design in designs} == PIN_AND_NONPIN and len(designs) == 2:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared_designs.append(
             with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), common_conditions, rated_torque)))
         )
     by_load = [
-        [apply_conditions(Reducer(design), common_conditions, load) for design in compared_designs]
+        [apply_conditions(reducer_of(design), common_conditions, load) for design in compared_designs]
         for load in dict.fromkeys((0.0, rated_torque))
     ]
     cases = [case for group in by_load for case in (group if fixed_hold else _with_settled_turns(group))]
     if solver == "planar" and not first_design.settings.timestep:
-        step = min(acceleration_timestep(Reducer(case)) for case in cases)
-        cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
+        step = min(acceleration_timestep(reducer_of(case)) for case in cases)
+        cases = [reducer_of(case).but(settings={"timestep": step}).design for case in cases]
     comparable(cases)
     return cases
 
@@ -229,7 +232,7 @@ def plan_runs(
         Variations of assumed values of the contact model, of the loaded cases only.
     """
     by_case = {
-        design: (design,) if design.load.torque else independent_starts(Reducer(design), starts) for design in cases
+        design: (design,) if design.load.torque else independent_starts(reducer_of(design), starts) for design in cases
     }
     loaded_cases = [design for design in cases if design.load.torque]
     names = {
@@ -242,7 +245,7 @@ def plan_runs(
         for design in designs:
             suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
             for start_index, start in enumerate(by_case[design]):
-                names.setdefault(variation.of(Reducer(start)), f"{name_run(start, start_index)}-{suffix}")
+                names.setdefault(variation.of(reducer_of(start)), f"{name_run(start, start_index)}-{suffix}")
     return RunPlan(by_case, variations, assumptions, names, solver)
 
 
@@ -254,13 +257,19 @@ def name_run(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return the designs with a run time of the longest settling time among them plus a whole number of crank turns.
+    """Return the designs with a run time of the longest settling time among them plus a number of crank turns.
 
     All designs have the same load. They are returned unchanged if the crank of one of them does not turn.
     """
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turns = TURNS if designs[0].load.torque else IDLE_TURNS
-    settle = max(settling_time(Reducer(design)) for design in designs)
+    settle = max(settling_time(reducer_of(design)) for design in designs)
     # one more sample, so that the last turn is complete
-    return [design.steady(settle, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
+    steady_designs = [
+        reducer_of(design).steady(settle, turns, samples=1.0, drive={"ramp": design.drive.ramp}).design
+        for design in designs
+    ]
+    # a crank turn of RV reducers takes a different time at the same speed of the sun
+    hold = max(design.drive.hold for design in steady_designs)
+    return [design.but(drive={"hold": hold}) for design in steady_designs]

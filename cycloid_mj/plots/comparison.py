@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
 from cycloid_mj.analysis.spectrum import SPECTRUM
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.base.result import load_words
-from cycloid_mj.comparison.forces import cam_force, tooth_forces
+from cycloid_mj.comparison.forces import cam_force, crank_bearing_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
 from cycloid_mj.plots.style import (
     BLACK,
@@ -29,7 +30,7 @@ from cycloid_mj.plots.style import (
     typeset,
     with_style,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 Grid = Sequence[Sequence[Series]]
 
@@ -44,9 +45,18 @@ OVER_A_TURN = {
     "q_speed": ("Velocity error of point q", SIGNALS["q_speed_error"]),
     "teeth": ("Loaded teeth", Signal("teeth", lambda m: np.count_nonzero(tooth_forces(m), axis=1) + 0.0)),
     "tooth_force": ("Force on the most loaded tooth", Signal("force [N]", lambda m: tooth_forces(m).max(axis=1))),
-    "cam_force": ("Force of the cam on the disc", Signal("force [N]", cam_force)),
 }
 """Name of the figure -> title and signal."""
+
+FORCES = {
+    "cam_force": ("cam", "Force of the cam on the disc", Signal("force [N]", cam_force)),
+    "crank_bearing_force": (
+        CRANK_BEARING,
+        "Force on the most loaded crank bearing of the disc",
+        Signal("force [N]", crank_bearing_force),
+    ),
+}
+"""Name of the figure -> kind of pair that all designs must have, title and signal."""
 
 MAX_TITLE, SMALL = 40, {"fontsize": 7.2}
 """Characters of a title that fit above a panel, and the style of longer titles."""
@@ -61,9 +71,11 @@ def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
     `designs` are the names of the compared designs.
     """
     names = " and ".join(designs)
+    titles = {name: title for name, (title, _) in OVER_A_TURN.items()}
+    titles |= {name: title for name, (_, title, _) in FORCES.items()}
     captions = {
         f"compare_{name}": f"{title} over one crank turn of the settled hold: {names}, one column for each load."
-        for name, (title, _) in OVER_A_TURN.items()
+        for name, title in titles.items()
     }
     return captions | {
         "compare_vibration": f"Amplitude spectra of the vibration of {names} about the closed form.",
@@ -83,7 +95,12 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
-    figures = {f"compare_{name}": _draw_signal(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
+    signals = OVER_A_TURN | {
+        name: (title, signal)
+        for name, (kind, title, signal) in FORCES.items()
+        if all(kind in motion.reducer.mechanism.kinds for motion in motions)
+    }
+    figures = {f"compare_{name}": _draw_signal(grid, title, signal) for name, (title, signal) in signals.items()}
     return figures | {"compare_vibration": _draw_spectra(grid)}
 
 
@@ -150,7 +167,7 @@ def _draw_spectra(grid: Grid) -> Figure:
 
 def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
     """Mark the mesh frequency and its first two multiples in a panel, where within the range of `frequency` [Hz]."""
-    mesh = motion.reducer.mesh_periods * abs(motion.design.drive.speed) / (2 * np.pi)
+    mesh = motion.reducer.mesh_periods * abs(motion.reducer.orbit_speed) / (2 * np.pi)
     for multiple in np.arange(1, 4) * mesh:
         if frequency[1] < multiple < frequency[-1]:
             panel.axvline(multiple, color=GREY, linewidth=0.7, linestyle=":", zorder=0)
@@ -165,7 +182,7 @@ def _empty_figure(rows: int, columns: int, title: str, row: float = ROW, **share
 
 def _speed(grid: Grid) -> str:
     """Return the crank speed in words; all runs have the same."""
-    return f"{condition(Reducer(grid[0][0].design)).speed_rpm:g} rpm"
+    return f"{condition(reducer_of(grid[0][0].design)).speed_rpm:g} rpm"
 
 
 def _color(number: int) -> str:

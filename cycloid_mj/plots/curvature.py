@@ -13,7 +13,7 @@ from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, create_figure, legend_handles, with_style
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 CRANK_ANGLES = 120
 """Crank angles per mesh period: with 36 teeth the contact lines are 1/12 deg of phase apart."""
@@ -44,10 +44,10 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
         line_style = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
         _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, line_style)
-        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), line_style)
+        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, reducer_of(design)), line_style)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
-    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(Reducer(design)) for design in designs))
+    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(reducer_of(design)) for design in designs))
     bottom.set_title(f"Hertz pressure of a single contact line under {forces} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
