@@ -129,23 +129,22 @@ def reduce(
     transmission error, which MJCF cannot express; joint.py is this step with NumPy only.
 
     --spread draws many drives within the tolerances ([tolerance]), with friction and cam stiffness within the ranges
-    that `measure efficiency` states. samples.csv has the joint of each drive (Joint.varied of joint.py applies a row);
-    "spread" in reducer.json has mean, standard deviation, percentiles and correlations. randomize_mjx.py,
-    randomize_gymnasium.py and (--format isaaclab) randomize_isaaclab.py use these ranges for training.
+    that `measure efficiency` states. For an RV reducer, these are [crank_tolerance], friction and play of the teeth.
+    samples.csv has the joint of each drive (Joint.varied of joint.py applies a row); "spread" in reducer.json has mean,
+    standard deviation, percentiles and correlations. randomize_mjx.py, randomize_gymnasium.py and (--format isaaclab)
+    randomize_isaaclab.py use these ranges for training.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model
     from cycloid_mj.robot.files import choose_scenes, without_slip
     from cycloid_mj.robot.identification import reduce as identify
-    from cycloid_mj.robot.population import draw_population, require_central_crank
+    from cycloid_mj.robot.population import draw_population
     from cycloid_mj.robot.stability import study_time_steps
 
     _require_scene_values(timestep_ms, load_inertia_kgm2)
     samples, seed = _choose_samples(spread, samples, seed)
     design = design_options.resolve_checked()
     reducer = reducer_of(design)
-    if spread:
-        require_central_crank(reducer)
     destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
     joint = identify(design, level, count_progress("reduce", delivery.quiet))
     drives = draw_population(reducer, samples, seed, count_progress("spread", delivery.quiet)) if spread else None

@@ -51,8 +51,6 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 
     Raises
     ------
-    UsageError
-        The design has no tolerances.
     DesignError
         A tolerance is not written in one of the `FORMS`.
     """
@@ -67,13 +65,20 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
     }
     texts = {key: getattr(reducer.crank_tolerance, key) for key in ERRORS}
     zones_by_key = {key: parse_zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
-    zones = {key: parsed_zone for key, parsed_zone in zones_by_key.items() if parsed_zone}
-    if not zones:
-        raise UsageError(
-            f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
-            "e.g. --set 'crank_tolerance.bore_position=\"uniform 4\"'"
-        )
-    return zones
+    return {key: parsed_zone for key, parsed_zone in zones_by_key.items() if parsed_zone}
+
+
+def draw_rv_drive(reducer: RvReducer, seed: int, number: int) -> tuple[Design, dict[str, float]]:
+    """Draw one drive within the tolerances: its design, with the errors of its parts, and these errors [um] by name.
+
+    Equal seeds and numbers draw equal drives. Raises as `crank_zones`.
+    """
+    rng, deviations = np.random.default_rng([seed, number]), dict[str, Array]()
+    for key, zone in crank_zones(reducer).items():
+        columns = (column for field in ERRORS[key] for column in _columns_of_field(reducer, field))
+        deviations |= {column: zone.quantiles(rng.random(1)) for column in columns}
+    errors = {f"drawn_{column}_um": MICROMETRES * float(values[0]) for column, values in deviations.items()}
+    return reducer.design.but(crank_errors=_errors_of_sample(reducer, deviations, 0)), errors
 
 
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
@@ -93,10 +98,17 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
 
     Raises
     ------
-    UsageError, DesignError
+    UsageError
+        The design has no tolerances.
+    DesignError
         As `crank_zones`.
     """
     zones, rng = crank_zones(reducer), np.random.default_rng(seed)
+    if not zones:
+        raise UsageError(
+            f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
+            "e.g. --set 'crank_tolerance.bore_position=\"uniform 4\"'"
+        )
     nominal, responses = closed_rotation(reducer), dict[str, Array]()
     deviations, variances = dict[str, Array](), dict[str, float]()
     for key, zone_of_key in zones.items():
@@ -186,10 +198,18 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
 
 
 def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
-    """Return a sample as a design with its errors added to those of the nominal reducer.
+    """Return the sample with the index `row` as a design, whose name ends in ``-worst-`` and the number `rank`."""
+    errors = _errors_of_sample(reducer, deviations, row)
+    return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", crank_errors=errors)
+
+
+def _errors_of_sample(
+    reducer: RvReducer, deviations: Mapping[str, Array], row: int
+) -> dict[str, float | tuple[float, ...]]:
+    """Return the errors of a sample in the table [crank_errors] [m]: its deviations plus those of the nominal reducer.
 
     `deviations` are the errors of all samples [m], shape (samples,), by the column names of `_columns_of_field`. `row`
-    is the index of the sample. The name of the design ends in ``-worst-`` and the number `rank`.
+    is the index of the sample.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):
@@ -200,4 +220,4 @@ def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: 
                 for nominal, name in zip(_errors_of_field(reducer, field), names, strict=True)
             ]
             changes[field] = tuple(values) if _list_length(reducer, field) else values[0]
-    return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", crank_errors=changes)
+    return changes

@@ -5,22 +5,26 @@ that `measure efficiency` states. Both are drawn at random, and the parameters f
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Engine, Progress, silent
-from cycloid_mj.base.errors import CycloidError, DesignError, RunError
+from cycloid_mj.base.errors import CycloidError, RunError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
+from cycloid_mj.design import Design
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.explore import sampling
+from cycloid_mj.explore.rv_samples import crank_zones, draw_rv_drive
+from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, assumed_inputs
-from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.standalone import PARAMETERS as KEYS
 
 PLAY, _, FRICTION, LOSS, _ = KEYS
@@ -31,8 +35,11 @@ All but the loss are figures of the catalogue by that key, at the nominal torque
 the crank under the nominal torque beyond that of no load, as a share of the nominal torque over the ratio.
 """
 
-VARIED = ("friction", "stiffness")
-"""Tables of the design whose values are drawn from their stated ranges."""
+VARIED: Mapping[Layout, tuple[str, ...]] = {
+    "central": ("friction", "stiffness"),
+    "rv": ("friction", "planet", "clearance"),
+}
+"""Tables of each layout whose values are drawn from their stated ranges; tolerances of RV reducers include no play."""
 
 INPUT_STREAM = 10_000
 """Number of the random stream of the inputs; tolerances use lower numbers."""
@@ -153,17 +160,6 @@ class Population(Tabular):
         }
 
 
-def require_central_crank(reducer: Reducer) -> None:
-    """Raise DesignError if the reducer is an RV reducer, whose drives cannot be drawn at random."""
-    name = reducer.design.name
-    if isinstance(reducer, RvReducer):
-        raise DesignError(
-            f'{name}: reduce --spread draws the parts of drives with a central crank, but {name} has layout = "rv": '
-            f"remove --spread to reduce the nominal drive, or use `cycloid-mj tolerance {name}` for the transmission "
-            "error of many drives"
-        )
-
-
 def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent) -> Population:
     """Draw random drives of a design, and compute the parameters of their joints; equal seeds draw equal drives.
 
@@ -179,20 +175,19 @@ def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Pro
     Raises
     ------
     DesignError
-        A tolerance has an unknown form, or the reducer is an RV reducer.
+        A tolerance has an unknown form.
     RunError
         Fewer than two drives can be assembled, or the design has no static balance.
     """
-    require_central_crank(reducer)
-    ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in VARIED)
+    varied_tables = VARIED[reducer.LAYOUT]
+    ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in varied_tables)
     work = partial(_draw_drive, reducer, ranges, seed)
     drives = Engine(kind="threads").each(work, range(samples), progress)
     assembled_drives = [item for item in drives if item is not None]
     if len(assembled_drives) < 2:
         raise RunError(
             f"{reducer.design.name}: only {len(assembled_drives)} of {samples} randomly sampled drives can be "
-            "assembled, but at least 2 are needed. Reduce the tolerances in [tolerance], or increase the clearances "
-            "(clearance.*)"
+            "assembled, but at least 2 are needed. Reduce the tolerances, or increase the clearances (clearance.*)"
         )
     values, drawn_values = (
         {key: np.array([item[part][key] for item in assembled_drives]) for key in assembled_drives[0][part]}
@@ -206,7 +201,7 @@ def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Pro
         values=values,
         deviations=drawn_values,
         ranges=ranges,
-        has_tolerances=bool(sampling.tolerance_zones(reducer)),
+        has_tolerances=bool(DRAWS[reducer.LAYOUT].zones(reducer)),
     )
 
 
@@ -225,6 +220,8 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
             if low <= design_value <= high or input_range.table == "stiffness"
             else design_value / math.sqrt(low * high)
         )
+    if all(factor == 1.0 for factor in factors.values()):
+        return input_range
     low_values, high_values = (
         {key: factors[key] * value for key, value in end.items()}
         for end in (input_range.low_values, input_range.high_values)
@@ -236,16 +233,26 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
 def compute_parameters(reducer: Reducer) -> dict[str, float]:
     """Compute the parameters of one drive's joint, with the keys and units of `PARAMETERS`.
 
-    They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. Raises
-    the errors of `statics.loads`.
+    They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. The
+    no-load friction of an RV reducer with Coulomb friction is the drag of its seals, as statics does not include the
+    weight of its parts. Raises the errors of `statics.loads`.
     """
     rated_torque = reducer.design.rated_torque
     loaded_reducer = reducer.but(load={"torque": rated_torque}).working_at(rated_torque)
-    values = {key: figure(key).value(loaded_reducer) for key in PARAMETERS if key != LOSS}
+    values = {
+        key: row.value(loaded_reducer) if row.applies_to(loaded_reducer) else _drag_of_seals(loaded_reducer)
+        for key, row in ((key, figure(key)) for key in PARAMETERS if key != LOSS)
+    }
     # as a share of the ideal torque on the crank; no-load friction is a separate parameter
     no_load_share = values[FRICTION] * reducer.design.reduction / rated_torque
     loss = 100.0 / figure("efficiency").value(loaded_reducer) - 1.0 - no_load_share
     return {key: 100.0 * loss if key == LOSS else values[key] for key in PARAMETERS}
+
+
+def _drag_of_seals(reducer: Reducer) -> float:
+    """Return the drag of the seals of both shafts, seen from the driven shaft [N m]."""
+    drag = reducer.design.drag
+    return drag.crank + drag.output / reducer.design.reduction
 
 
 def _draw_drive(
@@ -268,26 +275,40 @@ def _draw_drive(
         Parameters of the joint (`PARAMETERS`), and drawn values, each by key; None if the drive cannot be assembled or
         balanced.
     """
-    zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
-    batch = sampling.Batch(block, 1, row)
     uniform_numbers = np.random.default_rng([seed, INPUT_STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
     for input_range, position in zip(ranges, uniform_numbers, strict=True):
         changes.setdefault(input_range.table, {}).update(input_range.between(position))
     try:
-        sampled_reducer = Reducer(
-            sampling.design_of_sample(
-                reducer, sampling.draw_samples(reducer, zones, seed, batch), 0, reducer.design.name
-            )
-        ).but(**changes)
-        values = compute_parameters(sampled_reducer)
+        design, drawn_deviations = DRAWS[reducer.LAYOUT].draw(reducer, seed, number)
+        values = compute_parameters(type(reducer)(design).but(**changes))
     except CycloidError:
         return None
-    drawn_deviations = {
-        key: float(values[0])
-        for key, values in sampling.deviation_columns(sampling.draw_deviations(reducer, zones, seed, batch)).items()
-    }
     drawn_inputs = {
         f"drawn_{table}_{key}": value for table, table_values in changes.items() for key, value in table_values.items()
     }
     return values, {**drawn_inputs, **drawn_deviations}
+
+
+def _draw_central_drive(reducer: Reducer, seed: int, number: int) -> tuple[Design, dict[str, float]]:
+    """Draw the parts of a drive with a central crank; result as of `rv_samples.draw_rv_drive`."""
+    zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
+    batch = sampling.Batch(block, 1, row)
+    samples = sampling.draw_samples(reducer, zones, seed, batch)
+    deviations = sampling.deviation_columns(sampling.draw_deviations(reducer, zones, seed, batch))
+    design = sampling.design_of_sample(reducer, samples, 0, reducer.design.name)
+    return design, {key: float(values[0]) for key, values in deviations.items()}
+
+
+class Draw(NamedTuple):
+    """Functions of a layout: its nonzero tolerances by key, and a drive drawn with a seed and its number."""
+
+    zones: Callable[[Any], Mapping[str, Zone]]
+    draw: Callable[[Any, int, int], tuple[Design, dict[str, float]]]
+
+
+DRAWS: Mapping[Layout, Draw] = {
+    "central": Draw(sampling.tolerance_zones, _draw_central_drive),
+    "rv": Draw(crank_zones, draw_rv_drive),
+}
+"""Random drives of each layout."""

@@ -7,11 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
-from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.planar.rv_system import input_inertia
+from cycloid_mj.explore.rv_samples import draw_rv_drive
 from cycloid_mj.geometry.rv_loads import closed_form_error
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.reducer import RvReducer
@@ -133,14 +132,31 @@ def test_urdf_has_mass_and_inertia_of_the_reducer(joint: ReducedJoint) -> None:
     assert mujoco.MjModel.from_xml_string(files["mjx"]["scene.xml"].decode(), scene).nv == 2
 
 
-def test_random_drives_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["reduce", "rv80e", "--spread", "--out", "drives", "--quiet"]) == 1
-    out, error = capsys.readouterr()
-    assert (out, error.count("\n")) == ("", 1)
-    assert "reduce --spread draws the parts of drives with a central crank" in error
-    assert "remove --spread" in error
-    with pytest.raises(DesignError, match="cycloid-mj tolerance rv80e"):
-        draw_population(RvReducer(RV80E), 3)
+def test_a_random_drive_has_errors_within_the_tolerances() -> None:
+    toleranced = reducer("crank_tolerance.bore_position=uniform 4", "crank_tolerance.eccentricity=uniform 3")
+    design, drawn = draw_rv_drive(toleranced, 1, 5)
+    assert draw_rv_drive(toleranced, 1, 5) == (design, drawn)
+    assert draw_rv_drive(toleranced, 1, 6)[1] != drawn
+    assert len(drawn) == 3 * 6  # bores along x and y, eccentricities
+    errors = design.crank_errors
+    assert errors is not None
+    assert errors.bore_x[1] == pytest.approx(1e-6 * drawn["drawn_bore_x_2_um"])
+    assert 0.0 < max(map(abs, errors.bore_x)) <= 4e-6
+    assert 0.0 < max(map(abs, errors.eccentric_radial)) <= 3e-6
+    assert draw_rv_drive(reducer(), 1, 5) == (reducer().design, {})
+
+
+@pytest.mark.slow
+def test_random_drives_spread_about_the_nominal_joint() -> None:
+    drives = draw_population(reducer("crank_tolerance.bore_position=uniform 4"), 4, seed=1)
+    assert drives.samples == 4
+    nominal, values = drives.nominal, drives.values
+    assert nominal["stiffness_nm_per_arcmin"] == pytest.approx(208.2, rel=1e-3)
+    assert nominal["no_load_torque_nm"] == 0.0
+    assert values["te_loaded_forward_arcsec"].min() > 10.0 * nominal["te_loaded_forward_arcsec"]
+    assert np.ptp(values["loss_percent"]) > 1.0  # friction of teeth and planets
+    assert np.ptp(values["backlash_arcmin"]) > 0.01  # play of the teeth
+    assert {"friction", "planet", "clearance"} == {item.table for item in drives.ranges}
 
 
 @pytest.mark.slow
