@@ -36,7 +36,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.figures import drive_diameter, drive_length
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import weakest_torque
+from cycloid_mj.life.rated import PEAK_FACTOR, rated_and_momentary_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
 
@@ -149,10 +149,12 @@ def faults(drive: dict[str, Any], requested_flags: dict[str, str]) -> Iterator[s
     wanted = {flag: float(value) for flag, value in requested_flags.items() if flag in NUMBERS}
     yield from (str(item) for item in check(design) if item.severity == "error" and not item.passed)
     yield from (str(item) for item in life_checks(reducer) if not item.passed)
-    items = [item for item in rate(design, parts="toleranced").items.values() if item.decisive]
-    rated, _ = weakest_torque(items, design.rated_torque, design.service.life)
+    items = rate(design, parts="toleranced").items.values()
+    (rated, _), (momentary, _) = rated_and_momentary_torque(items, design.rated_torque, design.service.life)
     if rated < wanted["--torque-nm"]:
         yield f"its rated torque is {rated:.4g} N m"
+    if momentary < PEAK_FACTOR * wanted["--torque-nm"]:
+        yield f"its momentary torque is {momentary:.4g} N m"
     if abs(figures["rated_torque_nm"] / rated - 1.0) > GRID.rtol:
         yield f"the shortlist has {figures['rated_torque_nm']:.4g} N m, its rating {rated:.4g}"
     passed = tolerance(design, GRID.samples).good

@@ -8,7 +8,7 @@ from cycloid_mj.app.controls import with_symbols
 from cycloid_mj.app.drive import parse_options
 from cycloid_mj.app.state import changed_values
 from cycloid_mj.app.summary import covered_size
-from cycloid_mj.app.verdicts import requirement_verdicts, unmet_without_covers, verdict
+from cycloid_mj.app.verdicts import carried_torque, requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
@@ -154,6 +154,7 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
     design = drive.design.but(name=f"{required.process}-{required.ratio}", load={"torque": required.torque})
     # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
     figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(Reducer(design))}
+    figures["carried_torque_nm"] = carried_torque(figures["rated_torque_nm"], figures["momentary_torque_nm"])
     if motor != "auto":
         covered, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}

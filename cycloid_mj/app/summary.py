@@ -13,7 +13,14 @@ from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import MARKED_PARTS
 from cycloid_mj.app.drive import reducer_at_reference
 from cycloid_mj.app.state import apply_changes, at_load
-from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, unmet_without_covers, verdict
+from cycloid_mj.app.verdicts import (
+    TORQUE_RTOL,
+    carried_torque,
+    rated_item,
+    requirement_verdicts,
+    unmet_without_covers,
+    verdict,
+)
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement, gravest, judge
 from cycloid_mj.base.result import Quantity
@@ -144,16 +151,17 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     """Rate a valid design at its load; return rated items, life, and rated torque for its required life as JSON values.
 
     ``verdicts`` compares rated torque, diameter and length with `required`, the values in the start form of the app by
-    field name, and the life with the required life of the design. Diameter and length are those with covers for the
-    motor. If the covers do not fit, the requirements on diameter and length count as not met.
+    field name, and the life with the required life of the design. The torque counts as met if twice as much is allowed
+    as a peak. Diameter and length are those with covers for the motor. If the covers do not fit, the requirements on
+    diameter and length count as not met.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(lives, default=math.inf)
-    rated, limit = _rated_torque(reducer, rating)
+    rated, limit, momentary = _rated_torque(reducer, rating)
     size_with_covers, no_covers = covered_size(reducer, motor)
-    verdicts = requirement_verdicts(required, {"rated_torque_nm": rated})
+    verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated, momentary)})
     if size_with_covers:
         sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}
         verdicts |= requirement_verdicts(required, sizes)
@@ -165,6 +173,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "required_h": hours_required,
         "rated_torque_nm": rated,
         "limited_by": limit,
+        "momentary_torque_nm": momentary,
         "life_h": shortest,
         "life": format_life(shortest),
         "verdicts": verdicts,
@@ -174,24 +183,27 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     }
 
 
-def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
-    """Return the rated torque [N m] for the required life, and the name of what limits it, as in the data sheet.
+def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str, float]:
+    """Return the rated torque [N m] for the required life, the name of what limits it, and the momentary torque [N m].
+
+    These are the values of the data sheet.
 
     For a design with tolerances, the torque is extrapolated from `rating`, its rating at the load. Otherwise the design
-    is rated again at several torques. If a rating fails, the torque is 0, and the text of the error is returned.
+    is rated again at several torques. If a rating fails, both torques are 0, and the text of the error is returned.
     """
     if rating.parts == "toleranced":
         load, _ = load_of(reducer)
-        (rated, weakest), _ = rated_and_momentary_torque(rating, load)
-        return rated, weakest.name
+        (rated, weakest), (momentary, _) = rated_and_momentary_torque(rating.items.values(), load, rating.life)
+        return rated, weakest.name, momentary
     design = reducer.design
     try:
         life = design.service.life
         rated, weakest = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
         momentary = figure("momentary_torque_nm").value(reducer)
     except CycloidError as error:
-        return 0.0, str(error)
-    return (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+        return 0.0, str(error), 0.0
+    limited = (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+    return *limited, momentary
 
 
 def rated_items(rating: Rating) -> list[dict[str, Any]]:

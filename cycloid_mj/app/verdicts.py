@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.rated import PEAK_FACTOR
 
 TORQUE_RTOL = 5e-3
 """Relative accuracy of the rated torque in the header of the page."""
@@ -33,11 +34,11 @@ REQUIREMENTS: Mapping[str, RequirementLimit] = {
     "ratio": RequirementLimit("ratio", "", ":1"),
     "diameter_mm": RequirementLimit("drive_diameter_mm", "≤ ", "mm"),
     "length_mm": RequirementLimit("drive_length_mm", "≤ ", "mm"),
-    "torque_nm": RequirementLimit("rated_torque_nm", "≥ ", "N m", TORQUE_RTOL),
+    "torque_nm": RequirementLimit("carried_torque_nm", "≥ ", "N m", TORQUE_RTOL),
     "life_h": RequirementLimit("life_h", "≥ ", "h"),
     "backlash_arcmin": RequirementLimit("backlash_arcmin", "≤ ", "arcmin"),
 }
-"""Fields of the start form; diameter and length are those of the drive with its covers."""
+"""Fields of the start form; diameter and length are those of the drive with its covers, see also `carried_torque`."""
 
 SIZES = ("diameter_mm", "length_mm")
 """Requirements of the size with covers."""
@@ -70,6 +71,14 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
             margin = _margin(figures[rule.figure], float(limit), rule.sense) * (1.0 + rule.rtol)
             verdicts[field] = verdict(judge(margin), f"{rule.sense}{limit:.6g} {rule.unit}".replace(" :", ":"))
     return verdicts
+
+
+def carried_torque(rated: float, momentary: float) -> float:
+    """Return the torque [N m] that a drive carries continuously, with `PEAK_FACTOR` times as much as a peak.
+
+    `rated` and `momentary` are the torques of the data sheet [N m].
+    """
+    return min(rated, momentary / PEAK_FACTOR)
 
 
 def unmet_without_covers(required: Any) -> Verdicts:

@@ -343,7 +343,7 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
         return ()
     nominal = design.rated_torque
     rating = rate(design, constant_duty(nominal, design.drive.speed), life, parts="toleranced")
-    limits = rated_and_momentary_torque(rating, nominal)
+    limits = rated_and_momentary_torque(rating.items.values(), nominal, life)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
         ("rated_torque_toleranced", "Rated torque, toleranced parts", *limits[0]),

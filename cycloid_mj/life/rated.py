@@ -8,7 +8,7 @@ from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.as_built import Parts
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.item import RatedItem, Rating
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.plastic_set import SET_POWER
@@ -38,6 +38,9 @@ class TorqueSearch:
 
 
 SEARCH = TorqueSearch()
+
+PEAK_FACTOR = 2.0
+"""Peak torque of an emergency stop over the torque of a rating, unless a duty cycle states another peak."""
 
 BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers", "crank_needles", "crank_tapers"
 """Beginnings of the keys of bearings."""
@@ -183,22 +186,23 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
 
 
 def rated_and_momentary_torque(
-    rating: Rating, torque: float
+    rated_items: Iterable[RatedItem], torque: float, life: float
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
     """Estimate rated and momentary torque from a rating at a single torque [N m], by `weakest_torque`.
 
-    The peak torque of the rating must be twice its torque. The rated torque is at most the momentary torque.
+    `rated_items` are the items of the rating for a `life` [h]. Its peak torque must be `PEAK_FACTOR` times its torque.
+    The rated torque is at most the momentary torque.
 
     Returns
     -------
     tuple
         For the rated, then the momentary torque: its value [N m], and the item that limits it.
     """
-    items = rating.items.values()
+    items = tuple(rated_items)
     stops = [item for item in items if is_momentary(item.key)]
     others = [item for item in items if item.decisive and not is_momentary(item.key)]
-    momentary = weakest_torque(stops, 2.0 * torque, rating.life)
-    return min(weakest_torque(others, torque, rating.life), momentary, key=lambda pair: pair[0]), momentary
+    momentary = weakest_torque(stops, PEAK_FACTOR * torque, life)
+    return min(weakest_torque(others, torque, life), momentary, key=lambda pair: pair[0]), momentary
 
 
 def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dict[str, float]:

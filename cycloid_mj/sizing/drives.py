@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from cycloid_mj.figures import figure
-from cycloid_mj.life.rated import is_momentary, weakest_torque
+from cycloid_mj.life.rated import rated_and_momentary_torque
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.reasons import reasons_of
@@ -109,8 +109,10 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
 
 def _figures(rated: Rated) -> dict[str, float]:
     """Compute the figures of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value."""
-    reducer, design, items = rated.reducer, rated.reducer.design, rated.items.values()
-    momentary, _ = weakest_torque((item for item in items if is_momentary(item.key)), 2.0 * design.rated_torque, 1.0)
+    reducer, design = rated.reducer, rated.reducer.design
+    (continuous, _), (momentary, _) = rated_and_momentary_torque(
+        rated.items.values(), design.rated_torque, design.service.life
+    )
     at_torque = reducer.but(load={"torque": design.rated_torque})
     return {
         "ratio": design.reduction,
@@ -119,7 +121,7 @@ def _figures(rated: Rated) -> dict[str, float]:
         "drive_diameter_mm": figure("drive_diameter_mm").value(reducer),
         "mass_kg": rated.figures["mass"],
         "mechanism_mass_kg": figure("mass_kg").value(reducer),
-        "rated_torque_nm": min(rated.capacity, momentary),
+        "rated_torque_nm": continuous,
         "momentary_torque_nm": momentary,
         "life_h": rated.life,
         "temperature_c": rated.items["temperature"].value,

@@ -93,6 +93,38 @@ def test_a_design_file_does_not_wait_for_a_study_which_stops_with_its_tab(page: 
     page.click("[role=tab]", "Figures")
 
 
+SEARCH_WITH_ONE_DRIVE = """
+window.realFetch = window.fetch;
+window.states = ["running"];
+const verdict = { judgement: "passed", words: "1 drive meets the requirements" };
+const met = { ...verdict, words: "" };
+const drive = { title: "lightest", why: "", figures: {}, life: "500 h", verdicts: {}, verdict: met };
+const answer = { required: { torque_nm: 3 }, drives: [drive], verdict, remedies: [], max_torque_nm: 0, limit: "" };
+window.fetch = async (address, options) => {
+    if (!/job|status|stop/.test(address)) return realFetch(address, options);
+    const job = { job: 99, state: states.at(-1), progress: { answer }, result: answer, error: "", files: [] };
+    return new Response(JSON.stringify(job), { headers: { "Content-Type": "application/json" } });
+};
+"""
+"""A search that has found its first drive and goes on until its state is "done"."""
+
+
+def test_the_first_drive_is_shown_and_can_be_chosen_while_the_search_goes_on(page: Tab) -> None:
+    """Until the search had ended, the page stated that no design reaches the torque."""
+    page.run(SEARCH_WITH_ONE_DRIVE)
+    page.run("document.getElementById('new').click()")
+    page.run("document.querySelector('#start [type=submit]').click()")
+    page.wait("document.activeElement.matches('.drives .first button')", "the first drive has the focus")
+    assert page.run("document.querySelector('.answer h3').innerText") == "✓ 1 drive meets the requirements"
+    assert page.run("!!document.querySelector('.answer .busy')"), "the search goes on"
+    page.run("states.push('done')")
+    page.wait("!document.querySelector('.answer .busy')", "the search has ended")
+    assert page.run("document.activeElement.matches('.drives .first button')"), "the focus stays"
+    page.run("window.fetch = realFetch")
+    page.key("Escape")
+    page.wait("!document.getElementById('start').open", "the form closes")
+
+
 def test_the_order_of_keys_is_that_on_the_screen(page: Tab) -> None:
     """On a narrow screen the crank comes first, then the closed parameters, then the tabs."""
     page.screen(390, SIZES[390])

@@ -24,7 +24,7 @@ from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.datasheet import datasheet
 from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import weakest_torque
+from cycloid_mj.life.rated import rated_and_momentary_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
@@ -55,7 +55,7 @@ def require_held(drive: SizedDrive, asked: Requirement) -> None:
     rating = rate(design, parts="toleranced")  # as `cycloid-mj rate` does
     decisive = [item for item in rating.items.values() if item.decisive]
     assert min(item.margin(asked.life) for item in decisive) >= 1.0
-    rated, _ = weakest_torque(decisive, design.rated_torque, asked.life)
+    (rated, _), _ = rated_and_momentary_torque(decisive, design.rated_torque, asked.life)
     assert drive.figures["rated_torque_nm"] == pytest.approx(rated, rel=1e-3)
     assert drive.figures["rated_torque_nm"] >= asked.torque
     assert drive.figures["momentary_torque_nm"] >= 2.0 * asked.torque

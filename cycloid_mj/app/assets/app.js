@@ -106,7 +106,7 @@ function showHead() {
     ["diameter", `${number(head.diameter_mm)} mm`, "diameter_mm", covers],
     ...(verdicts.length_mm || cased ? [["length", cased ? `${number(cased.length_mm)} mm` : "–", "length_mm", "with covers"]] : []),
     ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, "", cased && `with covers ${number(cased.mass_kg, 3)} kg`],
-    ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm"],
+    ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm", life && !broken && `emergency stop ${number(life.momentary_torque_nm, 3)} N m`],
     ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", "backlash_arcmin"],
     [`life at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", "life_h"],
   ];

@@ -22,7 +22,7 @@ const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled:
 const LAYOUT = { 0: ["One or two discs", "two if one is not sufficient"], 1: ["One disc", "simplest; unbalanced"], 2: ["Two discs", "balanced"] };
 
 export class Start {
-  constructor(dialog, take, open) { Object.assign(this, { dialog, take, open_: open, offers: null, job: null }); }
+  constructor(dialog, take, open) { Object.assign(this, { dialog, take, open_: open, offers: null, job: null, search: null }); }
 
   offer(offers) { this.offers = offers; }
 
@@ -87,7 +87,7 @@ export class Start {
 
   #stop() {
     if (this.job) stop(this.job).catch(() => {});
-    this.job = null;
+    this.job = this.search = null;
     clearInterval(this.clock);
   }
 
@@ -110,33 +110,39 @@ export class Start {
     this.clock = setInterval(tick, 500);
     const look = () => (found.firstChild ? found : this.answer).scrollIntoView({ block: "nearest" });
     look();
-    let mine = null, listed = -1;
+    // Move the focus to the answer, but not while the user is typing, or has already chosen.
+    const attend = () => { if ([focused, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus(); };
+    const search = this.search = {};
+    let listed = -1;
     try {
       const job = await work({ kind: "size", form }, data => {
-        this.job = mine = data.job;
+        if (this.search !== search) return stop(data.job).catch(() => {}); // another one has replaced it
+        this.job = data.job;
         if (data.progress?.doing) doing.textContent = data.progress.doing;
-        if (data.progress?.answer) {
-          doing.textContent = "searching for alternatives: life, duty, speed, cooling, material, size";
-          if (data.progress.answer.remedies.length !== listed) { // else the buttons stay: one may just be about to be pressed
-            const first = listed < 0;
-            listed = data.progress.answer.remedies.length;
-            this.#refused(found, data.progress.answer, false);
-            if (first) announce(found.querySelector("h3").textContent);
-            if (first) look(); // later ones must not move the text that is being read
-          }
-        }
+        const answer = data.progress?.answer;
+        if (!answer) return;
+        doing.textContent = answer.drives.length ? "comparing it with stiffer drives and longer lives" : "searching for alternatives: life, duty, speed, cooling, material, size";
+        const count = answer.drives.length || answer.remedies.length;
+        if (count === listed) return; // the buttons stay: one may just be about to be pressed
+        const first = listed < 0;
+        listed = count;
+        if (answer.drives.length) this.#drives(found, answer);
+        else this.#refused(found, answer, false);
+        if (!first) return; // later ones must not move the text that is being read
+        announce(found.querySelector("h3").textContent);
+        look();
+        if (answer.drives.length) attend();
       });
-      if (mine !== this.job || !job.result) return;
+      if (this.search !== search || !job.result) return;
       this.job = null;
       clearInterval(this.clock);
       this.answer.firstChild.remove();
       if (job.result.drives.length) this.#drives(found, job.result);
       else this.#refused(found, job.result, true);
       announce(found.querySelector("h3").textContent);
-      // not while the user is typing, or has already chosen
-      if ([focused, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
+      attend();
     } catch (error) {
-      if (mine !== this.job) return;
+      if (this.search !== search) return;
       clearInterval(this.clock);
       this.job = null;
       fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, `${JUDGED.failed.mark} `), error.message), el("p", { class: "soft" }, "Change a value above and search again."));
@@ -148,7 +154,7 @@ export class Start {
       ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin", "backlash_arcmin"], ["temperature_c", "Housing temperature", "°C"]];
     const { mark, look } = JUDGED[answer.verdict.judgement];
     const judged = (drive, field) => { const verdict = drive.verdicts[field]; return verdict && verdict.judgement !== "passed" ? { class: JUDGED[verdict.judgement].look, title: `required: ${verdict.words}` } : {}; };
-    fill(container, el("h3", { class: look }, `${mark} ${answer.verdict.words}`),
+    refill(container, el("h3", { class: look }, `${mark} ${answer.verdict.words}`),
       el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },
         el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
         drive.verdict.words ? el("p", { class: JUDGED[drive.verdict.judgement].look }, `${JUDGED[drive.verdict.judgement].mark} ${drive.verdict.words}`) : null,
