@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -10,7 +11,8 @@ from cycloid_mj.app.drive import BuildOptions, build_files, reducer_at_reference
 from cycloid_mj.app.jobs import Download
 from cycloid_mj.app.state import parse_design
 from cycloid_mj.base.atomic_write import zip_files
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import Design, dump
 from cycloid_mj.parts.export import (
@@ -134,6 +136,14 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
         return Download(files=_zip(f"{design.name}-drive", files))
     on_progress({"doing": "creating the file"})
     return Download(files=FILES[kind][1](design, options))
+
+
+def load_exports() -> None:
+    """Load the packages that draw and model the parts, before the user wants their files."""
+    from cycloid_mj.plots import drawings, exploded  # noqa: F401
+
+    with suppress(CycloidError):  # not installed: the files say so
+        import_extra("OCP", "STEP", "cad")
 
 
 def simulate_run(on_progress: Progress, values: Any) -> Download:

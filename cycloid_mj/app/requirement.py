@@ -12,10 +12,13 @@ from cycloid_mj.app.verdicts import carried_torque, requirement_verdicts, unmet_
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
+from cycloid_mj.design import PRESETS
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.figures import figure
+from cycloid_mj.life.as_built import find_critical_sample
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.heat import COOLING
+from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive
@@ -45,6 +48,10 @@ NAMES = {
     "backlash_arcmin": "backlash",
 }
 """Requirements, as they are named where a drive violates them."""
+
+
+WARM_UP_DESIGN = PRESETS["printed"].but(tolerance={"cam": "uniform 10"})
+"""A design with tolerances, whose rating needs the same compiled code as that of the candidates of a search."""
 
 
 def parse_form(form: Any) -> Requirement:
@@ -118,6 +125,12 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     motor = parse_options(form).motor
     found = size_drive(parse_form(form), lambda answer: on_progress({"answer": _answer_json(answer, motor)}))
     return _answer_json(found, motor)
+
+
+def load_search() -> None:
+    """Load the code of the search, and its compiled code, before the user has filled in the form."""
+    find_critical_sample(Reducer(WARM_UP_DESIGN))
+    rate_for_verdict(Reducer(WARM_UP_DESIGN))
 
 
 def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:

@@ -24,11 +24,12 @@ from starlette.types import ASGIApp
 
 from cycloid_mj.app.access import AccessControl
 from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, create_job, with_load
-from cycloid_mj.app.artifacts import FILES
+from cycloid_mj.app.artifacts import FILES, load_exports
 from cycloid_mj.app.connections import LimitedConnection
 from cycloid_mj.app.drive import BEDS, MOTOR_WORDS
 from cycloid_mj.app.jobs import InProcess, Jobs
 from cycloid_mj.app.limits import LIMITS
+from cycloid_mj.app.requirement import load_search
 from cycloid_mj.app.state import changed_values
 from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
@@ -238,7 +239,8 @@ def serve(design: Design, listener: socket.socket, token: str, show: bool) -> No
     """
     question = {"design": changed_values(with_load(design))}
     slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
-    workers = Workers([(work, (question,)) for work in QUICK.values()], slower)
+    quick = [(work, (question,)) for work in QUICK.values()]
+    workers = Workers(quick, slower, [(load_search, ())], [(load_exports, ())])
     try:
         server = create_server(application(Page(design, workers), token))
         if show:

@@ -44,9 +44,8 @@ class Worker:
         nice
             Whether other processes have priority (`NICENESS`).
         """
-        self._warm_up, self._nice, self._lock = tuple(warm_up), nice, threading.Lock()
-        self._closed = False
-        self._start()
+        self._nice, self._lock, self._closed = nice, threading.Lock(), False
+        self._start(warm_up)
 
     def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
         """Call a function with arguments in the process, and return its result.
@@ -94,10 +93,11 @@ class Worker:
         self._closed = True
         self._process.terminate()
 
-    def _start(self) -> None:
+    def _start(self, warm_up: WarmUp = ()) -> None:
+        """Start a process; one that replaces another is not warmed up, because a request may already wait for it."""
         context = multiprocessing.get_context("spawn")
         self._pipe, child_end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(child_end, self._warm_up, self._nice), daemon=False)
+        self._process = context.Process(target=_serve, args=(child_end, tuple(warm_up), self._nice), daemon=False)
         self._process.start()
         child_end.close()
 
@@ -105,8 +105,9 @@ class Worker:
 class Workers:
     """The worker processes, which all windows of the page share; each with its functions to warm up."""
 
-    def __init__(self, quick: WarmUp = (), slower: WarmUp = ()) -> None:
-        self.quick, self.slower, self.long, self.files = Worker(quick, nice=False), Worker(slower), Worker(), Worker()
+    def __init__(self, quick: WarmUp = (), slower: WarmUp = (), long: WarmUp = (), files: WarmUp = ()) -> None:
+        self.quick, self.slower = Worker(quick, nice=False), Worker(slower)
+        self.long, self.files = Worker(long), Worker(files)
 
     def close(self) -> None:
         """Terminate all processes for good."""
