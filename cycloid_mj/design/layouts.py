@@ -22,7 +22,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "design check",
         "export",
         "figures",
-        *(f"measure {name}" for name in ("te", "backlash", "lost-motion")),
+        *(f"measure {name}" for name in ("te", "backlash", "lost-motion", "loads")),
         "rate",
         "reduce",
         "report",

@@ -1,16 +1,18 @@
 """Figures from runs: quantities of `cycloid-mj measure` at the default conditions of the measures."""
 
 from cycloid_mj.base.registry import get_provider
-from cycloid_mj.design.layouts import layouts_of
+from cycloid_mj.design.layouts import CENTRAL, Layout, layouts_of
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
 
 
-def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, quantity: str) -> Figure:
+def _make_figure(
+    key: str, unit: str, name: str, definition: str, measure: str, quantity: str, layouts: tuple[Layout, ...] = ()
+) -> Figure:
     """Return a row of the catalogue whose value is a quantity of a measure; its alias is ``measure/quantity``.
 
     Its key is ``simulated_`` and `key`; unit, name and definition are those of `Figure`. The value is computed by a
-    run. The figure exists for the layouts that the measure supports.
+    run. The figure exists for `layouts`, by default those that the measure supports.
     """
 
     def compute(reducer: Reducer) -> float:
@@ -25,7 +27,7 @@ def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, 
         need=Need.RUN,
         function=compute,
         aliases=(f"{measure}/{quantity}",),
-        layouts=layouts_of(f"measure {measure}"),
+        layouts=layouts or layouts_of(f"measure {measure}"),
     )
 
 
@@ -58,9 +60,9 @@ OF_RUNS = (
             "loads", "capacity"),
     _make_figure("cam_force_n", "N", "largest force of the cam, simulated",
             "Largest force of one cam on its disc under the nominal torque at speed, by `cycloid-mj measure loads`.",
-            "loads", "cam_peak_force"),
+            "loads", "cam_peak_force", CENTRAL),
     _make_figure("output_pin_force_n", "N", "largest force on an output pin, simulated",
             "Largest normal force of one disc on one output pin under the nominal torque at speed, by `measure loads`.",
-            "loads", "output_peak_force"),
+            "loads", "output_peak_force", CENTRAL),
 )
 # fmt: on

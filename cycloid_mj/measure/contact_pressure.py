@@ -80,15 +80,20 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
 
     The arrays have a row for each sample and a column for each mating pair. The crank angles are shifted by full turns,
     so that the first is between 0 and 2 pi. Forces are the total forces of the mating pairs. Pressures are those at the
-    most loaded contact line of each pair; in a rolling cam bearing this is the line of one roller.
+    most loaded contact line of each pair; in a rolling cam bearing this is the line of one roller. Crank bearings and
+    planets of an RV reducer have no pressure: `holds` is false.
     """
-    crank_angle = run["crank_angle"]
+    driven_angle = run[f"{run.driven_shaft}_angle"]
+    crank_angle = reducer.member.crank_angle(driven_angle)
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))
     contacts = {}
     for kind in reducer.mechanism.kinds:
-        vector = run.forces(kind)
-        curvature = relative_curvature(reducer, kind, reducer.member.against_ring(crank_angle))
-        contact = reducer.contacts[kind]
+        vector, contact = run.forces(kind), reducer.contacts[kind]
+        if not contact.HAS_PRESSURE:
+            absent = np.zeros(vector.shape[:2])
+            contacts[kind] = ContactPressures(kind, shifted_angle, vector, absent, absent > 0.0)
+            continue
+        curvature = relative_curvature(reducer, kind, reducer.member.against_ring(driven_angle))
         force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
         pressure, is_hertzian = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
         contacts[kind] = ContactPressures(kind, shifted_angle, vector, pressure, is_hertzian)

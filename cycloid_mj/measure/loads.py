@@ -1,7 +1,7 @@
 """Loads of all ring pins or teeth, output pins and the cam over a crank turn, Hertz pressures, and the capacity."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,12 +10,13 @@ import numpy as np
 from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.names import PLANET_MESH, SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import penetration_limit
@@ -27,9 +28,9 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.reaction import bearing_reactions
 from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.contact import CONTACT, STRIBECK
-from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.ideal import ideal_peak, ideal_rv
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
@@ -120,7 +121,7 @@ def loads(
     RunError
         A run failed.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
     loaded = steady_design(reducer).but(load={"torque": torque})
     last = 3  # two runs and the capacities
@@ -134,7 +135,8 @@ def loads(
     by_kind = (
         _kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed_peaks[kind]) for kind in contacts
     )
-    discs = _disc_quantities(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
+    # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
+    discs = _disc_quantities(run, finer, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
     return Measurement(
         measure="loads",
         design=reducer.design,
@@ -285,7 +287,8 @@ def _kind_quantities(
 ) -> Iterator[Quantity]:
     """Yield the quantities of one kind of contact: forces [N], number of loaded contacts, Hertz pressure [MPa], margin.
 
-    The margin is that of the pressure against first yield. All quantities have numerical errors.
+    The margin is that of the pressure against first yield. All quantities have numerical errors. Springs, such as the
+    crank bearings of an RV reducer, have neither pressure nor margin.
 
     Parameters
     ----------
@@ -299,14 +302,11 @@ def _kind_quantities(
         samples instead.
     """
     kind = contacts.kind
-    yield_pressure = YIELD_PRESSURE * reducer.contacts[kind].strength
     peak_error = abs(first_periods.peak_force - half_step.peak_force) + missed_peak * contacts.peak_force
     first_half, second_half = contacts.halves
     mean_error = abs(first_periods.mean_force - half_step.mean_force) + 0.5 * abs(
         first_half.mean_force - second_half.mean_force
     )
-    pressure = contacts.peak_pressure
-    pressure_error = abs(first_periods.peak_pressure - half_step.peak_pressure) + 0.5 * missed_peak * pressure
     yield Quantity(
         f"{kind}_peak_force",
         f"{kind}: largest force",
@@ -322,6 +322,10 @@ def _kind_quantities(
     name = f"{kind}: loaded contacts, mean number"
     error = abs(first_periods.carrying - half_step.carrying) + 0.5 * abs(first_half.carrying - second_half.carrying)
     yield Quantity(f"{kind}_carrying", name, contacts.carrying, "1", error)
+    if not reducer.contacts[kind].HAS_PRESSURE:
+        return
+    pressure, yield_pressure = contacts.peak_pressure, YIELD_PRESSURE * reducer.contacts[kind].strength
+    pressure_error = abs(first_periods.peak_pressure - half_step.peak_pressure) + 0.5 * missed_peak * pressure
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
     yield Quantity(f"{kind}_pressure", name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
@@ -375,7 +379,11 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
-    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam_curves(kinds["cam"], disc, phase)]
+    cams = [
+        curve
+        for disc, phase in enumerate(reducer.phases if "cam" in kinds else ())
+        for curve in _cam_curves(kinds["cam"], disc, phase)
+    ]
     return (*single, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
@@ -396,18 +404,19 @@ def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Cu
     if contacts.kind == reducer.design.tooth_pair:
         ideal_force, contact_name = (
             _ideal_forces(reducer, contacts.angle)[:, most_loaded],
-            _contact_name(reducer, len(peaks), most_loaded),
+            _contact_name(reducer, contacts, most_loaded),
         )
         yield Curve(panel, "ideal sharing", angle_deg, ideal_force, _CRANK, _FORCE, "theory", contact_name)
     for index in drawn_contacts:
-        yield Curve(
-            panel, _contact_name(reducer, len(peaks), index), angle_deg, contacts.force[:, index], _CRANK, _FORCE
-        )
+        name = _contact_name(reducer, contacts, index)
+        yield Curve(panel, name, angle_deg, contacts.force[:, index], _CRANK, _FORCE)
 
 
-def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
-    """Return the name of a contact; contacts of a kind are ordered by disc."""
-    disc, number = divmod(index, contacts // reducer.design.gear.discs)
+def _contact_name(reducer: Reducer, contacts: ContactPressures, index: int) -> str:
+    """Return the name of a contact by its index; contacts of a kind are ordered by disc, those of planets are not."""
+    if contacts.kind == PLANET_MESH:
+        return f"planet {index + 1}"
+    disc, number = divmod(index, contacts.vector.shape[1] // reducer.design.gear.discs)
     return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
@@ -448,6 +457,8 @@ def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
     those on the next disc. With a ring in two halves, each disc has all columns of the first half, followed by the
     equal columns of the second half.
     """
+    if isinstance(reducer, RvReducer):
+        return ideal_rv(reducer, crank_angle).pins.reshape(len(crank_angle), -1)
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
     gear, relative_angle = tooth_profile(design), reducer.member.against_ring(crank_angle)
@@ -457,28 +468,41 @@ def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
     return np.concatenate([forces for forces in forces_by_disc for _ in range(halves)], axis=1)
 
 
+def _describe_cam_bearing(design: Design) -> str:
+    """Describe the pressure in the bearing of the cam."""
+    if design.gear.bearing == "rolling":
+        return (
+            f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
+            f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
+        )
+    return "the cam slides in the disc's bore: Hertz's line contact is only a guide there"
+
+
+BEARING_SENTENCES: Mapping[Layout, Callable[[Design], str]] = {
+    "central": _describe_cam_bearing,
+    "rv": lambda design: (
+        "crank bearings and planets are springs without pressure: `rate` and `stress` compute that of needles and "
+        "planet teeth"
+    ),
+}
+"""Function that describes the pressure in the bearings of each layout."""
+
+
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     """Return the sentences on contact stiffness, Hertz pressure, ideal sharing, yield limits and numerical errors."""
-    design = reducer.design
-    bearing_sentence = (
-        f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
-        f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
-        if design.gear.bearing == "rolling"
-        else "the cam slides in the disc's bore: Hertz's line contact is only a guide there"
-    )
     return (
         "contacts have the secant stiffness of the load of each run, here "
-        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
         "effects and misalignment are neglected; the force on a ring lobe acts on its arc",
-        "ideal sharing assumes equally stiff contacts without clearance and a rigid cam: compliance of the cam and "
-        "clearances move the disc sideways, so that other teeth carry, and more than ideally",
+        "ideal sharing assumes equally stiff contacts without clearance and rigid cams or cranks: their compliance "
+        "and clearances move the disc sideways, so that other teeth carry, and more than ideally",
         f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
         f"(von Mises, plane strain), without visible damage; up to {SHAKEDOWN_PRESSURE:.3g} times residual "
         "stresses keep rolling elastic (shakedown: Johnson 1985, 9.2, without friction); neither includes fatigue",
         f"there is no pressure where Hertz's strip would be wider than {CONTACT.hertz_reach} of the thinner body's "
         "radius to each side (conformal, as pins in close sockets)",
-        bearing_sentence,
+        BEARING_SENTENCES[reducer.LAYOUT](reducer.design),
         f"a contact counts as loaded from {CARRYING_SHARE:.0%} of the largest force of its kind; numerical error: "
         f"change with half the time step over the first {LOADS.periods} mesh periods, for means plus half the change "
         "between the halves of the samples, for peaks plus their excess over a full turn by ideal sharing; for the "

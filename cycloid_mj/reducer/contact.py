@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -101,6 +101,9 @@ class Contact:
     """A kind of mating pair of a reducer, such as ``"tooth"``; expensive values are cached on the reducer."""
 
     __slots__ = ("_reducer", "kind")
+
+    HAS_PRESSURE: ClassVar[bool] = True
+    """Whether the pair has a line contact, whose Hertz pressure follows from its force."""
 
     def __init__(self, reducer: "Reducer", kind: str) -> None:
         self._reducer = reducer

@@ -17,6 +17,8 @@ class SpringContact(Contact):
 
     __slots__ = ("_rv",)
 
+    HAS_PRESSURE = False
+
     def __init__(self, reducer: "RvReducer", kind: str) -> None:
         super().__init__(reducer, kind)
         self._rv = reducer

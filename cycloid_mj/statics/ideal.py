@@ -4,18 +4,42 @@ import math
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.geometry.rv_loads import IdealRvLoads, ideal_rv_loads
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.springs import body_force
 
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
     """Compute the largest force [N] of a kind of contact at crank angles (m,) [rad], by ideal load sharing.
 
-    The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or the kind of the teeth.
+    The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or the kind of the teeth. An RV
+    reducer has "crank_bearing" and "planet_mesh" instead of "cam" and "output".
     """
+    if isinstance(reducer, RvReducer):
+        return _ideal_rv_peak(reducer, kind, crank_angle)
     return max(_ideal_peak_of_disc(reducer, kind, crank_angle, phase) for phase in reducer.phases)
+
+
+def ideal_rv(reducer: RvReducer, crank_angle: Array) -> IdealRvLoads:
+    """Compute the ideal forces of pins and cranks under ``load.torque`` at angles of the cranks (m,) [rad]."""
+    sense = math.copysign(1.0, reducer.orbit_speed)
+    against_ring = reducer.member.against_ring(reducer.member.driven_angle(crank_angle))
+    return ideal_rv_loads(reducer.stage, sense * reducer.share * reducer.design.load.torque, against_ring)
+
+
+def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
+    """Compute the largest force [N] of a kind of contact of an RV reducer; arguments are those of `ideal_peak`.
+
+    Planets share the torque of the sun equally.
+    """
+    if kind == names.PLANET_MESH:
+        sun_torque = reducer.share * abs(reducer.design.load.torque) / reducer.stage.to_carrier
+        return sun_torque / (reducer.cranks.count * reducer.planet_mesh.sun_base)
+    loads = ideal_rv(reducer, crank_angle)
+    return float((loads.bearings if kind == names.CRANK_BEARING else loads.pins).max())
 
 
 def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:

@@ -10,13 +10,14 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import model_for
-from cycloid_mj.measure import Measurement, backlash, lost_motion, te
+from cycloid_mj.measure import Measurement, backlash, loads, lost_motion, te
 from cycloid_mj.measure.backlash import press_to_stops, with_single_clearance
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import TraceCondition, run_trace
 from cycloid_mj.reducer import RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.rv_motion import rv_backlash
+from cycloid_mj.statics.sheet import sheet_part
 
 BORE_ERROR = {"crank_errors": {"bore_x": (1e-5, 0.0, 0.0, 0.0, 0.0, 0.0)}}
 PLAY = {
@@ -98,6 +99,20 @@ def test_stiffness_and_lost_motion_are_those_of_statics(name: str) -> None:
     require_agreement(measured, ("stiffness_ideal", "lost_motion_ideal", "lost_motion"))
     assert measured["stiffness"] > measured["stiffness_ideal"]  # friction holds the parts
     assert not [key for key in measured.quantities if key.startswith("compliance")]
+
+
+@pytest.mark.slow
+def test_loads_are_those_of_statics() -> None:
+    """Statics has the forces of a whole turn of the carrier, the run those of two mesh periods."""
+    measured = loads(PRESETS["rv80e"], quick=True)
+    statics = sheet_part(RvReducer(PRESETS["rv80e"]), "loads", 784.0)
+    assert measured["pin_gear_peak_force"] == pytest.approx(statics["pin_gear_peak_force"].value, rel=0.01)
+    assert measured["pin_gear_carrying"] == pytest.approx(statics["pin_gear_carrying"].value, rel=0.02)
+    assert measured["crank_bearing_peak_force"] <= statics["crank_bearing_running_force"].value
+    assert measured.quantities["pin_gear_peak_force"].reference == pytest.approx(649.0, rel=5e-3)
+    assert measured["planet_mesh_peak_force"] == pytest.approx(statics["planet_mesh_force"].value, rel=0.02)
+    assert measured["capacity"] > 784.0
+    assert "crank_bearing_pressure" not in measured.quantities
 
 
 @pytest.mark.slow
