@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.names import PLANET_MESH, SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
@@ -236,15 +236,16 @@ def _missed_peak(reducer: Reducer, contacts: ContactPressures) -> float:
     return max(0.0, ideal_peak(reducer, contacts.kind, turn) / ideal_peak(reducer, contacts.kind, contacts.angle) - 1.0)
 
 
-def _no_capacity(key: str) -> Quantity:
-    """Return a capacity without a value: no contact determines it."""
-    return Quantity(key, CAPACITIES[key][0], math.nan, "N m", note=UNDECIDED)
+def _no_capacity(key: str, note: str = UNDECIDED) -> Quantity:
+    """Return a capacity without a value; by default because no contact determines it."""
+    return Quantity(key, CAPACITIES[key][0], math.nan, "N m", note=note)
 
 
 def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver) -> Quantity:
     """Compute the torque at which a kind of contact reaches the pressure of a capacity, by fixed-point iteration.
 
-    Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load.
+    Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load, or if a run fails:
+    the crank bearings of an RV reducer may deflect too far before its teeth reach the pressure.
 
     Parameters
     ----------
@@ -263,7 +264,10 @@ def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error:
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
         depth_limit = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), LOADS.max_penetration)
         loaded_reducer = reducer.but(load={"torque": torque}, contact={"max_penetration": depth_limit})
-        run = run_steady(loaded_reducer, STEADY.settling_time, LOADS.periods, solver)
+        try:
+            run = run_steady(loaded_reducer, STEADY.settling_time, LOADS.periods, solver)
+        except RunError as error:
+            return _no_capacity(key, f"none: the run at {torque:.4g} N m, where {kind} would reach it, failed: {error}")
         torque_factor = _torque_factors(contact_pressures(run, reducer), reducer, allowed).get(kind)
         if torque_factor is None:
             return _no_capacity(key)

@@ -111,7 +111,9 @@ def test_loads_are_those_of_statics() -> None:
     assert measured["crank_bearing_peak_force"] <= statics["crank_bearing_running_force"].value
     assert measured.quantities["pin_gear_peak_force"].reference == pytest.approx(649.0, rel=5e-3)
     assert measured["planet_mesh_peak_force"] == pytest.approx(statics["planet_mesh_force"].value, rel=0.02)
-    assert measured["capacity"] > 784.0
+    assert measured["capacity"] > 10.0 * 784.0
+    # the crank bearings deflect too far before the teeth reach shakedown
+    assert "the run at" in measured.quantities["capacity_shakedown"].note
     assert "crank_bearing_pressure" not in measured.quantities
 
 
