@@ -36,7 +36,7 @@ def test_the_licences_of_extras_are_stated_and_only_extras_import_their_packages
         assert sorted(name for name, needs in extras if any(need.startswith(package) for need in needs)) == expected
     licence = importlib.metadata.metadata("gmsh")["License"]
     assert licence.startswith("GPL"), "it has changed: README.md and pyproject.toml name it"
-    stated = "extras `fem` (Gmsh), `video` (x264, x265) and `test` install libraries under GPL-2.0-or-later"
+    stated = "extras `fem` (Gmsh), `video` (x264, x265) and `test` install libraries licensed under GPL-2.0-or-later"
     assert stated in readme
     assert (ROOT / "pyproject.toml").read_text().count("GPL-2.0-or-later") == 2
     script = "import sys, cycloid_mj.cli.app, cycloid_mj.dynamics.run, cycloid_mj.report; "
