@@ -96,9 +96,12 @@ def test_every_section_of_the_equations_names_existing_tests(page: Path) -> None
         assert "`test_" not in section, "a test without its file"
 
 
-def test_every_decision_is_numbered_once() -> None:
-    numbers = [int(page.name.split("-")[0]) for page in (ROOT / "docs" / "decisions").glob("[0-9]*.md")]
-    assert sorted(numbers) == list(range(1, len(numbers) + 1))
+def test_every_design_decision_states_reason_alternatives_and_check() -> None:
+    text = (ROOT / "docs" / "decisions.md").read_text(encoding="utf-8")
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)[1:]
+    assert sections
+    for section in sections:
+        assert re.findall(r"^\*\*(\w+)\.\*\*", section, flags=re.MULTILINE) == ["Why", "Rejected", "Check"], section
 
 
 def test_the_check_of_one_package_names_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:

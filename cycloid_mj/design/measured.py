@@ -212,7 +212,7 @@ def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
             f"{path} has no measurements: write a header, such as {','.join(ANGLES)}, and one row per measured point"
         )
     if len(lines) > LIMITS.rows + 1:
-        raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {LIMITS.rows:,}")
+        raise DesignError(f"{path} has {len(lines) - 1:,} rows: at most {LIMITS.rows:,} are allowed. Remove some rows")
     for line_number, line in lines:
         yield line_number, _cells(line)
 

@@ -183,7 +183,7 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
             f"{_EXAMPLE}"
         ) from error
     if key in keys:
-        raise UsageError(f"{option}: the formula of {key} contains {key} itself. Use other keys in it")
+        raise UsageError(f"{option}: the formula for {key} contains {key} itself. Use only other keys in it")
     for used_key in keys:
         value = value_of(reducer.design, used_key)
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -262,13 +262,21 @@ class LogWriter:
                     f"the samples of {group.topic} have shape {values[group.topic].shape}: pass an array of shape "
                     f"({time.size}, {len(group.units)}) with one row per sample"
                 )
-        if not (
-            np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last_time) > 0.0).all()
-        ):
+        self._check_order(time)
+
+    def _check_order(self, time: Array) -> None:
+        """Raise LogError unless sample times (k,) [s] are finite, strictly increasing and later than those before."""
+        if not_finite := np.flatnonzero(~np.isfinite(time)).tolist():
             raise LogError(
-                f"the sample times ({time[0]:g} to {time[-1]:g} s) are not valid after the last logged time, "
-                f"{self._last_time:g} s: pass finite, strictly increasing times, at least 0 s and later than "
-                f"{self._last_time:g} s"
+                f"the sample time at index {not_finite[0]} is {time[not_finite[0]]:g}: pass finite times in seconds"
+            )
+        if time.size and (time[0] < 0.0 or time[0] <= self._last_time):
+            earliest = "of at least 0 s" if self._last_time < 0.0 else f"later than {self._last_time:g} s"
+            raise LogError(f"the first sample time, {time[0]:g} s, is too early: pass times {earliest}")
+        if not_later := np.flatnonzero(np.diff(time) <= 0.0).tolist():
+            raise LogError(
+                f"the sample time at index {not_later[0] + 1}, {time[not_later[0] + 1]:g} s, is not later than the "
+                f"time before it, {time[not_later[0]]:g} s: pass strictly increasing times"
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:

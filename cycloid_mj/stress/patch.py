@@ -201,6 +201,6 @@ def _complex(vectors: Array) -> npt.NDArray[np.complex128]:
 def _require_match(grid: Grid, loads: PartLoads) -> None:
     if loads.part != grid.part:
         raise CycloidError(
-            f"the loads act on the {loads.part}, but the mesh is that of the {grid.part}: use loads and mesh of the "
-            "same part"
+            f"the loads act on the {loads.part}, but the mesh is that of the {grid.part}: use the loads and the "
+            "mesh of the same part"
         )

@@ -148,6 +148,11 @@ def test_paths_are_relative_to_the_design_file_and_a_log_needs_none(tmp_path: Pa
         ("angle_deg,deviation_um\n1,2\n3,4,5\n", "line 3"),
         ("angle_deg,deviation_um\n1,0.002e6\n", "line 2: deviation_um is 2000, but must be from -1000 to 1000"),
         ("angle_deg,deviation_um\n1,nan\n", "line 2"),
+        pytest.param(
+            "angle_deg,deviation_um\n" + 10_001 * "1,2\n",
+            "has 10,001 rows: at most 10,000 are allowed. Remove some rows",
+            id="too many rows",
+        ),
     ],
 )
 def test_a_bad_profile_is_refused_with_its_line(text: str, message: str, tmp_path: Path) -> None:

@@ -555,6 +555,13 @@ def test_forced_log_replaces_the_old_one_only_once_it_has_begun(truth, tmp_path)
     assert path.read_bytes() == before
 
 
+def test_a_log_does_not_begin_before_zero(tmp_path):
+    with LogWriter(tmp_path / "run.mcap", {"/a": [("x", "1")]}) as log:
+        with pytest.raises(LogError, match="first sample time, -1 s, is too early: pass times of at least 0 s"):
+            log.write(np.array([-1.0, 1.0]), {"/a": np.zeros((2, 1))})
+        log.write(np.array([0.0, 1.0]), {"/a": np.zeros((2, 1))})
+
+
 def test_log_can_be_read_while_it_is_written(truth, tmp_path):
     path = tmp_path / "run.mcap"
     with LogWriter(path, GROUPS, chunk_size=10 * ROW) as log:
@@ -656,10 +663,10 @@ def test_names_that_a_log_refuses(groups, message, tmp_path):
         ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\): pass an array of shape \(2, 2\)"),
         ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\): pass an array of shape \(2, 1\)"),
         ([[1.0, 2.0]], {"/a": (2, 1), "/b": (2, 2)}, r"shape \(1, 2\)"),
-        ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "strictly increasing times"),
-        ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "later than 0.5 s"),
-        ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "at least 0 s"),
-        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "pass finite"),
+        ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "index 1, 1 s, is not later than the time before it, 1 s: pass str"),
+        ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "first sample time, 0.5 s, is too early: pass times later than 0.5"),
+        ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "first sample time, -1 s, is too early: pass times later than 0.5"),
+        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "sample time at index 1 is nan: pass finite times"),
     ],
 )
 def test_samples_that_a_log_refuses_leave_it_unharmed(time, shapes, message, tmp_path):

@@ -25,9 +25,9 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
 
     With massless pins the pair of gear and pin has the stiffness of both contacts of a pin in series, and the smaller
     friction. The bending of an output pin at its disc's plane is in series with its contact; its bending at another
-    disc's plane is neglected (docs/decisions/11-bent-output-pins.md). Laws of the kind IMPACT have the secant stiffness
-    and damping at the working force, which a run replaces at every step (`contact.each_step`). If the time step is too
-    long for the oscillation of moving pins, their contacts have `law.settling_law`, where `may_settle` allows it.
+    disc's plane is neglected (docs/decisions.md). Laws of the kind IMPACT have the secant stiffness and damping at the
+    working force, which a run replaces at every step (`contact.each_step`). If the time step is too long for the
+    oscillation of moving pins, their contacts have `law.settling_law`, where `may_settle` allows it.
     """
     design, step = reducer.design, timestep(reducer)
     laws = {}
