@@ -1,7 +1,12 @@
-"""Former names of attributes that were renamed; they work for one release."""
+"""Former names of attributes and arguments that were renamed; they work for one release."""
 
 import warnings
-from typing import Any
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
 
 
 def deprecated_attribute(owner: str, old: str, new: str) -> Any:
@@ -20,3 +25,28 @@ def deprecated_attribute(owner: str, old: str, new: str) -> Any:
         return getattr(instance, new)
 
     return property(read, doc=f"Deprecated name of `{new}`.")
+
+
+def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
+    """Return a decorator that also accepts the former name of a keyword argument, with a warning.
+
+    Parameters
+    ----------
+    old, new
+        Former and present name of the argument.
+    """
+
+    def accept_old_name(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+        @wraps(function)
+        def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+            if old in kwargs:
+                if new in kwargs:
+                    raise TypeError(f"{function.__name__} got both {new} and {old}: remove {old}")
+                words = f"the argument {old} of {function.__name__} is deprecated: use {new}"
+                warnings.warn(words, DeprecationWarning, stacklevel=2)
+                kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return call
+
+    return accept_old_name

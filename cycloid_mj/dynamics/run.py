@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_argument
 from cycloid_mj.base.errors import RunError, UsageError, warn
 from cycloid_mj.base.interrupt import check_interrupt
 from cycloid_mj.base.names import (
@@ -222,6 +223,7 @@ def solver_name(compiled: Model) -> Solver:
     return "planar" if isinstance(compiled, PlanarModel) else "mujoco"
 
 
+@deprecated_argument("course", "cycle")
 @shows_progress
 def simulate(
     design: Named,

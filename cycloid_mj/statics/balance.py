@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation
+from cycloid_mj.base.deprecated import deprecated_argument
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer, RvReducer
@@ -92,6 +93,7 @@ class Loads:
         return forces.reshape(len(forces), self.discs, -1)
 
 
+@deprecated_argument("follow", "warm_start")
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool = False) -> Loads:
     """Compute contact forces and displacements under an output torque at the crank angles of the springs.
 
