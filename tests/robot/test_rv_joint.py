@@ -155,7 +155,8 @@ def test_random_drives_spread_about_the_nominal_joint() -> None:
     assert nominal["no_load_torque_nm"] == 0.0
     assert values["te_loaded_forward_arcsec"].min() > 10.0 * nominal["te_loaded_forward_arcsec"]
     assert np.ptp(values["loss_percent"]) > 1.0  # friction of teeth and planets
-    assert np.ptp(values["backlash_arcmin"]) > 0.01  # play of the teeth
+    # misfits of bores by some micrometres close the clearance of the teeth, 0.1 um
+    assert values["backlash_arcmin"].max() < 1e-3 * nominal["backlash_arcmin"]
     assert {"friction", "planet", "clearance"} == {item.table for item in drives.ranges}
 
 
