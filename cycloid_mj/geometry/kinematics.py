@@ -68,6 +68,11 @@ class PointPath:
     acceleration: Array
 
 
+def gear_speed(omega_i: npt.ArrayLike, lobes: int) -> Array:
+    """Gear speed omega_c = -omega_i/(N-1) [rad/s], counter-clockwise positive (Eq. 12)."""
+    return -np.asarray(omega_i, float) / lobes
+
+
 def gear_rotation(gear: CycloidGear, crank_angle: npt.ArrayLike) -> Array:
     """Rotation of the gear -theta/(N-1) [rad], counter-clockwise positive."""
     return -np.asarray(crank_angle, float) / gear.lobes
@@ -167,6 +172,14 @@ def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, A
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
     return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + spin * np.stack([-y, x], axis=1)
+
+
+def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
+    """Compute the speed of a point `q` of the gear (...) [m/s] (Hsieh 2014, Eq. 18).
+
+    |dzeta/dt| sqrt(c^2 (N-1)^2 + q^2 + 2 c (N-1) (q_x sin N zeta - q_y cos N zeta)). Parameters as in `point_path`.
+    """
+    return np.abs(np.asarray(crank_speed, float)) / gear.lobes * np.sqrt(_slope_squared(gear, q, crank_angle))
 
 
 def point_acceleration(

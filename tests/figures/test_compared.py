@@ -13,7 +13,7 @@ def test_designs_are_compared_side_by_side_by_catalogue_key() -> None:
     found = catalogue_figures(designs)
     table = catalogue_table(found)
     assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
-    assert tuple(row[0] for row in table.rows) == HEADLINE
+    assert tuple(row[0] for row in table.rows) == tuple(key for key in HEADLINE if key != "crank_bearing_force_n")
     for column, design in enumerate(designs, 1):
         values = {row[0]: row[column] for row in table.rows}
         for key in ("te_loaded_arcsec", "mass_kg"):

@@ -113,7 +113,7 @@ def test_an_assembly_of_sleeved_pins_has_all_its_parts() -> None:
 
 
 def test_undercut_planets_are_refused_with_the_key() -> None:
-    with pytest.raises(DesignError, match=r"planet\.planet_teeth = 11.*undercut.*use more teeth"):
+    with pytest.raises(DesignError, match=r"planet\.planet_teeth = 11.*undercut.*Use more teeth"):
         rv_parts(RvReducer(RV80E.but(planet={"planet_teeth": 11}, cranks={"radius": 0.0184})))
 
 

@@ -154,7 +154,7 @@ def test_logs_and_springs_of_rv_reducers_are_refused(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     run = Run(np.arange(2.0), {}, {}, attachments={"design.toml": dump(PRESETS["rv80e"]).encode()})
-    with pytest.raises(LogError, match="from static balance"):
+    with pytest.raises(LogError, match="from static equilibrium"):
         select_turn(run)
     with pytest.raises(UsageError, match="is computed from a run"):
         turn_of(None, Reducer(PRESETS["pin"]), ANGLES)
