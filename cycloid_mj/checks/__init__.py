@@ -17,7 +17,7 @@ from cycloid_mj.checks.casing import casing_checks
 from cycloid_mj.checks.check import Check, Checks
 from cycloid_mj.checks.limit import Limit
 from cycloid_mj.checks.margin import margin_rules
-from cycloid_mj.checks.mechanics import PLAUSIBLE, mechanical_rules
+from cycloid_mj.checks.mechanics import PLAUSIBLE, jumps, mechanical_rules
 from cycloid_mj.checks.multi_disc import disc_checks
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.checks.rv import rv_checks
@@ -39,6 +39,7 @@ __all__ = [
     "Summary",
     "TEETH.min_wall_share",
     "check",
+    "jumps",
     "require_sound",
     "shape_checks",
     "sound_checks",

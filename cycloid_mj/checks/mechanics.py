@@ -163,8 +163,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """
     design = reducer.design
     names = design.pair_kinds
-    total = sum(getattr(design.clearance, name) for name in names)
-    allowed = MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
+    total, allowed = _total_clearance(reducer)
     value_text, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
     tighter = [] if total <= allowed else [share for share in shares if not share.is_met(reducer)]
@@ -182,16 +181,40 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         yield _check_tooth_skip(reducer)
 
 
+def _total_clearance(reducer: Reducer) -> tuple[float, float]:
+    """Return the sum of the clearances from crank to ring and output, and its assumed maximum [m]."""
+    design = reducer.design
+    total = sum(getattr(design.clearance, name) for name in design.pair_kinds)
+    return total, MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
+
+
+def jumps(reducer: Reducer) -> bool:
+    """Return whether the disc can skip a tooth within its clearances, by the criterion of `soundness`.
+
+    Disc and ring must pass their checks; the search stops at the first crank angle where it can.
+    """
+    total, usual = _total_clearance(reducer)
+    return total > usual and any(backlash > _half_lobe_rotation(reducer) for backlash in _backlashes(reducer))
+
+
+def _half_lobe_rotation(reducer: Reducer) -> float:
+    """Compute the rotation of the output by which the disc has turned by half a lobe [rad]."""
+    return reducer.share * math.pi / reducer.design.lobes
+
+
+def _backlashes(reducer: Reducer) -> Iterator[float]:
+    """Yield the backlash of the output with rigid parts [rad] at each of `MECHANICS.jump_poses` crank angles."""
+    poses = (2.0 * math.pi * pose / MECHANICS.jump_poses for pose in range(MECHANICS.jump_poses))
+    return (widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
+
+
 def _check_tooth_skip(reducer: Reducer) -> Check:
     """Check that the disc cannot skip a tooth: from stop to stop, it must turn by less than half a lobe.
 
-    The backlash is the largest with rigid parts at `MECHANICS.jump_poses` crank angles. The remedy reduces all
-    clearances by a common factor.
+    The remedy reduces all clearances by a common factor.
     """
     design = reducer.design
-    poses = (2.0 * math.pi * pose / MECHANICS.jump_poses for pose in range(MECHANICS.jump_poses))
-    backlash = max(widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
-    allowed = reducer.share * math.pi / design.lobes
+    backlash, allowed = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
     value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
     share = (1.0 - MECHANICS.jump_margin) * allowed / backlash
     lower = [

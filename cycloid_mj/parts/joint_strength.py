@@ -65,6 +65,14 @@ class Thread:
         core = self.diameter - 17.0 / 12.0 * math.sqrt(0.75) * self.pitch
         return 0.5 * (self.pitch_diameter + core)
 
+    def largest_preload(
+        self, proof: float, friction: float = JOINTS.thread_friction, utilisation: float = 0.9
+    ) -> float:
+        """Compute the largest assembly preload [N] at a proof stress [Pa], with torsion of the shank (R8/1)."""
+        slope = self.pitch / (math.pi * self.pitch_diameter) + 1.155 * friction
+        torsion = 1.5 * self.pitch_diameter / self._stress_diameter * slope
+        return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion**2)
+
     def usual_preload(self, proof: float) -> float:
         """Compute the preload [N] of `JointStrengthSettings.utilisation`."""
         return JOINTS.utilisation * proof * self.stress_area

@@ -10,7 +10,7 @@ import pytest
 
 from cycloid_mj import parts
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.checks import WALLS, Check, check, require_sound, soundness
+from cycloid_mj.checks import WALLS, Check, check, jumps, require_sound, soundness
 from cycloid_mj.checks.teeth import TEETH as LIMITS
 from cycloid_mj.design import PRESETS, Design, override, presets_for
 from cycloid_mj.explore.problem import compute_rejections
@@ -232,6 +232,8 @@ def test_a_design_fails_its_check_and_no_other(changes: list[str], names: set[st
     design = override(PRESETS["pin"], changes)
     found = failed(design)
     assert set(found) == names
+    if names <= {"play", "jump"}:
+        assert jumps(Reducer(design)) == ("jump" in names)
     first = next(iter(found.values()))
     assert f"{key} to " in first.remedy
     gone = {"holes_to_bore"} if "bore" in names else set()

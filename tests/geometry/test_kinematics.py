@@ -70,7 +70,7 @@ def test_point_path_agrees_with_the_30_digit_reference(table):
 def test_closed_form_sizes_agree_with_the_30_digit_reference(table):
     rows, law = reference(table), TABLES[table]
     state = law.angle_at(rows["t"]), law.speed_at(rows["t"])
-    speed = np.linalg.norm(kinematics.point_path(PAPER, Q, *state).velocity, axis=1)
+    speed = kinematics.point_speed(PAPER, Q, *state)
     assert np.all(np.abs(speed - rows["v_18"] * MM) <= 1e-9 * rows["v_18"] * MM)
     steady = kinematics.point_acceleration(PAPER, Q, *state)
     assert np.all(np.abs(steady - rows["a_20_const"] * MM) <= 1e-9 * rows["a_20_const"] * MM)
@@ -84,8 +84,10 @@ def test_closed_form_sizes_are_the_norms_of_the_vectors(gear):
     theta, speed, acceleration = rng.uniform(-9, 9, 50), rng.uniform(-5, 5, 50), rng.uniform(-30, 30, 50)
     for q in rng.uniform(-0.03, 0.03, (5, 2)):
         path = kinematics.point_path(gear, q, theta, speed, acceleration)
+        norms = np.linalg.norm(path.velocity, axis=1), np.linalg.norm(path.acceleration, axis=1)
+        assert kinematics.point_speed(gear, q, theta, speed) == pytest.approx(norms[0], rel=1e-10)
         got = kinematics.point_acceleration(gear, q, theta, speed, acceleration)
-        assert got == pytest.approx(np.linalg.norm(path.acceleration, axis=1), rel=1e-10)
+        assert got == pytest.approx(norms[1], rel=1e-10)
 
 
 def errors_of_differences(gear: CycloidGear, law: CrankLaw, time: np.ndarray, h: float) -> np.ndarray:
@@ -127,7 +129,7 @@ def test_the_printed_equations_13_and_14_are_wrong():
     size = np.linalg.norm(kinematics.gear_centre_acceleration(PAPER, 0.4, OMEGA))
     assert speed / MM == pytest.approx(171.740398396242, rel=1e-12)
     assert size / MM == pytest.approx(29494.76, abs=0.005)
-    printed = PAPER.eccentricity * OMEGA / PAPER.lobes
+    printed = PAPER.eccentricity * abs(float(kinematics.gear_speed(OMEGA, PAPER.lobes)))
     assert speed / printed == pytest.approx(35.0)
 
 
@@ -162,7 +164,12 @@ def test_rotation_and_pitch_point_are_those_of_rolling_circles(gear):
     expected = gear.ring_teeth * kinematics.gear_centre(gear, theta) - [0, gear.eccentricity]
     assert at_rest.position == pytest.approx(expected, abs=1e-16)
     step = kinematics.gear_rotation(gear, theta + 1.0) - kinematics.gear_rotation(gear, theta)
+    assert step == pytest.approx(kinematics.gear_speed(1.0, gear.lobes), rel=1e-14)
     assert step == pytest.approx(-1 / (gear.ring_teeth - 1))
+
+
+def test_speed_at_the_pitch_point_is_zero_and_not_nan():
+    assert kinematics.point_speed(PAPER, [0.0, 35e-3], np.linspace(0, 1e-7, 50), OMEGA).max() < 1e-6
 
 
 def test_one_angle_yields_one_vector_and_rest_is_the_default():

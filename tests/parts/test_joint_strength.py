@@ -5,6 +5,7 @@ import math
 import pytest
 
 from cycloid_mj.parts.joint_strength import (
+    PROOF_STRESS,
     ParallelKey,
     PressFit,
     Thread,
@@ -26,12 +27,14 @@ from cycloid_mj.parts.joint_strength import (
         (12, 1.25, 16.63, 13.5, 48.0, 90.0),
     ],
 )
-def test_tightening_torque_of_a_preload_matches_vdi_2230(
+def test_preload_and_tightening_torque_match_vdi_2230(
     diameter: float, pitch: float, bearing: float, hole: float, preload: float, torque: float
 ) -> None:
     """VDI 2230 table A3 (fine threads, class 8.8, friction 0.12), as printed by Mastik, p. 685: 90 % of yield."""
-    computed = Thread(1e-3 * diameter, 1e-3 * pitch).tightening_torque(1e3 * preload, 0.5e-3 * (bearing + hole))
-    assert computed == pytest.approx(torque, rel=0.02)
+    thread = Thread(1e-3 * diameter, 1e-3 * pitch)
+    computed = thread.largest_preload(PROOF_STRESS["8.8"])
+    assert computed == pytest.approx(1e3 * preload, rel=0.01)
+    assert thread.tightening_torque(computed, 0.5e-3 * (bearing + hole)) == pytest.approx(torque, rel=0.02)
 
 
 def test_stress_area_matches_iso_898() -> None:
