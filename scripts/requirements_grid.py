@@ -34,9 +34,10 @@ from cycloid_mj.design.processes import PROCESSES, Process
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import life_checks
+from cycloid_mj.life.duty import PEAK_FACTOR
 from cycloid_mj.life.figures import drive_diameter, drive_length
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import PEAK_FACTOR, rated_and_momentary_torque
+from cycloid_mj.life.rated import rated_and_momentary_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
 

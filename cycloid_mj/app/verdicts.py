@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from cycloid_mj.base.judgement import Judgement, judge
+from cycloid_mj.life.duty import PEAK_FACTOR
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.rated import PEAK_FACTOR
 
 TORQUE_RTOL = 5e-3
 """Relative accuracy of the rated torque in the header of the page."""

@@ -329,6 +329,11 @@ class StockBearing:
     pitch: float = 0.0
 
     @property
+    def has_crossed_rollers(self) -> bool:
+        """Whether it is a crossed roller bearing, a single one of which supports the output."""
+        return self.pitch > 0.0
+
+    @property
     def load_centre_offset(self) -> float:
         """Distance from its middle to the point at which its lines of contact meet the axis [m]."""
         return 0.25 * (self.bore + self.outside) * math.tan(self.contact_angle)

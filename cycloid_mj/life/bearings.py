@@ -144,7 +144,7 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
         yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
         ratings, hub = _hub_ratings(reducer), casing(reducer).hub
-        if hub.pitch:
+        if hub.has_crossed_rollers:
             name = "crossed roller bearing of the output"
             yield Bearing("output_bearing", name, ratings, ("output", "housing"), bore=hub.bore)
         else:
@@ -255,7 +255,7 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     For a deep groove bearing the source also states the rating of its estimated balls by ISO 281, for comparison.
     """
     bearing = casing(reducer).hub
-    if bearing.pitch:
+    if bearing.has_crossed_rollers:
         source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"

@@ -15,6 +15,10 @@ MAX_SPEED = 1e5
 """Upper limit of the speed of a crank [rpm], as of ``drive.speed_rpm``."""
 
 
+PEAK_FACTOR = 2.0
+"""Peak torque of an emergency stop over the largest torque of a duty cycle, unless it states another (assumed)."""
+
+
 @dataclass(frozen=True)
 class DutyPoint:
     """A `torque` on the output [N m] and a `speed` of the crank [rad/s] for a `share` of the time."""
@@ -57,7 +61,7 @@ def _cycle(points: tuple[DutyPoint, ...], peak: float | None) -> Duty:
     """Return the duty cycle of some points, its peak twice the largest torque unless it is specified."""
     if peak is not None:
         return Duty(points, peak)
-    return Duty(points, 2.0 * max(abs(point.torque) for point in points), peak_given=False)
+    return Duty(points, PEAK_FACTOR * max(abs(point.torque) for point in points), peak_given=False)
 
 
 def read_duty(path: Path, peak_torque: float | None = None) -> Duty:

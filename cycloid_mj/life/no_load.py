@@ -131,7 +131,7 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
-        return "crossed roller" if hub.pitch else "ball", 1, 0.5 * (hub.bore + hub.outside)
+        return "crossed roller" if hub.has_crossed_rollers else "ball", 1, 0.5 * (hub.bore + hub.outside)
     on_shaft = shaft_bearing(reducer)
     ball = on_shaft is not None and has_inner_ring(on_shaft)
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))

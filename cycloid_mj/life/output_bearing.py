@@ -227,10 +227,10 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
     sizes, design = casing(reducer), reducer.design
     hub, face = sizes.hub, sizes.ends[1]
     speed = abs(design.drive.speed) / design.reduction
-    exponent = rolling.EXPONENT if hub.pitch else rolling.BALL_EXPONENT
+    exponent = rolling.EXPONENT if hub.has_crossed_rollers else rolling.BALL_EXPONENT
     lasting_force = rolling.load_for_life(hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent)
     capacity = min(lasting_force / design.bearing.service_factor, hub.static)
-    if hub.pitch:
+    if hub.has_crossed_rollers:
         load, moment = _own_load_and_moment(reducer)
         retainer = retainer_joint(reducer)
         lever, preload = face - 0.5 * sum(sizes.bearings[-1]), retainer.count * retainer.preload

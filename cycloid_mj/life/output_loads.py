@@ -86,7 +86,7 @@ def equivalent_load(bearing: StockBearing, load: Array) -> Array:
 
     `load` is the radial force; for crossed rollers F + 2 M/d_pw.
     """
-    if bearing.pitch:
+    if bearing.has_crossed_rollers:
         return np.maximum(load, CROSSED_ROLLERS.preload_share * bearing.dynamic)
     if not bearing.contact_angle:
         return load
@@ -101,7 +101,7 @@ def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...
     `loading` has the solved forces at m crank angles. Raises DesignError if the covers do not fit.
     """
     hub = casing(reducer).hub
-    if hub.pitch:
+    if hub.has_crossed_rollers:
         force, moment = crossed_roller_loads(reducer, loading)
         return (equivalent_load(hub, force + 2.0 * moment / hub.pitch),)
     return tuple(equivalent_load(hub, magnitudes(force)) for force in output_bearing_forces(reducer, loading))

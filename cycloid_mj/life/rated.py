@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.as_built import Parts
-from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.duty import PEAK_FACTOR, constant_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import POSES
@@ -38,9 +38,6 @@ class TorqueSearch:
 
 
 SEARCH = TorqueSearch()
-
-PEAK_FACTOR = 2.0
-"""Peak torque of an emergency stop over the torque of a rating, unless a duty cycle states another peak."""
 
 BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers", "crank_needles", "crank_tapers"
 """Beginnings of the keys of bearings."""

@@ -269,13 +269,14 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
     design, covers = reducer.design, casing(reducer)
     bore = 1e3 * covers.hub.bore
     radial_run_out = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
-    inner, outer = (0.5 * sum(covers.bearings[end]) for end in (0, -1))
-    axial_run_out, reason = (
-        float(radial_run_out),
-        "that of the inner ring, as large as the radial one (THK, No. 382-3E)",
-    )
-    if outer > inner:
-        axial_run_out *= 2.0 * covers.flange_radius / (outer - inner)
+    if covers.hub.has_crossed_rollers:
+        axial_run_out, reason = (
+            float(radial_run_out),
+            "that of the inner ring, as large as the radial one (THK, No. 382-3E)",
+        )
+    else:
+        inner, outer = (0.5 * sum(ends) for ends in covers.bearings)
+        axial_run_out = 2.0 * radial_run_out * covers.flange_radius / (outer - inner)
         reason = "both bearings tilt the hub"
     bearing = f"{covers.hub.designation}, normal class (ISO 492, K_ia)"
     yield Quantity("radial_run_out", "Run-out of the output, radial", radial_run_out, "um", note=f"at most; {bearing}")

@@ -30,7 +30,7 @@ from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.contact import CONTACT, STRIBECK
-from cycloid_mj.statics.ideal import ideal_peak, ideal_rv
+from cycloid_mj.statics.ideal import ideal_peak, ideal_rv_at
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
@@ -462,7 +462,7 @@ def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
     equal columns of the second half.
     """
     if isinstance(reducer, RvReducer):
-        return ideal_rv(reducer, crank_angle).pins.reshape(len(crank_angle), -1)
+        return ideal_rv_at(reducer, crank_angle).pins.reshape(len(crank_angle), -1)
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
     gear, relative_angle = tooth_profile(design), reducer.member.against_ring(crank_angle)

@@ -27,7 +27,6 @@ from cycloid_mj.robot.reducer import ReducedJoint
 Format = Literal["mjcf", "urdf", "sdf", "isaaclab", "mjx"]
 """Format of the files of a joint; ``mjcf`` are those of `robot.files`."""
 
-
 HOUSING, DRIVE = "housing", "drive"
 """Links of the fixed side, and of what turns by the crank's angle over the ratio; the third is `OUTPUT`."""
 

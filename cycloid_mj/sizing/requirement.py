@@ -12,7 +12,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.processes import PROCESSES, Process
-from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty, read_duty
+from cycloid_mj.life.duty import PEAK_FACTOR, Duty, DutyPoint, constant_duty, read_duty
 from cycloid_mj.life.heat import COOLING
 from cycloid_mj.parts.export.motors import MotorName
 
@@ -313,7 +313,7 @@ class Requirement:
         if not self.duty:
             return constant_duty(torque, self.speed)
         points = tuple(DutyPoint(relative * torque, speed, share) for relative, speed, share in self.duty)
-        return Duty(points, 2.0 * torque, peak_given=False)
+        return Duty(points, PEAK_FACTOR * torque, peak_given=False)
 
     @property
     def numbers_of_discs(self) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, ideal_rv_loads
 from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics.rv_sheet import torque_on_carrier
 from cycloid_mj.statics.springs import body_force
 
 
@@ -23,11 +24,10 @@ def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
     return max(_ideal_peak_of_disc(reducer, kind, crank_angle, phase) for phase in reducer.phases)
 
 
-def ideal_rv(reducer: RvReducer, crank_angle: Array) -> IdealRvLoads:
+def ideal_rv_at(reducer: RvReducer, crank_angle: Array) -> IdealRvLoads:
     """Compute the ideal forces of pins and cranks under ``load.torque`` at angles of the cranks (m,) [rad]."""
-    sense = math.copysign(1.0, reducer.orbit_speed)
     against_ring = reducer.member.against_ring(reducer.member.driven_angle(crank_angle))
-    return ideal_rv_loads(reducer.stage, sense * reducer.share * reducer.design.load.torque, against_ring)
+    return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, reducer.design.load.torque), against_ring)
 
 
 def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
@@ -38,7 +38,7 @@ def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
     if kind == names.PLANET_MESH:
         sun_torque = reducer.share * abs(reducer.design.load.torque) / reducer.stage.to_carrier
         return sun_torque / (reducer.cranks.count * reducer.planet_mesh.sun_base)
-    loads = ideal_rv(reducer, crank_angle)
+    loads = ideal_rv_at(reducer, crank_angle)
     return float((loads.bearings if kind == names.CRANK_BEARING else loads.pins).max())
 
 

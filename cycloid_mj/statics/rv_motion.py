@@ -4,8 +4,6 @@ Crank angles are those of the cranks against the ground. Signs are those of `Mem
 output brakes a sun that turns counter-clockwise, and rotations are positive in the direction of a positive torque.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
@@ -13,6 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvSprings, compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
+from cycloid_mj.statics.stops import stop_width
 
 
 def rv_springs_at(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
@@ -62,20 +61,10 @@ def rv_transmission_error(reducer: RvReducer, crank: npt.ArrayLike, torque: floa
     return static_rotations(reducer, rv_springs_at(reducer, crank), torque, sense)
 
 
-def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
-    """Compute the backlash between both stops [rad], shape (m,), extrapolated to no torque.
-
-    `rotation` is a function from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice
-    this torque, and in the opposite direction.
-    """
-    stops = [2.0 * rotation(side * torque) - rotation(2.0 * side * torque) for side in (-1, 1)]
-    return np.abs(stops[1] - stops[0])
-
-
 def rv_backlash(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Compute the backlash of the output [rad] at crank angles [rad], shape (m,), without friction and weight.
 
     `torque` is the smaller torque that presses the output against its stops [N m], see `stop_width`.
     """
     springs = rv_springs_at(reducer, crank)
-    return stop_width(lambda pressing: static_rotations(reducer, springs, pressing)[:, 1], torque)
+    return np.abs(stop_width(lambda pressing: static_rotations(reducer, springs, pressing)[:, 1], torque))

@@ -33,8 +33,8 @@ from cycloid_mj.statics.rv_film import (
     running_friction,
     rv_film_assumption,
 )
-from cycloid_mj.statics.rv_motion import stop_width
 from cycloid_mj.statics.sheet_figures import sheet_quantity
+from cycloid_mj.statics.stops import stop_width
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 
@@ -181,13 +181,14 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
         """Return the output's rotation under a torque on it [N m] in [rad], shape (m,)."""
         return reducer.share * balance_rv(reducer, torque, SETTINGS.rotation_angles).carrier_turn
 
-    width = stop_width(rotation, SETTINGS.stop_torque_share * load) / ARCMINUTE
+    width = np.abs(stop_width(rotation, SETTINGS.stop_torque_share * load)) / ARCMINUTE
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
     yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
     low, high = STRAIGHT
-    rise = sum((np.abs(rotation(side * high * load) - rotation(side * low * load)) for side in (1, -1)), np.zeros(1))
+    forward, backward = (np.abs(rotation(side * high * load) - rotation(side * low * load)) for side in (1, -1))
+    rise = forward + backward
     stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 

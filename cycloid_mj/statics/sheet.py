@@ -45,6 +45,7 @@ from cycloid_mj.statics.sheet_figures import (
     spread_quantity,
 )
 from cycloid_mj.statics.springs import POSES, Springs, at_rest, springs_of, turn_evenly
+from cycloid_mj.statics.stops import stop_width
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
 from cycloid_mj.statics.windup import SPRINGS, Windup, solve_windups
 
@@ -324,14 +325,13 @@ def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
     springs = springs_of(static_reducer, crank_angles, friction=False)
-    stops, stop_torque = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
-    for sign in (-1.0, 1.0):
-        rotation, double_rotation = (
-            loads(static_reducer, springs, sign * factor * stop_torque, warm_start=True).output_turn
-            for factor in (1.0, 2.0)
-        )
-        stops.append(2.0 * rotation - double_rotation)
-    backlash = (stops[1] - stops[0]) / ARCMINUTE
+
+    def rotation(torque: float) -> Array:
+        """Return the rotation of the output under a torque on it [N m] in [rad], shape (m,)."""
+        return loads(static_reducer, springs, torque, warm_start=True).output_turn
+
+    stop_torque = SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
+    backlash = stop_width(rotation, stop_torque) / ARCMINUTE
     yield sheet_quantity("backlash", float(backlash.mean()))
     yield sheet_quantity("backlash_min", float(backlash.min()))
     yield sheet_quantity("backlash_max", float(backlash.max()))

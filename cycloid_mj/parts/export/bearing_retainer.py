@@ -51,7 +51,7 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
     wall
         Minimum wall around holes [m].
     """
-    if not bearing.pitch:
+    if not bearing.has_crossed_rollers:
         return None
     thread, count = next((size, number) for largest, size, number in _SCREWS if bearing.outside <= largest)
     bolt = next(bolt for bolt in stock.bolts() if bolt.thread == thread)

@@ -178,7 +178,7 @@ def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
 
 def hub_bearing_fit(bearing: stock.StockBearing) -> str:
     """Return the fit of the bearings of the output."""
-    if bearing.pitch:
+    if bearing.has_crossed_rollers:
         return CROSSED_ROLLER_FIT
     return ANGULAR_HUB_FIT if bearing.contact_angle else HUB_BEARING_FIT
 

@@ -139,7 +139,7 @@ class Casing:
     def bearings(self) -> tuple[tuple[float, float], ...]:
         """Ends of the bearings of the output along z [m], the outer one last."""
         first, width = self.hub_floor, self.hub.width
-        inner = () if self.hub.pitch else ((first, first + width),)
+        inner = () if self.hub.has_crossed_rollers else ((first, first + width),)
         return *inner, (self.top - width, self.top)
 
     @property
@@ -378,7 +378,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
 
 def output_bearing_count(hub: stock.StockBearing) -> int:
     """Return the number of bearings of the output: one with crossed rollers, else a pair."""
-    return 1 if hub.pitch else 2
+    return 1 if hub.has_crossed_rollers else 2
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:

@@ -160,7 +160,8 @@ def shoulder_radius(ring: float, other: float) -> float:
 def hub_shoulders(hub: stock.StockBearing) -> tuple[float, float]:
     """Compute the radii of the shoulders [m] that touch only the inner and only the outer ring of an output bearing."""
     inner, outer = 0.5 * hub.bore, 0.5 * hub.outside
-    height = (RULES.crossed_roller_shoulder_share if hub.pitch else RULES.shoulder_share) * (outer - inner)
+    share = RULES.crossed_roller_shoulder_share if hub.has_crossed_rollers else RULES.shoulder_share
+    height = share * (outer - inner)
     return inner + height, outer - height
 
 

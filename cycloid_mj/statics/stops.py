@@ -1,0 +1,15 @@
+"""Stops of the output at a locked driven shaft, extrapolated to no torque."""
+
+from collections.abc import Callable
+
+from cycloid_mj.base.array import Array
+
+
+def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
+    """Compute the rotation from the stop of negative torques to that of positive torques [rad], shape (m,).
+
+    `rotation` is a function from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice
+    this torque, and in the opposite direction; the line through both rotations is extrapolated to no torque.
+    """
+    negative, positive = (2.0 * rotation(side * torque) - rotation(2.0 * side * torque) for side in (-1, 1))
+    return positive - negative
