@@ -29,8 +29,8 @@ AUTHORS = {
 }
 """Figures that the authors state, baseline drive and twin; running friction is of slow turns, not of the loops."""
 FIGURES = {
-    "width_deg": "play, at zero torque of the small loop [deg]",
-    "play_deg": "play, from the loaded branches [deg]",
+    "width_deg": "play, as width of the small loop at zero torque [deg]",
+    "play_deg": "play, between lines through the loading branches [deg]",
     "stiffness_nm_per_rad": "stiffness [N m/rad]",
     "coulomb_nm": "Coulomb friction [N m]",
 }
@@ -39,9 +39,9 @@ PARTS = {
     "ring": "ring and housing",
     "output": "output pins and carrier",
     "pin_1": "ring pins",
-    "studs": "output pins in the plates",
-    "far_plate": "second plate, on these pins",
-    "crank": "crank in its seats",
+    "studs": "output pins in their bores",
+    "far_plate": "second plate, supported by the output pins",
+    "crank": "crank in its bearing seats",
 }
 MOUNTS = BENCH / "mounts.toml"
 
@@ -176,8 +176,8 @@ def format_sections(content: Mapping[str, Any]) -> dict[str, str]:
 
 def format_figures(content: Mapping[str, Any]) -> str:
     """Tabulate the figures of both drives in Markdown: stated by the authors, measured, and fitted or predicted."""
-    head = ("", *("Baseline, " + name for name in ("authors", "measured", "fitted")))
-    head += tuple("Twin, " + name for name in ("authors", "measured", "predicted"))
+    head = ("Value", *("Baseline, " + name for name in ("stated by authors", "measured", "fitted")))
+    head += tuple("Twin, " + name for name in ("stated by authors", "measured", "predicted"))
     pin, nonpin = (content[kind] for kind in LOOPS)
     rows = []
     for key, label in FIGURES.items():
@@ -187,7 +187,8 @@ def format_figures(content: Mapping[str, Any]) -> str:
         rows.append((label, stated[0], measured[0], fitted, stated[1], measured[1], predicted))
     shares = zip(("play loop", "stiffness loop"), pin["predicted_shares"], nonpin["predicted_shares"], strict=True)
     rows += (
-        (f"rms, {loop}, share of its height", "", "", f"{fit:.1%}", "", "", f"{twin:.1%}") for loop, fit, twin in shares
+        (f"rms error of the {loop}, relative to its height", "", "", f"{fit:.1%}", "", "", f"{twin:.1%}")
+        for loop, fit, twin in shares
     )
     return markdown_table(head, rows)
 
@@ -199,15 +200,15 @@ def format_fits(content: Mapping[str, Any]) -> str:
         (f"`{key}` [{parameter['unit']}]", _estimate(parameter), _estimate(nonpin["parameters"][key]))
         for key, parameter in pin["parameters"].items()
     ]
-    for name, key in (("", "shares"), (", no torque offset", "shares_without_offset")):
+    for name, key in (("with", "shares"), ("without", "shares_without_offset")):
         for loop, *shares in zip(("play loop", "stiffness loop"), pin[key], nonpin[key], strict=True):
-            rows.append((f"rms, {loop}, share of its height{name}", *map("{:.1%}".format, shares)))
-    return markdown_table(("", "Baseline (95 %)", "Twin (95 %)"), rows)
+            rows.append((f"relative rms error of the {loop}, {name} torque offset", *map("{:.1%}".format, shares)))
+    return markdown_table(("Fitted value", "Baseline (95 % interval)", "Twin (95 % interval)"), rows)
 
 
 def format_models(content: Mapping[str, Any]) -> str:
     """Tabulate the residual of each candidate model for both drives, and its criterion, in Markdown."""
-    head = ("Friction at a locked crank", "Baseline: loops", "BIC", "Twin: loops", "BIC")
+    head = ("Friction model", "Baseline: rms errors", "Baseline: BIC", "Twin: rms errors", "Twin: BIC")
     both = [content[kind]["models"] for kind in LOOPS]
     rows = []
     for pair in zip(*both, strict=True):
@@ -228,8 +229,10 @@ def format_compliances(content: Mapping[str, Any]) -> str:
     ]
     rows.append(("sum", *(_number(1e3 * sum(drive["parts"].values())) for drive in drives)))
     stiffness = [{"value": 1.0 / sum(drive["parts"].values()), "ci95": drive["interval"]} for drive in drives]
-    rows.append(("stiffness, predicted (limits of the modulus) [N m/rad]", *map(_interval, stiffness)))
-    return markdown_table(("Rotation of the output per torque [mrad/(N m)]", "Ring pins", "Internal gear"), rows)
+    rows.append(("predicted stiffness (for the limits of the modulus) [N m/rad]", *map(_interval, stiffness)))
+    return markdown_table(
+        ("Rotation of the output per torque [mrad/(N m)]", "With ring pins", "With internal gear"), rows
+    )
 
 
 def format_losses(content: Mapping[str, Any]) -> str:
@@ -239,7 +242,9 @@ def format_losses(content: Mapping[str, Any]) -> str:
     for losses in content["rubbing"]["losses"]:
         values = [f"{name} {losses['values'][key]:.2g}" for key, name in names.items() if key in losses["values"]]
         rows.append((losses["meaning"], ", ".join(values), *map("{:.1%}".format, losses["shares"])))
-    return markdown_table(("Losses", "Fitted", "Rms, play loop", "Rms, large loop"), rows)
+    return markdown_table(
+        ("Losses in the model", "Fitted coefficients", "Rms error, small loop", "Rms error, large loop"), rows
+    )
 
 
 def format_preload(content: Mapping[str, Any]) -> str:
@@ -247,8 +252,8 @@ def format_preload(content: Mapping[str, Any]) -> str:
     rows = content["preload"]
     names = {
         "play": ("play [deg]", ".3f"),
-        "friction": ("friction at the output, statics [N m]", ".2f"),
-        "friction of a run": ("friction at the output, runs [N m]", ".2f"),
+        "friction": ("friction at the output, by statics [N m]", ".2f"),
+        "friction of a run": ("friction at the output, simulated [N m]", ".2f"),
         "stiffness": ("stiffness [N m/rad]", ".0f"),
     }
     lines = [

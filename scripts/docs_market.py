@@ -225,7 +225,7 @@ MAX_COLUMNS = 100
 
 TABLES: Mapping[str, tuple[str, ...]] = {
     "Nabtesco RV": ("RV-20E", "RV-42N", "RV-80E"),
-    "TwinSpin, strain wave gear, actuator": ("TS 70", "TS 110", "CSF-25-50", "AK80-64"),
+    "TwinSpin (TS), strain wave gear (CSF), actuator (AK80)": ("TS 70", "TS 110", "CSF-25-50", "AK80-64"),
     "Printed 13:1 drive": ("Bench drive",),
 }
 """Tables of the page: heading, and names of the makers' drives."""
@@ -402,13 +402,18 @@ def format_comparison(rows: Rows, makers: Sequence[str]) -> str:
     """Tabulate makers' drives and ours in Markdown, a column each; ours with the ratio to the maker's value."""
     columns = [(drive, theirs) for maker in makers for drive, theirs in _columns(maker)]
     drives = [drive for drive, theirs in columns if not theirs]
-    head = ("Figure", *(drive.theirs if theirs else drive.label for drive, theirs in columns))
+    head = (
+        "Value",
+        *(drive.theirs if theirs else drive.label.replace("ours", "our drive") for drive, theirs in columns),
+    )
     lines = []
     for suffix in sorted({_within(length) for drive in drives for length in (None, drive.length)}):
         if not any(MOST + suffix in rows[drive.point] for drive in drives):
             continue
-        refusals = ("" if theirs else _refusal(rows[drive.point], suffix) for drive, theirs in columns)
-        lines.append((f"maximum{suffix}, N m", *refusals))
+        refusals = [("", "", "") if theirs else _refusal(rows[drive.point], suffix) for drive, theirs in columns]
+        label = f"largest feasible torque{suffix.replace('within', 'within a length of')}"
+        names = f"{label}, N m", f"{label} is limited by", "the required torque is feasible with"
+        lines += [(name, *cells) for name, cells in zip(names, zip(*refusals, strict=True), strict=True)]
     for key, (label, unit) in FIGURES.items():
         if key not in ALWAYS_SHOWN and not any(key in MAKERS[maker] for maker in makers):
             continue
@@ -416,7 +421,7 @@ def format_comparison(rows: Rows, makers: Sequence[str]) -> str:
         lines.append((f"{label}, {unit}", *(_cell(row, theirs) for row, theirs in pairs)))
         limits = ["" if theirs or not row else row["note"].partition("limited by ")[2] for row, theirs in pairs]
         if any(limits):
-            lines.append(("... limited by", *limits))
+            lines.append((f"{label} is limited by", *limits))
     return markdown_table(head, lines)
 
 
@@ -432,16 +437,15 @@ def _within(length: float | None) -> str:
     return f" within {length:g} mm" if length else ""
 
 
-def _refusal(figures: Mapping[str, Mapping[str, str]], suffix: str) -> str:
+def _refusal(figures: Mapping[str, Mapping[str, str]], suffix: str) -> tuple[str, str, str]:
     """Return the maximum torque that a refusal states, its reason, and the first and the last feasible change."""
     row, changes = (figures.get(f"{figure}{suffix}") for figure in (MOST, CHANGES))
     if not row or not changes:
-        return ""
-    most = _number(row["ours"]) if float(row["ours"]) else "none"
+        return "", "", ""
     options = changes["note"].split("; ")
     shown = " or ".join(dict.fromkeys((options[0], options[-1])))
     feasible = re.sub(r"(?<!of )(?<![\d.])([\d.]+ mm)", r"a diameter of \1", shown)
-    return f"{most}: {row['note'].partition(' (')[0]}; feasible with {feasible}"
+    return _number(row["ours"]) if float(row["ours"]) else "none", row["note"].partition(" (")[0], feasible
 
 
 def _cell(row: Mapping[str, str] | None, theirs: bool) -> str:

@@ -64,9 +64,14 @@ LIMITS = IdentifiabilityLimits()
 
 LOSSES = (
     ("constant", "constant friction alone", (), False),
-    ("friction", "and friction of the contacts", ("friction",), True),
-    ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
-    ("both", "and both", ("friction", "material_loss"), True),
+    ("friction", "constant friction and friction in the contacts", ("friction",), True),
+    ("material", "constant friction and losses in the material", ("material_loss",), False),
+    (
+        "both",
+        "constant friction, friction in the contacts and losses in the material",
+        ("friction", "material_loss"),
+        True,
+    ),
 )
 """Losses that are compared: key, meaning, additional parameters, and whether the contacts have friction."""
 
