@@ -17,6 +17,7 @@ from typing import Any
 from docs_page import markdown_table, replace_sections
 
 from cycloid_mj.comparison.starts import StartSpread, compare_order
+from cycloid_mj.comparison.table import CENTRE_VIBRATION, GEAR_SPEED, OUTPUT_VIBRATION, Q_PATH, Q_VELOCITY
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
@@ -49,16 +50,16 @@ ROWS = (
 )
 """Label of each row, and the possible keys, one for each kind of ring."""
 
-STEADY, MOVED = "without its steady shift", "error, rms, without its steady shifts"
+STEADY = "without its steady shift"
 GEAR, OUTPUT = ("vibration", "gear_centre_m_s2"), ("vibration", "output_rad_s2")
 LEVELS = (
-    ("gear speed [rad/s]", "gear speed error, rms", ("fluctuation", "gear_speed_rad_s")),
-    (f"path of q, {STEADY} [um]", f"q path {MOVED}", ("fluctuation", "q_path_um")),
-    (f"velocity of q, {STEADY} [mm/s]", f"q velocity {MOVED}", ("fluctuation", "q_velocity_mm_s")),
-    ("acceleration of the gear centre [m/s^2]", "vibration of the gear centre, rms acceleration", GEAR),
-    ("acceleration of the output [rad/s^2]", "vibration of the output, rms acceleration", OUTPUT),
+    ("gear speed [rad/s]", GEAR_SPEED, ("fluctuation", "gear_speed_rad_s")),
+    (f"path of q, {STEADY} [um]", Q_PATH, ("fluctuation", "q_path_um")),
+    (f"velocity of q, {STEADY} [mm/s]", Q_VELOCITY, ("fluctuation", "q_velocity_mm_s")),
+    ("acceleration of the gear centre [m/s^2]", CENTRE_VIBRATION, GEAR),
+    ("acceleration of the output [rad/s^2]", OUTPUT_VIBRATION, OUTPUT),
 )
-"""Label, quantity over the starts without load, and place in the JSON of a loaded run."""
+"""Label, figure over the starts without load, and place in the JSON of a loaded run."""
 
 CLAIMS = ("gear_speed", "q_path", "q_velocity", "gear_centre_acceleration", "output_acceleration")
 """Claims of `reproduce` on the same quantities."""
@@ -83,9 +84,11 @@ def read_comparison(content: Mapping[str, Any]) -> dict[str, Any]:
     for run in content["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}
         figures: dict[str, Any] = {}
-        for label, spread, (group, key) in LEVELS:
-            one = spreads.get(spread)
-            figures[label] = [one["least"], one["largest"], one["mean"]] if one is not None else run[group][key]["rms"]
+        for label, figure, (group, key) in LEVELS:
+            if run["load_nm"]:
+                figures[label] = run[group][key]["rms"]
+            else:
+                figures[label] = [spreads[figure.words][name] for name in ("least", "largest", "mean")]
         step, efficiency = run["findings"]["timestep_s"], run["findings"]["efficiency"]
         runs.append(
             {key: run[key] for key in ("design", "load_nm", "starts")}
@@ -102,14 +105,14 @@ def format_comparison(data: Mapping[str, Any]) -> str:
     steps = ", ".join(dict.fromkeys(f"{run['timestep_us']:.3g}" for run in runs))
     starts = max(run["starts"] for run in runs)
     condition = (
-        f"The table has results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. All values but the efficiency\n"
-        f"are rms differences from the ideal motion. Runs without load are repeated from {starts} independent\n"
-        f"starts. The table shows the smallest and the largest result and, in parentheses, the mean.\n"
-        f"Time steps: {steps} us."
+        f"The table shows results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. Except for the efficiency,\n"
+        f"all values are rms differences from the ideal motion. Simulations without load were repeated\n"
+        f"with {starts} independent starts. For these simulations, the table shows the smallest and the largest\n"
+        f"value and, in parentheses, the mean value. The time step is {steps} us."
     )
     rows = [(label, *(_level(run["figures"][label]) for run in runs)) for label, *_ in LEVELS]
     shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)
-    head = ("", *map("{}, {}".format, loads, names))
+    head = ("Quantity", *map("{}, {}".format, loads, names))
     return f"{condition}\n\n{markdown_table(head, [*rows, ('efficiency [%]', *shares)])}"
 
 
@@ -122,8 +125,9 @@ def format_fluctuations(data: Mapping[str, Any], claims: Sequence[Mapping[str, A
     loaded = {run["design"]: run["figures"] for run in data["runs"] if run["load_nm"]}
     ratios = {claim["key"]: claim["ours"]["spread"] for claim in claims}
     head = (
-        *("Larger fluctuation", "Under load, pin / nonpin", "No load, `compare`", "No load, `reproduce`"),
-        *("No load: nonpin or nonpin like pin", "No load: pin or nonpin like pin"),
+        *("Quantity", "Under load: value of pin / value of nonpin", "No load, by `compare`: pin or nonpin"),
+        *("No load, by `reproduce`: pin or nonpin", "No load: nonpin or nonpin like pin"),
+        "No load: pin or nonpin like pin",
     )
     rows = [
         (
@@ -162,7 +166,7 @@ def table(quantities: Mapping[str, Quantities]) -> str:
         (label, *(_cell(next(quantity[key] for key in keys if key in quantity)) for quantity in quantities.values()))
         for label, keys in ROWS
     ]
-    return markdown_table(("", *quantities), rows)
+    return markdown_table(("Quantity", *quantities), rows)
 
 
 def _cell(quantity: Mapping[str, Any]) -> str:

@@ -26,15 +26,16 @@ def test_the_page_states_what_was_compared() -> None:
     run = {"design": "nonpin-like-pin", "starts": 2, "fluctuation": levels | {"q_velocity_mm_s": {"rms": 0.09}}}
     run |= {"vibration": vibration, "findings": {"timestep_s": 3.1e-6, "efficiency": 0.8804}}
     spreads = [
-        {"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in docs_measured.LEVELS
+        {"quantity": figure.words, "least": 114.2, "largest": 157.0, "mean": 0.013}
+        for _, figure, _ in docs_measured.LEVELS
     ]
     runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
     told = docs_measured.format_comparison(
         docs_measured.read_comparison({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs})
     )
     assert "at 1640 rpm." in told
-    assert "Time steps: 3.1 us." in told
-    assert "|  | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
+    assert "The time step is 3.1 us." in told
+    assert "| Quantity | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
     assert "| gear speed [rad/s] | 114 to 157 (0.013) | 0.002 |" in told
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
 
