@@ -188,25 +188,32 @@ def _eq27() -> tuple[float, float]:
     return misses(eq.eq27(np.ones(2), time), eq.eq27(speed, time), wanted)
 
 
-PERPENDICULAR = "at the contact, the outline is perpendicular to the pin's radius"
+PERPENDICULAR = "at the contact, the profile is perpendicular to the pin's radius"
 ONCE = "Eq. 16, differentiated"
-SWING = "a mass that swings on the eccentric, its acceleration from constant energy"
+SWING = "acceleration of a mass that swings on the eccentric, from constant energy"
 ERRATA = (
     Erratum("2", "α + ζ", "α − ζ", PERPENDICULAR, lambda: (tangency_error(1), tangency_error(-1))),
-    Erratum("6, 10", "R with third component 1", "0", "velocity of a turning point, by differentiation", _eq6, True),
+    Erratum(
+        "6, 10",
+        "R with the third component 1",
+        "third component 0",
+        "velocity of a rotating point, by differentiation of its position",
+        _eq6,
+        True,
+    ),
     Erratum(
         "12, 17",
         "ω_c = −ω_i/SR and ω_c = dζ/dt",
         "dζ/dt = +ω_i/SR in Eqs 16–20",
-        "the gear centre of Eq. 16 rotates with the crank, at +ω_i",
+        "the disc's centre of Eq. 16 orbits at the crank speed, +ω_i",
         _eq12,
     ),
-    Erratum("13", "v_c = c ω_c", "v_c = c ω_i", "the gear centre, differentiated", _eq13),
+    Erratum("13", "v_c = c ω_c", "v_c = c ω_i", "position of the disc's centre, differentiated", _eq13),
     Erratum(
         "14",
         "a_c = c ω_c²",
-        "a_c = c ω_i², and c dω_i/dt along the tangent in the ramp",
-        "the gear centre, differentiated twice, in hold and ramp",
+        "a_c = c ω_i²; in the ramp also c dω_i/dt along the tangent",
+        "position of the disc's centre, differentiated twice, at constant speed and in the ramp",
         _eq14,
     ),
     Erratum(
@@ -216,27 +223,33 @@ ERRATA = (
         "Eq. 16, differentiated",
         _eq17,
     ),
-    Erratum("18", "as the size of the printed Eq. 17", "as printed: the size of the corrected one", ONCE, _eq18),
+    Erratum(
+        "18",
+        "equal to the magnitude of the printed Eq. 17",
+        "equal to the magnitude of the corrected Eq. 17",
+        ONCE,
+        _eq18,
+    ),
     Erratum(
         "19",
         "ω_c² = d²ζ/dt²",
-        "(dζ/dt)², and in the ramp Eq. 17 / ω_c times d²ζ/dt²",
-        "Eq. 16, differentiated twice by time, in hold and ramp",
+        "(dζ/dt)²; in the ramp also Eq. 17 / ω_c times d²ζ/dt²",
+        "Eq. 16, differentiated twice by time, at constant speed and in the ramp",
         _eq19,
     ),
     Erratum(
         "20",
         "−2c(N−1)² (q_y cos Nζ − q_x sin Nζ)",
-        "+2c(N−1)² (q_y cos Nζ − q_x sin Nζ), and the tangential term in the ramp",
-        "the size of Eq. 16's second derivative, in hold and ramp",
+        "+2c(N−1)² (q_y cos Nζ − q_x sin Nζ); in the ramp also the tangential term",
+        "magnitude of the second derivative of Eq. 16, at constant speed and in the ramp",
         _eq20,
     ),
     Erratum("21", "κ sᵀ(F − M s″) = 0", "δsᵀ(F − M s″) = 0", SWING, _eq21),
     Erratum(
         "27",
-        "2 dΩ_s/dt (a matrix; compared with ones for s′)",
+        "2 dΩ_s/dt (a matrix; evaluated with s′ = (1, 1))",
         "2 (dΩ_s/dt) s′",
-        "the gear centre, differentiated twice (two constraints that rotate with the crank)",
+        "position of the disc's centre, differentiated twice (constraints rotate with the crank)",
         _eq27,
     ),
 )

@@ -78,7 +78,9 @@ def _judge_poisson_ratio() -> Claim:
     same = abs(steel.poisson - stated) < 0.005
     return POISSON.judge(
         ours=Value(
-            f"E {1e-6 * steel.youngs_modulus:.0f} N/mm2, {steel.poisson:g}: G {1e-6 * shear:.0f}", steel.poisson, "1"
+            f"E = {1e-6 * steel.youngs_modulus:.0f} N/mm2, ratio {steel.poisson:g}, so G = {1e-6 * shear:.0f} N/mm2",
+            steel.poisson,
+            "1",
         ),
         error=Value("none: as given", 0.0, "1"),
         verdict=Verdict.AGREES if same else Verdict.DEPENDS,

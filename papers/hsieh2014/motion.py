@@ -129,7 +129,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     shown = pins_figure({_load(each): at_degrees(each) for each in compared})
     words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; displacements are magnified."
     plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
-    note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
+    note = "The paper: pin 1 moves within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
         over_starts(plan, runs, design, attrgetter("pin_1"), lambda changed: changed.ring.has_moving_pins),

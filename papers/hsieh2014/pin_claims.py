@@ -35,8 +35,11 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
         lambda one: one.span > SWAYS * one.clearance and one.reach <= (1.0 + GIVE) * one.clearance,
         lambda some: f"{_um(_spread(some, lambda one: one.reach))} um from the middle",
     )
-    words = f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um"
-    under = f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket"
+    words = f"range {_um(span)} um, largest distance from the middle {_um(reach)} um; clearance {1e6 * clearance:g} um"
+    under = (
+        f"range {1e6 * rated.span:.3g} um, largest distance from the middle {1e6 * rated.reach:.3g} um, "
+        "because the socket deflects"
+    )
     return statements.pin_1_sway(clearance).judge(
         ours=Value(words, 1e3 * reach.mean, "mm", (1e3 * reach.low, 1e3 * reach.high)),
         error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
@@ -87,7 +90,7 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
         lambda some: f"{_spread(some, lambda one: one.seen_turned).words} deg",
     )
     return statements.PIN_1_TURNS.judge(
-        ours=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
+        ours=spread_value(f"{first} deg in the first run; largest difference {widest.words} deg", widest, "deg"),
         error=spread_error(widest, "deg"),
         searched=motions.ranges,
         rated=Value(", ".join(f"{angle:.3g}" for angle in rated.turned) + " deg"),
@@ -102,10 +105,10 @@ def slides(motions: Motions, rated: PinMotion) -> Claim:
     judged = ruling(
         motions,
         lambda one: one.rolling < ROLLS,
-        lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
+        lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of that of the disc at most",
     )
     return statements.PIN_1_SLIDES.judge(
-        ours=spread_value(f"its surface has {percent} % of the gear's surface speed", shares, "1"),
+        ours=spread_value(f"the surface speed of the pin is {percent} % of that of the disc", shares, "1"),
         error=spread_error(shares, "1"),
         searched=motions.ranges,
         rated=Value(f"{100 * rated.rolling:.3g} %", rated.rolling, "1"),

@@ -38,12 +38,12 @@ class Ranked(NamedTuple):
 
 
 RANKED = (
-    Ranked("gear_speed", "gear speed", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s),
+    Ranked("gear_speed", "disc speed", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s),
     Ranked("q_path", "path of q", "um", lambda m: m.fluctuation.q_path_um),
     Ranked("q_velocity", "velocity of q", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s),
     Ranked(
         "gear_centre_acceleration",
-        "acceleration of the gear centre",
+        "acceleration of the disc's centre",
         "m/s^2",
         lambda m: m.vibration.gear_centre_m_s2,
     ),

@@ -19,7 +19,7 @@ TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated
 GEAR_SPEED = 4.907
 """Speed of the gear at 1640 rpm of the crank [rad/s] (Eq. 12, Fig. 6)."""
 
-FLUCTUATIONS = {"gear speed": "Fig. 6", "path of q": "Fig. 7", "velocity of q": "Fig. 8"}
+FLUCTUATIONS = {"disc speed": "Fig. 6", "path of q": "Fig. 7", "velocity of q": "Fig. 8"}
 """Figure in which the paper states that the pin design fluctuates more, by quantity."""
 
 FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}

@@ -63,31 +63,34 @@ def _idle(key: str, figure: str, part: str, design: str, kind: str, claim: str, 
 
 def gear_speed(design: str) -> Statement:
     """Return the statement of Eq. 12 and Fig. 6 on the mean speed of the gear."""
-    claim, value = "the gear turns at 1/35 of the crank, against it", Value("4.907 rad/s", GEAR_SPEED, "rad/s")
+    claim, value = (
+        "the disc turns at 1/35 of the crank speed, in the opposite direction",
+        Value("4.907 rad/s", GEAR_SPEED, "rad/s"),
+    )
     return _idle(f"gear_speed_mean_{design}", "Eq. 12, Fig. 6", "gear", design, "value", claim, value)
 
 
 def pin_1_sway(clearance: float) -> Statement:
     """Return the statement of Fig. 9 that pin 1 moves within a clearance [m]."""
     value = Value("within 0.001 mm", 1e3 * clearance, "mm")
-    return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 sways within its clearance", value)
+    return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 moves within its clearance", value)
 
 
 def _pin_1(key: str, figure: str, claim: str, stated: str) -> Statement:
     return _idle(key, figure, "pin_1", "pin", "pattern", claim, Value(stated))
 
 
-SEEN = "pin 1 is seen turned at crank angles of 0, 120, 240 and 360 deg"
-CYCLE = "pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg"
-PIN_1_TURNS = _pin_1("pin_1_turns", "Fig. 9(a)", SEEN, "turned")
-PIN_1_SLIDES = _pin_1("pin_1_slides", "Fig. 16", "pin 1 slides on the gear from 10 to 350 deg", "slides")
-PIN_1_SPIN = _pin_1("pin_1_spin", "Fig. 9", "pin 1 turns about itself", "yes")
+SEEN = "the angle of pin 1 differs visibly at crank angles of 0, 120, 240 and 360 deg"
+CYCLE = "pin 1 carries load from 350 to 10 deg, and no load from 10 to 350 deg"
+PIN_1_TURNS = _pin_1("pin_1_turns", "Fig. 9(a)", SEEN, "rotated")
+PIN_1_SLIDES = _pin_1("pin_1_slides", "Fig. 16", "pin 1 slides on the disc from 10 to 350 deg", "slides")
+PIN_1_SPIN = _pin_1("pin_1_spin", "Fig. 9", "pin 1 rotates about its axis", "yes")
 PIN_1_CYCLE = _pin_1("stress_cycle_pin_1", FIGURES["pin_1"], CYCLE, "350 to 10 deg")
 
 
 def transmission_error(design: str) -> Statement:
     """Return the statement of Fig. 7 that the path of q deviates from its closed form by the transmission error."""
-    claim = "the gear has a transmission error: q strays from its path"
+    claim = "the disc has a transmission error: q deviates from its ideal path"
     return _idle(f"transmission_error_{design}", "Fig. 7", "gear", design, "pattern", claim, Value("yes"))
 
 
@@ -95,11 +98,11 @@ def _rated_statement(key: str, figure: str, claim: str) -> Statement:
     return Statement(key, figure, "gear", "both", "order", claim, Value("nonpin better"), torque_test())
 
 
-PRECISION = _rated_statement("double_contact_precision", "section 2", "double contact lines raise the precision")
-CAPACITY = _rated_statement("double_contact_capacity", "section 2", "double contact lines raise the load capacity")
+PRECISION = _rated_statement("double_contact_precision", "section 2", "double contact lines increase the precision")
+CAPACITY = _rated_statement("double_contact_capacity", "section 2", "double contact lines increase the load capacity")
 
-STEEL = Value("E 210 000, G 79 000 N/mm2: 0.329", 210e3 / (2.0 * 79e3) - 1.0, "1")
-OF_STEEL = "E and G of the steel, which mean its Poisson's ratio"
+STEEL = Value("E = 210 000, G = 79 000 N/mm2, so ratio 0.329", 210e3 / (2.0 * 79e3) - 1.0, "1")
+OF_STEEL = "E and G of the steel, which imply a Poisson's ratio"
 POISSON = _idle("poisson", "Table 1", "all", "both", "value", OF_STEEL, STEEL)
 
 
@@ -113,7 +116,10 @@ def fluctuation(key: str, name: str) -> Statement:
 def stress_height(part: str, design: str) -> Statement:
     """Return the statement of Figs 12-14 on the maximum of a part's curve."""
     height = HEIGHTS[part, design]
-    claim, value = f"the {part}'s stress reaches up to about {height:g} MPa", Value(f"{height:g} MPa", height, "MPa")
+    claim, value = (
+        f"the stress of the {'disc' if part == 'gear' else part} reaches about {height:g} MPa",
+        Value(f"{height:g} MPa", height, "MPa"),
+    )
     return _idle(f"stress_height_{part}_{design}", FIGURES[part], part, design, "height", claim, value)
 
 
@@ -160,12 +166,12 @@ def stress_of_output(design: str) -> Statement:
 def output_torque(kind: str, design: str) -> Statement:
     """Return the statement of section 3.4 and Fig. 19 on the output torque, simulated or measured."""
     torque, figure = TORQUES[design][kind], "Fig. 19" if kind == "measured" else "section 3.4"
-    claim = f"output torque at 1.048 N m in, {kind}"
+    claim = f"output torque at an input torque of 1.048 N m, {kind}"
     value = Value(f"{torque:g} N m, {100 * torque / IDEAL:.1f} %", torque, "N m")
     return Statement(f"output_torque_{kind}_{design}", figure, "output", design, "value", claim, value, torque_test())
 
 
-BOTH_TORQUES = "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured"
-MORE_TORQUE = "the nonpin design gives more output torque than the pin design"
+BOTH_TORQUES = "nonpin 35.8, pin 34.7 N m simulated; nonpin 35.08, pin 34.335 N m measured"
+MORE_TORQUE = "the output torque of nonpin is larger than that of pin"
 GAIN = Value(BOTH_TORQUES, TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"], AHEAD)
 TORQUE_ORDER = Statement("output_torque_order", "Fig. 19", "output", "both", "order", MORE_TORQUE, GAIN, torque_test())

@@ -73,7 +73,7 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
     highest = max(cases, key=lambda words: cases[words].high, default="")
     return statements.stress_height(part, design).judge(
         ours=verdicts.spread_value(
-            f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"
+            f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of the paper's value", ours, "MPa"
         ),
         error=stress_error(idle_stress, [part]),
         verdict=verdict,

@@ -160,8 +160,8 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
     )
     return PIN_1_CYCLE.judge(
         ours=verdicts.spread_value(
-            f"{_percent(pin)} of the force's integral over a turn is within {reach:g} deg of 0, a ninth of the turn; "
-            f"for lobe 1 without pins {_percent(lobe)}",
+            f"{_percent(pin)} of the force's integral over a turn is within {reach:g} deg of 0, "
+            f"which is 11 % of the turn; for lobe 1 without pins {_percent(lobe)}",
             pin,
             OF_THE_PEAKS,
         ),

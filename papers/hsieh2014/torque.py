@@ -181,7 +181,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
         gained = IDEAL * (own[1][-1].rate - own[0][-1].rate)
         removals.append(Removal(f"equal friction, for {words}", f"{gained:+.2f} N m", _ahead(gained, error)))
     return TORQUE_ORDER.judge(
-        ours=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
+        ours=Value(f"nonpin {ours['nonpin']:.2f}, pin {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, AHEAD),
         verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
         decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
@@ -228,7 +228,9 @@ def capacity() -> Claim:
     """Judge whether the teeth of the nonpin design reach first yield at a larger torque, by statics."""
     pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equal_play_design()))
     return CAPACITY.judge(
-        ours=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),
+        ours=Value(
+            f"first yield at {nonpin:.3g} N m without pins, at {pin:.3g} N m with pins", nonpin / pin, BY_DESIGN
+        ),
         error=Value("statics, without a run", 0.0, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,
         decided_by="how many lines carry, and how closely they fit",

@@ -115,8 +115,8 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
     words = (
-        f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
-        f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1"
+        f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} runs each, "
+        f"p = {chance(pin, nonpin):.2g}); ratio of the means {ratio.values[0]:.2f}"
     )
     return fluctuation(key, quantity.name).judge(
         ours=Value(words, ratio.values[0], RATIO, (ratio.low, ratio.high)),
@@ -150,7 +150,7 @@ def _rated_value(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     ratio = rated["pin"].over(rated["nonpin"]).values[0]
     third = "".join(f"; {equal_play_design().name} {level:.3g}" for level in others)
     return Value(
-        f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, {ratio:.2f} to 1{third}", ratio, RATIO
+        f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, ratio {ratio:.2f}{third}", ratio, RATIO
     )
 
 
