@@ -59,16 +59,16 @@ GROUPS = (
     Group("Backlash", "closed form 2 δ/(c (N-1))", "backlash", "%"),
     Group("Load sharing, no clearance", "closed form", "sharing", "%", "ideal"),
     Group("Load sharing with clearance", "independent static solver", "sharing", "%", "static solution"),
-    Group("Cam load at low, high and rated load", "closed forms", "cam", "%"),
+    Group("Cam force at low, high and rated load", "closed forms", "cam", "%"),
     Group("Hertz stress (9 values)", "Król et al. 2019", "published", "MPa"),
     Group("Bearing ratings (7 needle cages)", "NTN catalogue 2300/E", "published", "%", "NTN"),
     Group("Efficiency", "Wang et al. 2016", "published", "points"),
     Group("Energy balance of a run", "conservation of energy", "energy", "%"),
-    Group("Rms speed, peak-to-peak errors, forces", "shorter time steps", "steps", "%"),
-    Group("Efficiency", "shorter time steps", "steps", "points"),
-    Group("Runs with the rotation reversed", "mirror image", "mirror", "%"),
+    Group("Rms speed, peak-to-peak error, forces", "runs with shorter time steps", "steps", "%"),
+    Group("Efficiency", "runs with shorter time steps", "steps", "points"),
+    Group("Runs with reversed rotation", "mirror image of the run", "mirror", "%"),
     Group("Effect of gravity", "weight of the parts", "gravity", "%"),
-    Group("MuJoCo: errors, forces, speeds", "planar solver", "witness", "%"),
+    Group("MuJoCo: transmission error, forces, speeds", "planar solver", "witness", "%"),
     Group("MuJoCo: efficiency", "planar solver", "witness", "points"),
 )
 
@@ -103,7 +103,7 @@ def summaries(rows: Sequence[Mapping[str, str]]) -> list[Summary]:
 
 def table(rows: Sequence[Mapping[str, str]]) -> str:
     """Return the summary as a Markdown table."""
-    head = ("Result", "Compared with", "Checks", "Worst error", "Allowed")
+    head = ("Result", "Compared with", "Number of checks", "Largest error", "Allowed error")
     lines = []
     for worst in summaries(rows):
         errors = (f"{error:.2g} {worst.group.unit}" for error in (worst.error, worst.bound))
