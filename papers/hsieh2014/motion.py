@@ -1,4 +1,4 @@
-"""Figs 5-9: input law, gear speed, path and velocity of q, pin 1; and the claims on ratio and transmission error."""
+"""Figs 5-9: input law, disc speed, path and velocity of q, pin 1; and the claims on ratio and transmission error."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,8 +22,8 @@ from hsieh2014.verdicts import spread_error, spread_value
 
 TE = "transmission error, peak to peak [arcsec]"
 NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
-    ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda each: each.gear_speed.mean_rad_s),
-    ("gear_speed_rms_error_rad_s", "gear speed, rms error [rad/s]", lambda each: each.gear_speed.rms_error_rad_s),
+    ("gear_speed_mean_rad_s", "disc speed, mean [rad/s]", lambda each: each.gear_speed.mean_rad_s),
+    ("gear_speed_rms_error_rad_s", "disc speed, rms error [rad/s]", lambda each: each.gear_speed.rms_error_rad_s),
     ("q_path_rms_error_um", "path of q, rms error [um]", lambda each: each.q_path.rms_error_um),
     ("q_path_max_error_um", "path of q, largest error [um]", lambda each: each.q_path.max_error_um),
     ("q_velocity_rms_error_mm_s", "velocity of q, rms error [mm/s]", lambda each: each.q_speed.rms_error_mm_s),
@@ -186,7 +186,7 @@ def _pin(motion: Series) -> Any:
 
 
 def _judge_gear_speed(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge whether the mean gear speed is the crank speed over the ratio, within 1e-3, in the starts without load.
+    """Judge whether the mean disc speed is the crank speed over the ratio, within 1e-3, in the starts without load.
 
     `evidence` are the mean speeds of the starts [rad/s], `rated` is the run under the rated load, whose speed is
     reported.

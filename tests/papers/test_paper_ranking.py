@@ -20,14 +20,14 @@ from cycloid_mj.comparison.fluctuation import Level
 def ranking(pin: tuple[float, ...], nonpin: tuple[float, ...], figure: str = "Fig. 6", load: float = 36.0) -> Ranking:
     levels = [Level(float(np.sqrt(np.mean(np.square(values)))), values) for values in (pin, nonpin)]
     starts = (StartSpread.of([level.rms]) for level in levels)
-    return Ranking("gear speed", figure, "rad/s", load, "pin", "nonpin", *levels, *starts)
+    return Ranking("disc speed", figure, "rad/s", load, "pin", "nonpin", *levels, *starts)
 
 
 def idle_ranking(pin: Sequence[float], nonpin: Sequence[float]) -> Ranking:
     """Starts without load; their turns, of which none is like another's, must not matter."""
     levels = Level(9.0, (9.0, 9.1, 9.2, 9.3)), Level(1.0, (1.0, 1.1, 1.2, 1.3))
     return Ranking(
-        "gear speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, StartSpread.of(pin), StartSpread.of(nonpin)
+        "disc speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, StartSpread.of(pin), StartSpread.of(nonpin)
     )
 
 
@@ -59,7 +59,7 @@ def test_an_idle_verdict_rests_on_independent_starts(pin, nonpin, verdict):
 def test_idle_sentences_state_the_starts():
     confirmed = idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)).sentence
     assert confirmed == (
-        "no load, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 to 3 rad/s (mean 2.5), "
+        "no load, disc speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 to 3 rad/s (mean 2.5), "
         "nonpin 1 to 1.9 rad/s (mean 1.45), ratio of the means 1.72"
     )
     overlapping = idle_ranking(eight(2.0, 3.0), eight(1.0, 2.5)).sentence
@@ -96,10 +96,10 @@ def test_chance_counts_orders_of_the_turns():
 
 def test_sentences_state_verdict_and_numbers():
     confirmed = ranking((2.0,) * 4, (1.0,) * 4)
-    assert confirmed.sentence.startswith("36 N m, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 rad/s")
+    assert confirmed.sentence.startswith("36 N m, disc speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 rad/s")
     assert confirmed.sentence.endswith("ratio 2.00")
     contradicted = ranking((1.0,) * 4, (2.0,) * 4)
-    assert "36 N m, gear speed (Fig. 6): NOT CONFIRMED, nonpin fluctuates more" in contradicted.sentence
+    assert "36 N m, disc speed (Fig. 6): NOT CONFIRMED, nonpin fluctuates more" in contradicted.sentence
     assert "(not in the paper): nonpin fluctuates more" in ranking((1.0,) * 4, (2.0,) * 4, figure="").sentence
     assert "NOT CONFIRMED, both are alike" in ranking((1.0,) * 4, (1.0,) * 4).sentence
     assert "UNDECIDED" in ranking((1.0,), (2.0,)).sentence
@@ -115,10 +115,10 @@ def test_summary_states_for_each_load_what_is_confirmed():
         ranking((2.0,), (1.0,), "Fig. 8"),
     ]
     assert summary(ranked) == [
-        "no load, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 6); "
-        "not determined for gear speed (Fig. 7)",
-        "36 N m, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 7); "
-        "not confirmed for gear speed (Fig. 6); undecided for gear speed (Fig. 8)",
+        "no load, pin fluctuates more than nonpin: confirmed for disc speed (Fig. 6); "
+        "not determined for disc speed (Fig. 7)",
+        "36 N m, pin fluctuates more than nonpin: confirmed for disc speed (Fig. 7); "
+        "not confirmed for disc speed (Fig. 6); undecided for disc speed (Fig. 8)",
     ]
 
 
@@ -131,16 +131,16 @@ def test_rankings_carry_the_figures_of_the_paper():
 
 def test_runs_are_judged_load_by_load():
     verdicts = {(r.quantity, r.load_nm): r.verdict for r in rankings(pair(20.0) + pair(0.0, pin=0.001, nonpin=0.002))}
-    assert verdicts["gear speed", 20.0] == "confirmed"
-    assert verdicts["gear speed", 0.0] == "not determined"
+    assert verdicts["disc speed", 20.0] == "confirmed"
+    assert verdicts["disc speed", 0.0] == "not determined"
     assert verdicts["acceleration of the output", 20.0] == "alike"
 
 
 def test_idle_runs_are_judged_by_their_starts():
     found = rankings([*started_pair(), *pair(20.0)])
     verdicts = {(r.quantity, r.load_nm): (r.verdict, r.starts) for r in found}
-    assert verdicts["gear speed", 0.0] == ("confirmed", STARTS)
-    assert verdicts["gear speed", 20.0] == ("confirmed", 1)
+    assert verdicts["disc speed", 0.0] == ("confirmed", STARTS)
+    assert verdicts["disc speed", 20.0] == ("confirmed", 1)
     # the same motion of every start in both designs
     assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
     assert len(found[0].pin_starts.values) == STARTS
@@ -179,9 +179,9 @@ def test_decisions_name_what_closes_the_gap():
     damped, fixed = (tuple(rankings(pair(20.0, pin=size))) for size in (0.0019, 0.0011))
     points = [Varied("damping", "1.0", damped), Varied("pins", "fixed", fixed)]
     found = decisions(base, points)
-    decision = next(text for text in found if "gear speed" in text)
+    decision = next(text for text in found if "disc speed" in text)
     assert decision == (
-        "20 N m, gear speed, pin / nonpin: ratio 2.00; damping 1.0: 1.90; pins fixed: 1.10: decided by pins"
+        "20 N m, disc speed, pin / nonpin: ratio 2.00; damping 1.0: 1.90; pins fixed: 1.10: decided by pins"
     )
     assert decisions(base, []) == []
     assert "decided by none" in decisions(base, points[:1])[0]
