@@ -142,7 +142,7 @@ def test_idle_runs_are_judged_by_their_starts():
     assert verdicts["disc speed", 0.0] == ("confirmed", STARTS)
     assert verdicts["disc speed", 20.0] == ("confirmed", 1)
     # the same motion of every start in both designs
-    assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
+    assert verdicts["acceleration of the disc's centre", 0.0] == ("not determined", 1)
     assert len(found[0].pin_starts.values) == STARTS
 
 
