@@ -67,7 +67,7 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
 
     judged = ruling(motions, lambda one: one.mean_spin > 0.0, words, judged=_one_way)
     return statements.PIN_1_SPIN.judge(
-        ours=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
+        ours=spread_value(f"mean speed {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
         searched=motions.ranges,
         rated=Value(
