@@ -41,7 +41,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.terminal import say_json
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
@@ -413,7 +413,7 @@ def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptio
     for design in designs:
         name_in_progress = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = count_progress(name_in_progress, delivery.quiet)
-        published_values = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
+        published_values = {"published": published_torques(reducer_of(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published_values, progress=progress))
     for measurement, destination in zip(measurements, destinations, strict=True):
         _deliver_measurement(measurement, destination, delivery)

@@ -22,7 +22,10 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "design check",
         "export",
         "figures",
-        *(f"measure {name}" for name in ("te", "backlash", "lost-motion", "loads")),
+        *(
+            f"measure {name}"
+            for name in ("te", "backlash", "lost-motion", "loads", "torque", "efficiency", "vibration")
+        ),
         "rate",
         "reduce",
         "report",

@@ -1,4 +1,4 @@
-"""Back-driving: the output torque from rest, with a free crank."""
+"""Back-driving: the output torque from rest, with a free crank or sun."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from cycloid_mj.comparison import StartSpread, independent_starts
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking_sign
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class BreakAwaySettings:
     min_time: float = 0.04
     """Shortest time of growth [s]."""
     turned: float = math.radians(0.1)
-    """Rotation of a free crank [rad] from which it turns; within the clearances it moves by less."""
+    """Rotation of a free crank or sun [rad] from which it turns; within the clearances it moves by less."""
     min_travel: float = 0.25
     """Rotation over that of a crank without friction, below which the crank only creeps, or stays at rest."""
     min_rotation: float = 30.0 * turned
@@ -108,7 +108,8 @@ class BreakAway:
         if self.spread is None:
             largest = max(start.max_torque for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
-            return f"{SELF_LOCKING} with no torque on the crank, by up to {largest:g} N m on the output{turns}"
+            driven = self.run.driven_shaft
+            return f"{SELF_LOCKING} with no torque on the {driven}, by up to {largest:g} N m on the output{turns}"
         if not self.exceeds_error:
             return (
                 f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its error, as the weight of the discs "
@@ -124,7 +125,9 @@ class BreakAway:
         count, turning = len(self.starts), len(self.turning)
         if count == 1:
             return "one start, as there is no gravity"
-        stuck = f"; from the other {count - turning} the crank stays at rest" if turning < count else ""
+        stuck = (
+            f"; from the other {count - turning} the {self.run.driven_shaft} stays at rest" if turning < count else ""
+        )
         words = self.spread.words if self.spread else ""
         return f"{words} N m over {turning} starts around the crank turn{stuck}"
 
@@ -146,7 +149,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     and its error [N m] at each starting position, their mean and range, and whether the drive is self-locking.
     """
     return BreakAway(
-        tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))
+        tuple(each_in_threads(lambda start: _find_break_away(reducer_of(start), solver), independent_starts(reducer)))
     )
 
 
@@ -178,9 +181,10 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     growth_time = max(START.min_time, math.sqrt(START.min_rotation / frictionless_rate), crossing_time)
     cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * max_torque * time / growth_time)
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, model, cycle)
-    moving_run = run.select(np.abs(run["crank_angle"]) > START.turned)
+    angle = np.abs(run[f"{reducer.INPUT}_angle"])
+    moving_run = run.select(angle > START.turned)
     frictionless_rotation = frictionless_rate * growth_time**2
-    if abs(run["crank_angle"][-1]) < START.min_travel * frictionless_rotation or len(moving_run) < START.min_samples:
+    if angle[-1] < START.min_travel * frictionless_rotation or len(moving_run) < START.min_samples:
         return StartFromRest(math.nan, math.nan, max_torque, run)
     growth, count = max_torque / growth_time, len(moving_run)
     windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
@@ -190,5 +194,5 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
 
 def _zero_acceleration_time(run: Run) -> float:
     """Fit a parabola to the crank speed of a run by least squares; return its vertex's time [s]."""
-    quadratic, linear, _ = np.polyfit(run.time - run.time[0], run["crank_speed"], 2)
+    quadratic, linear, _ = np.polyfit(run.time - run.time[0], run[f"{run.driven_shaft}_speed"], 2)
     return float(run.time[0] - linear / (2.0 * quadratic))

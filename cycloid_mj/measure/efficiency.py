@@ -17,14 +17,14 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, spread
-from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
+from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, published_efficiency
 from cycloid_mj.measure.conditions import STEADY, drag_assumption, friction_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, OperatingPoint, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import interpolate_friction
-from cycloid_mj.measure.steady import averaging_periods, steady_design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.measure.steady import averaging_periods, periods_text, steady_design
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import sampled_efficiency
 
 
@@ -62,7 +62,7 @@ def efficiency(
     loads
         Output torques of the map [N m], above 0; by default the rated torque times each of `MAP.torques`.
     speeds
-        Crank speeds of the map [rad/s], above 0; by default the design's speed times each of `MAP.speeds`.
+        Speeds of crank or sun in the map [rad/s], above 0; by default the design's speed times each of `MAP.speeds`.
     quick
         Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
         rated point.
@@ -77,7 +77,7 @@ def efficiency(
         Efficiencies [%], losses [W] and no-load and back-driving torques [N m], with numerical errors and closed forms;
         curves over the torque, tables of the map and of the losses.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     steady_reducer = steady_design(reducer)
     rated, speed = steady_reducer.design.rated_torque, steady_reducer.design.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else MAP.torques)]
@@ -126,14 +126,16 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
 def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """Return the efficiency at the rated point and in the ideal limit, and the residual of the energy balance [%]."""
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
-    ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
+    ideal, formula = ideal_efficiency(reducer, load), published_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     inputs = spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)
-    measured = Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=f"{inputs}; {AS_BUILT}")
+    measured = Quantity(
+        "efficiency", f"efficiency {condition}", efficiency, "%", error, note=f"{inputs}; {AS_BUILT[reducer.LAYOUT]}"
+    )
     limit = Quantity(
         "efficiency_ideal_limit",
-        "the same with fixed pins or lobes, without clearance, with a rigid cam",
+        f"the same with fixed pins or lobes, without clearance, with {reducer.RIGID_BEARING}",
         1e2 * efficiency_map.ideal.powers.efficiency,
         "%",
         1e2 * efficiency_map.ideal.shift,
@@ -145,8 +147,10 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
         measured = replace(measured, reference=statics.value, source=source, low=statics.low, high=statics.high)
         return [replace(measured, causes=statics.causes), limit, balance]
     limit_note = (
-        f"{wang.source}: {1e2 * wang.efficiency:.2f} %, without the cam's bearing and without the moment by which "
-        "friction turns the disc back, which increases the tooth forces"
+        f"{formula.source}: {1e2 * formula.efficiency:.2f} %, without the cam's bearing and without the moment by "
+        "which friction turns the disc back, which increases the tooth forces"
+        if formula
+        else ""
     )
     reference, source = 1e2 * ideal.efficiency, ideal.source
     return [
@@ -185,26 +189,26 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     The torques are NaN, with a note, where the reducer is self-locking. The torque from rest is also NaN if it does not
     exceed its error.
     """
-    design = reducer.design
+    design, driven = reducer.design, reducer.INPUT
     ratio, start_from_rest = design.reduction, efficiency_map.rest
     forward_efficiency = efficiency_map.rated.powers.efficiency
     back_driven = efficiency_map.backward
     backward, shift = (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
     is_self_locking = not backward > 0.0
     driving_torque = math.nan if is_self_locking else design.rated_torque / backward
-    lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
+    lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the {driven}"
     contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
     unloaded_point, coasting = efficiency_map.unloaded, efficiency_map.coasting
-    moving_torque, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the crank"
+    moving_torque, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the {driven}"
     if coasting is not None:
         moving_torque, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
-    static_names = "back_driving_torque_static", "back-driving torque from rest, crank free"
+    static_names = "back_driving_torque_static", f"back-driving torque from rest, {driven} free"
     static = (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
-    moving_names = "back_driving_torque_moving", "back-driving torque at speed, crank free"
+    moving_names = "back_driving_torque_moving", f"back-driving torque at speed, {driven} free"
     return [
         Quantity(
             "no_load_torque",
-            "no-load torque, on the crank",
+            f"no-load torque, on the {driven}",
             unloaded_point.drag,
             "N m",
             unloaded_point.drag_shift,
@@ -214,7 +218,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
         Quantity(*static_names, static[0], "N m", static[1], note=start_from_rest.note),
         Quantity(
             "back_driving_torque_rated",
-            f"output torque that drives against {design.drive.torque:g} N m on the crank",
+            f"output torque that drives against {design.drive.torque:g} N m on the {driven}",
             driving_torque,
             "N m",
             None if is_self_locking else driving_torque * shift / backward,
@@ -264,12 +268,12 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
-    """Return curves over the output torque: efficiency at each speed, losses at one speed, and speed of a free crank.
+    """Return curves over the output torque: efficiency at each speed, losses at one speed, and speed of a free input.
 
     Losses are drawn at the design's speed, or at the last speed of the map if the map does not contain the design's
-    speed. Losses that are 0 are omitted. The free crank starts from rest under a growing output torque.
+    speed. Losses that are 0 are omitted. The free crank or sun starts from rest under a growing output torque.
     """
-    x, rest_run = "output torque [N m]", efficiency_map.rest.run
+    x, rest_run, driven = "output torque [N m]", efficiency_map.rest.run, efficiency_map.rest.run.driven_shaft
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     curves = []
     for speed in speeds:
@@ -284,11 +288,9 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
         curves.append(
             _curve_over_torque(f"losses at {shown_speed / RPM:g} rpm", name, points, shares, "share of the input [%]")
         )
-    torque, crank = np.abs(rest_run["load_torque"]), np.abs(rest_run["crank_speed"])
-    return (
-        *curves,
-        Curve("from rest with free crank under growing output torque", "", torque, crank, x, "crank [rad/s]"),
-    )
+    torque, free_speed = np.abs(rest_run["load_torque"]), np.abs(rest_run[f"{driven}_speed"])
+    panel = f"from rest with free {driven} under growing output torque"
+    return (*curves, Curve(panel, "", torque, free_speed, x, f"{driven} [rad/s]"))
 
 
 def _points_at_speed(grid: Sequence[OperatingPoint], speed: float) -> list[OperatingPoint]:
@@ -309,8 +311,6 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
 
     `periods` is the number of mesh periods of the averages.
     """
-    design = reducer.design
-    pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds
     creep_speed = 1e3 * reducer.contacts.creep_speed
     return (
@@ -318,8 +318,8 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
         "contacts of each run have the secant stiffness of its load (that of the output torque without losses); from "
         "rest that of the rated load, which is "
         f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",
-        f"mean over {periods} mesh periods, {pins:g} periods of the output pins (two crank turns under loads where "
-        "the weight of the discs matters); constant speed of the crank, or of the output where the crank is free",
+        f"{periods_text(reducer, periods)} (two crank turns under loads where the weight of the discs matters); "
+        f"constant speed of the {reducer.INPUT}, or of the output where the {reducer.INPUT} is free",
         f"friction rises with the sliding speed up to {creep_speed:g} mm/s under the working force, and is constant "
         "above",
         "numerical error: change with half the time step (unless --quick) or half the averaging time, whichever is "

@@ -20,7 +20,7 @@ from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import STEADY, halve_time_step
 from cycloid_mj.measure.spread import INPUTS, Input, InputEffect, assumed_inputs, creep_variants, input_effects
 from cycloid_mj.measure.steady import averaging_periods, first_half, run_steady
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 _RUNS = {
     "rated": "rated, {}",
@@ -135,7 +135,9 @@ def run_map(
     }
     tasks |= _named_tasks(reducer, periods, check_step, break_away_result.is_locked, solver)
     varied_inputs = assumed_inputs(reducer)
-    variants: dict[Hashable, Reducer] = {variant: Reducer(variant) for item in varied_inputs for variant in item.ends}
+    variants: dict[Hashable, Reducer] = {
+        variant: reducer_of(variant) for item in varied_inputs for variant in item.ends
+    }
     variants |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.FRICTION_TABLE.common}
     for key, variant in variants.items():
         tasks[key] = partial(run_forward, massless(variant), rated_torque, speed, INPUTS.periods, solver)

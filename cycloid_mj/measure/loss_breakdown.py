@@ -1,14 +1,16 @@
-"""Breakdown of an efficiency into the losses of teeth, cam, output, seals and damping."""
+"""Breakdown of an efficiency into the losses of teeth, bearings or planets, seals and damping."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from cycloid_mj.base.names import DRAGS
+from cycloid_mj.base.names import CRANK_BEARING, DRAGS, PLANET_MESH
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Table
 from cycloid_mj.measure.published import Published
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
+STAGES = {"cam": "cam", "output": "output", CRANK_BEARING: "crank bearings", PLANET_MESH: "planets"}
+"""Further kinds of pairs, and the parts that they belong to."""
 DAMPING = "damping of all contacts"
 NOTES = {
     "seals": "drag.crank_nm, drag.output_nm",
@@ -18,7 +20,8 @@ NOTES = {
 
 def loss_shares(powers: Powers) -> dict[str, float]:
     """Compute the loss of each part as a share of the input power [1], and the damping of all contacts."""
-    parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
+    stages = {part: (kind,) for kind, part in STAGES.items() if kind in powers.friction}
+    parts = {"teeth": TEETH, **stages, "seals": tuple(DRAGS)}
     friction = {part: sum(powers.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
     losses = {**friction, DAMPING: sum(powers.normal.values())}
     return {part: power / powers.supplied for part, power in losses.items()}

@@ -1,11 +1,30 @@
-"""Forces of ring and bearings on the housing, their moments, and the unbalance of discs and shaft."""
+"""Forces of ring and bearings on the housing, their moments, and the unbalance of discs, shaft or cranks.
 
+In an RV reducer, the carrier transmits the forces of discs and planets on the cranks to its bearings. The sun has
+bearings only if it does not float.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
+from cycloid_mj.base.names import (
+    CAM,
+    CRANK,
+    CRANK_BEARING,
+    FORCE_X,
+    FORCE_Y,
+    GEAR,
+    HOUSING,
+    OUTPUT,
+    PLANET_MESH,
+    SHAFT,
+    SUN,
+    column,
+    planar_speeds,
+)
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import (
@@ -17,10 +36,9 @@ from cycloid_mj.parts import (
     mass_chord_error,
     mass_properties,
     moving_masses,
-    pin_solid,
 )
-from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.bearings import Reactions, compute_spatial_reactions
+from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.statics.bearings import Planes, Reactions, compute_spatial_reactions
 
 
 @dataclass(frozen=True)
@@ -28,7 +46,8 @@ class Unbalance:
     """Unbalance of the parts that rotate with the crank."""
 
     bare: float
-    """Static unbalance of gears and cams without a counterweight, the sum of m c [kg m]."""
+    """Static unbalance of gears and cams, or of the discs of an RV reducer, without a counterweight: the sum of m c
+    [kg m]."""
     balanced: float
     """The same with the counterweight, if there is one [kg m]."""
     couple: float
@@ -38,7 +57,7 @@ class Unbalance:
 
 @dataclass(frozen=True, eq=False)
 class Reaction:
-    """Forces on the housing [N], shape (n, 2) each: of the ring's teeth, of the crank's bearing, of the output's."""
+    """Forces on the housing [N], shape (n, 2) each: of the ring's teeth, and of the bearings of input and output."""
 
     ring: Array
     crank: Array
@@ -62,13 +81,10 @@ def _gear(reducer: Reducer) -> MassProperties:
 
 
 def weight_force(reducer: Reducer) -> Array:
-    """Compute the weight of all moving bodies [N], shape (2,): gears, shaft, output, and moving pins or sleeves."""
-    design = reducer.design
-    masses = body_masses(reducer)
-    mass = sum(part.mass for part in masses.values()) + (design.gear.discs - 1) * masses[GEAR].mass
-    if design.ring.has_pin_bodies:
-        mass += design.ring.teeth * mass_properties(pin_solid(reducer)).mass
-    return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
+    """Compute the weight of all bodies that move [N], shape (2,)."""
+    masses, environment = moving_masses(reducer), reducer.design.environment
+    mass = sum(masses[body.part].mass for body in reducer.mechanism.bodies if body.joints)
+    return mass * np.array([environment.gravity_x, environment.gravity_y])
 
 
 def unbalance(reducer: Reducer) -> Unbalance:
@@ -76,9 +92,12 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
     With one disc, `Unbalance.bare` is without the counterweight and `Unbalance.balanced` with it; all values are
     components along the eccentric, with a sign. With several discs there is no counterweight, so both are equal; all
-    values are magnitudes.
+    values are magnitudes. The same holds for RV reducers. Their couple includes the eccentrics of the cranks, but their
+    static unbalance does not, as in simulations; it is zero with several discs.
     """
     design = reducer.design
+    if isinstance(reducer, RvReducer):
+        return _rv_unbalance(reducer)
     shaft_solid, gear_mass, eccentricity = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
     shaft_mass, discs = mass_properties(shaft_solid), design.gear.discs
     centroid, z = shaft_mass.centroid[:2], shaft_mass.centroid[2]
@@ -94,6 +113,26 @@ def unbalance(reducer: Reducer) -> Unbalance:
         Solid(CAM, (crank_segments(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
     )
     return Unbalance(gear_mass.mass * eccentricity + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
+
+
+def _rv_unbalance(reducer: RvReducer) -> Unbalance:
+    gear, masses = reducer.design.gear, moving_masses(reducer)
+    directions, crank = unit(-np.array(reducer.phases)), masses[CRANK]
+    moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
+    couple = moment * np.array(gear.disc_planes) @ directions
+    couple += reducer.cranks.count * (crank.mass * crank.centroid[:2] * crank.centroid[2] - crank.inertia[:2, 2])
+    static = float(np.hypot(*(moment * directions.sum(axis=0))))
+    return Unbalance(static, static, float(np.hypot(*couple)))
+
+
+def carrier_tilting(run: Run, reducer: Reducer) -> Array:
+    """Compute the tilting moment of the discs on the carrier of an RV reducer [N m], shape (n, 2): about x, about y.
+
+    The forces of the cranks act in the plane of each disc; the moment is about the middle of all discs.
+    """
+    gear = reducer.design.gear
+    force = -run.forces(CRANK_BEARING).reshape(len(run), gear.discs, -1, 2).sum(axis=2)
+    return Planes(force, np.array(gear.disc_planes)).moment
 
 
 def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
@@ -112,17 +151,51 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
 
     The force of the ring is the sum of its logged contact forces. The force of crank or output on its bearing is the
     sum of its contact forces, plus its weight, minus its mass times acceleration. The centroid of the shaft moves on a
-    circle at the measured crank speed; that of the output is on the axis.
+    circle at the measured crank speed; that of the output is on the axis, as is that of all cranks of an RV reducer.
     """
-    masses = body_masses(reducer)
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])
     mechanism = reducer.mechanism
+    if isinstance(reducer, RvReducer):
+        return _rv_reaction(run, reducer, gravity)
+    masses = body_masses(reducer)
     return Reaction(
         ring=-_sum_forces(run, mechanism.against(HOUSING)),
         crank=-_sum_forces(run, mechanism.against(SHAFT))
         + masses[SHAFT].mass * (gravity - shaft_acceleration(run, masses[SHAFT])),
         output=-_sum_forces(run, mechanism.against(OUTPUT)) + masses[OUTPUT].mass * gravity,
     )
+
+
+def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
+    mechanism, masses = reducer.mechanism, moving_masses(reducer)
+    carried = [body for body in mechanism.bodies if body.carrier == OUTPUT]
+    on_cranks = [stem for body in carried for stem in mechanism.against(body.name)]
+    on_output = sum(masses[body.part].mass for body in carried) + masses[mechanism.turning].mass
+    # the force of a planet on the sun is logged; the bearings of a floating sun carry nothing
+    on_sun = run.forces(PLANET_MESH).sum(axis=1) + masses[SUN].mass * gravity
+    return Reaction(
+        ring=-_sum_forces(run, mechanism.against(HOUSING)),
+        crank=on_sun * (reducer.planet.sun_support == "fixed"),
+        output=-_sum_forces(run, on_cranks) + on_output * gravity,
+    )
+
+
+def inertia_force(run: Run, reducer: Reducer, disc_accelerations: Sequence[Array]) -> Array:
+    """Compute the force of discs and driven shaft on the housing by their accelerations alone [N], shape (m, 2).
+
+    `disc_accelerations` are those of the centre of each disc [m/s2], shape (m, 2) each. They are means from one sample
+    to the next, so m is one less than the number of samples.
+    """
+    masses, mechanism = moving_masses(reducer), reducer.mechanism
+    pairs = zip(mechanism.discs, disc_accelerations, strict=True)
+    force = -sum((masses[disc.part].mass * item for disc, item in pairs), start=np.zeros((len(run) - 1, 2)))
+    if not isinstance(reducer, RvReducer):
+        shaft = body_masses(reducer)[SHAFT]
+        return np.asarray(force - shaft.mass * shaft_acceleration(run, shaft)[1:])
+    if reducer.planet.sun_support == "fixed":
+        return force
+    sun_speed = run.block(planar_speeds(SUN)[:2])
+    return np.asarray(force - masses[SUN].mass * np.diff(sun_speed, axis=0) / np.diff(run.time)[:, np.newaxis])
 
 
 def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.base.result import Curve, Table
 from cycloid_mj.design import Design
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,21 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
+    if isinstance(reducer, RvReducer):
+        return [*pairs, PLANET_MESH]
     return pairs + ["output"] * (not design.output.has_needles) + ["cam"] * (design.gear.bearing == "plain")
 
 
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
     """Return the design with the law ``coulomb`` and one coefficient for all sliding pairs."""
-    return reducer.but(friction={**dict.fromkeys(sliding_pairs(reducer), friction), "law": "coulomb"})
+    coefficients = _coefficients(dict.fromkeys(sliding_pairs(reducer), friction))
+    return reducer.but(**coefficients | {"friction": {**coefficients["friction"], "law": "coulomb"}})
+
+
+def _coefficients(friction: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return friction coefficients by kind of sliding pair [1] as values of the design, by table."""
+    tables: dict[str, dict[str, float]] = {"friction": {k: value for k, value in friction.items() if k != PLANET_MESH}}
+    return tables | ({"planet": {"friction": friction[PLANET_MESH]}} if PLANET_MESH in friction else {})
 
 
 def common_name(friction: float) -> str:
@@ -166,7 +176,9 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick and not design.has_film:
         pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
-        rows += [FrictionVariant(pins, *case, reducer.but(friction=dict([case])).design) for case in pair_values]
+        rows += [
+            FrictionVariant(pins, *case, reducer.but(**_coefficients(dict([case]))).design) for case in pair_values
+        ]
     return rows + [
         FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design)
         for value in FRICTION_TABLE.common
@@ -179,6 +191,11 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
     Pairs that slide in the design have none.
     """
     rows, pins = [], pins_of(reducer)
+    if isinstance(reducer, RvReducer):
+        rolling_designs = {
+            value: reducer.but(friction={"cam_rolling": value}).design for value in FRICTION_TABLE.rolling
+        }
+        return [FrictionVariant(pins, f"{CRANK_BEARING}, rolling", *row) for row in rolling_designs.items()]
     plain_changes: dict[str, dict[str, Any]] = {
         "cam": {"gear": {"bearing": "plain"}},
         "output": {"output": {"rollers": False}},

@@ -1,17 +1,16 @@
-"""Runs at a steady state, over full periods of mesh and output pins."""
+"""Runs at a steady state, over full periods of the mesh and of output pins or cranks."""
 
 import math
 
 from cycloid_mj.analysis.warnings import balance_warnings
 from cycloid_mj.base.errors import warn
-from cycloid_mj.base.names import GEAR
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
 from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.conditions import STEADY, require_motion
-from cycloid_mj.measure.reaction import body_masses
+from cycloid_mj.parts import moving_masses
 from cycloid_mj.reducer import Reducer
 
 REMEDY = (
@@ -23,13 +22,13 @@ REMEDY = (
 def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = None) -> int:
     """Return the number of mesh periods to average over, at least `min_periods`.
 
-    Torque and losses of a drive with N ring teeth repeat with the mesh, every 2 pi/N of the crank, and with the n
-    output pins. m mesh periods are m n/(N - 1) periods of the output pins; the result is the smallest m at which this
-    is nearly a whole number. If the weight of the discs is not small compared with the `load` on the output [N m], by
-    default the nominal torque, the average is over two crank turns (`SteadySettings.heavy_disc_share`).
+    Torque and losses of a drive with N ring teeth repeat with the mesh, every 2 pi/N of the crank against the ring, and
+    with the n output pins or cranks. m mesh periods are m n/(N - 1) periods of these; the result is the smallest m at
+    which this is nearly a whole number. If the weight of the discs is not small compared with the `load` on the output
+    [N m], by default the nominal torque, the average is over two crank turns (`SteadySettings.heavy_disc_share`).
     """
     design = reducer.design
-    ratio = design.output.pins / design.lobes
+    ratio = reducer.carrying_parts[1] / design.lobes
     if _weight_matters(reducer, design.rated_torque if load is None else load):
         return max(min_periods, 2 * reducer.mesh_periods)
 
@@ -42,9 +41,20 @@ def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = N
 
 def _weight_matters(reducer: Reducer, load: float) -> bool:
     """Return whether the discs weigh more than ``STEADY.heavy_disc_share`` of the cam force under a load [N m]."""
-    design, gravity = reducer.design, reducer.design.environment
-    weight = design.gear.discs * body_masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
-    return weight * design.gear.eccentricity * design.reduction > STEADY.heavy_disc_share * abs(load)
+    gravity, member = reducer.design.environment, reducer.member
+    masses = moving_masses(reducer)
+    mass = sum(masses[disc.part].mass for disc in reducer.mechanism.discs)
+    weight = mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
+    crank_turns = abs(float(member.crank_angle(1.0) / member.output_angle(1.0)))
+    return weight * reducer.design.gear.eccentricity * crank_turns > STEADY.heavy_disc_share * abs(load)
+
+
+def periods_text(reducer: Reducer, periods: int) -> str:
+    """Describe the length of an average [mesh periods], also in periods of output pins or cranks."""
+    name, count = reducer.carrying_parts
+    return (
+        f"mean over {periods} mesh periods, {round(periods * count / reducer.design.lobes, 2):g} periods of the {name}"
+    )
 
 
 def run_steady(

@@ -1,4 +1,4 @@
-"""Test of Hsieh 2014, Fig. 19: constant torque on the crank, and a brake that keeps the speed of the output."""
+"""Test of Hsieh 2014, Fig. 19: constant torque on crank or sun, and a brake that keeps the speed of the output."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -28,8 +28,8 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Input, InputEffect
-from cycloid_mj.measure.steady import averaging_periods, first_half, run_steady, steady_design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.measure.steady import averaging_periods, first_half, periods_text, run_steady, steady_design
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.film import film_text
 
 _RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the time step"}
@@ -59,7 +59,7 @@ def torque(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; its crank speed is that of the test.
+        A design, or the name of a preset or a file; its speed is that of the test.
     quick
         Whether to average over a shorter time, skip the run with half the time step, and vary only the common friction.
     progress, solver
@@ -74,7 +74,7 @@ def torque(
         each with numerical error and closed form; curves of the torque; tables of the losses, and of the output rate at
         other values of friction and of other inputs.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)
     periods = averaging_periods(steady_reducer, STEADY.min_periods(quick))
     rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady_reducer)
@@ -92,7 +92,7 @@ def torque(
     error = rate_error(own_test, finer)
     explanation = explain_published(published, steady_reducer, by_row, None if quick else error, solver)
     by_name = _name_runs(steady_reducer, tested_drives, rows, assumed, explanation)
-    warn(reducer.design.name, joint_creep_warning(by_name | {"crank held": design_at_output_torque}))
+    warn(reducer.design.name, joint_creep_warning(by_name | {f"{reducer.INPUT} held": design_at_output_torque}))
     progress(len(tasks) + last, len(tasks) + last)
     quantities = _quantities(steady_reducer, own_test, finer, held_crank_efficiency, by_input)
     return Measurement(
@@ -110,9 +110,9 @@ def torque(
 
 
 def _describe_drive(reducer: Reducer) -> str:
-    """Format the torque on the crank and its speed, for the title of the measurement."""
+    """Format the torque on the driven shaft and its speed, for the title of the measurement."""
     drive = reducer.design.drive
-    return f"{drive.torque:.4g} N m on the crank, {abs(drive.speed) / RPM:.0f} rpm"
+    return f"{drive.torque:.4g} N m on the {reducer.INPUT}, {abs(drive.speed) / RPM:.0f} rpm"
 
 
 def _name_runs(
@@ -170,11 +170,11 @@ def _tested_drives(
     if half_step is not None:
         tested_drives["halved"] = (half_step, periods)
     for variant in variants:
-        drive = Reducer(variant.design)
+        drive = reducer_of(variant.design)
         tested_drives[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
     input_periods = averaging_periods(steady_reducer, spread.INPUTS.periods)
     ends = [end for item in varied_inputs for end in item.ends]
-    return tested_drives | {end: (massless(Reducer(end)), input_periods) for end in ends}
+    return tested_drives | {end: (massless(reducer_of(end)), input_periods) for end in ends}
 
 
 def _at_rated_torque(reducer: Reducer) -> Reducer:
@@ -191,8 +191,8 @@ def _quiet_rated_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedR
 def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
     """Run the test under the nominal torque over so many mesh periods."""
     run = run_brake_test(reducer, reducer.design.drive.torque, periods, solver)
-    output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
-    return BrakedRun(run, mean_powers(run), output, crank)
+    output, driven = (abs(float(np.mean(run[name]))) for name in ("load_torque", f"{run.driven_shaft}_torque"))
+    return BrakedRun(run, mean_powers(run), output, driven)
 
 
 def constant_speed_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
@@ -279,10 +279,13 @@ def _quantities(
     ripple_error = max(abs(float(np.ptp(other_torque)) - ripple) for other_torque in other_torques)
     rms_error = max(abs(float(np.std(other_torque)) - ripple_rms) for other_torque in other_torques)
     torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
-    inputs = spread.spread_text(powers.efficiency, by_input)
-    condition_text, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency
+    inputs, as_built = spread.spread_text(powers.efficiency, by_input), AS_BUILT[reducer.LAYOUT]
+    condition_text, rate_by_powers = (
+        f"efficiency at constant {reducer.INPUT} speed under this load",
+        1e2 * powers.efficiency,
+    )
     return [
-        Quantity("output_torque", "output torque", test.output, "N m", torque_error, *torque_reference, AS_BUILT),
+        Quantity("output_torque", "output torque", test.output, "N m", torque_error, *torque_reference, as_built),
         Quantity(
             "output_rate",
             f"output rate, of {rated_torque:g} N m",
@@ -331,7 +334,7 @@ def _tables(
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
     """Return curves of a test's output torque [N m] over the crank angle, and of the amplitudes of its crank orders."""
-    torque, angle = test.run["load_torque"], test.run["crank_angle"]
+    torque, angle = test.run["load_torque"], reducer.member.crank_angle(test.run[f"{test.run.driven_shaft}_angle"])
     swept = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
@@ -352,10 +355,8 @@ def _friction_text(reducer: Reducer) -> str:
     if design.has_film:
         return film_text(reducer)
     friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
-    return (
-        f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}"
-    )
+    bearings = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in reducer.BEARING_PAIRS)
+    return f"friction of the pairs that slide: {friction}; of rolling bearings: {bearings}"
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
@@ -363,14 +364,11 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
 
     `periods` is the number of mesh periods of the averages.
     """
-    design = reducer.design
-    pins = round(periods * design.output.pins / design.lobes, 2)
     return (
         f"{_friction_text(reducer)}; {drag_assumption(reducer)}; the bearings of the shafts are neglected",
         "contacts have the secant stiffness of one working force in all runs: "
-        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
-        f"mean over {periods} mesh periods, {pins:g} periods of the output pins: the torque repeats with both, and "
-        "hardly with the crank turn",
+        f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",
+        f"{periods_text(reducer, periods)}: the torque repeats with both, and hardly with the crank turn",
         "the motor's torque falls with its speed, which damps the oscillation of its inertia on the mesh within "
         f"{1e3 * DECAY:g} ms (to 1/e); its mean is the given torque, as the brake keeps the mean speed",
         "numerical error: change with half the time step (unless --quick) or half the averaging time, whichever is "

@@ -13,6 +13,7 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.dynamics.run import Solver, model_for
@@ -21,18 +22,18 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.reaction import unbalance, weight_force
 from cycloid_mj.measure.trace import copy_model
 from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 SPEED_FRACTIONS = (0.5, 0.75, 1.0, 1.25, 1.5)
-"""Crank speeds of the sweep relative to the design's."""
+"""Speeds of the sweep relative to the design's."""
 SHOWN = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
-_RPM, _HZ = "crank speed [rpm]", "frequency [Hz]"
+_HZ = "frequency [Hz]"
 _NOTE = "sum of all contact forces; m a does not include the inertia of free pins and sleeves"
 _SIGNALS = {"gear_centre": ("acceleration of the disc's centre", "m/s2")}
 _SIGNALS |= {"output": ("acceleration of the output", "rad/s2"), "housing": ("force on the housing", "N")}
 _OF_COUNTERWEIGHT = {"housing_bare": ("force on the housing, no counterweight", "N")}
-"""Signals of a single disc, which a counterweight balances."""
+"""Signals of a single disc on a central crank, which a counterweight balances."""
 _OF_PLANES = {
     "shaft_tilting": ("tilting moment of the discs on the shaft", "N m"),
     "output_tilting": ("tilting moment of the discs on the output", "N m"),
@@ -40,7 +41,11 @@ _OF_PLANES = {
     "shaft_bearing_near": ("force of the shaft's bearing near the discs", "N"),
 }
 """Signals of several discs, whose forces act in different planes."""
-_ALL = _SIGNALS | _OF_COUNTERWEIGHT | _OF_PLANES
+_LAYOUT_SIGNALS: Mapping[Layout, tuple[Mapping[str, tuple[str, str]], Mapping[str, tuple[str, str]]]] = {
+    "central": (_OF_COUNTERWEIGHT, _OF_PLANES),
+    "rv": ({}, {"output_tilting": ("tilting moment of the discs on the carrier", "N m")}),
+}
+"""Further signals of each layout, with a single disc and with several discs."""
 
 
 @shows_progress
@@ -62,7 +67,8 @@ def vibration(
     load
         Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     speeds
-        Crank speeds besides the design's [rad/s]; by default the design's speed times each of `SPEED_FRACTIONS`.
+        Speeds of crank or sun besides the design's [rad/s]; by default the design's speed times each of
+        `SPEED_FRACTIONS`.
     turns
         Crank turns of each run after it has settled.
     quick
@@ -76,7 +82,7 @@ def vibration(
         For each load the rms accelerations of disc centre [m/s2] and output [rad/s2], forces on the housing [N] and
         unbalance, with numerical errors and closed forms; curves over the speed and spectra.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     require_motion(reducer)
     require_pin_bodies(reducer, "vibration")
     speed, torques = reducer.design.drive.speed, load_cases(reducer, load)
@@ -111,7 +117,7 @@ def _run_sweep(
     solver: Solver,
     progress: Progress,
 ) -> list[VibrationRun]:
-    """Simulate every load at every crank speed [rad/s], each over some crank `turns`.
+    """Simulate every load at every speed of the driven shaft [rad/s], each over some crank `turns`.
 
     With `check_step`, runs at the design's speed with half the time step follow. `torques` maps the name of a load to
     the torque on the output [N m].
@@ -126,14 +132,15 @@ def _run_sweep(
     return each_in_threads(lambda task: run_vibration(*task), tasks, progress)
 
 
-def _signal_keys(reducer: Reducer) -> tuple[str, ...]:
-    """List the keys of a design's signals."""
-    return (*_SIGNALS, *(_OF_PLANES if reducer.design.gear.discs > 1 else _OF_COUNTERWEIGHT))
+def _signals(reducer: Reducer) -> dict[str, tuple[str, str]]:
+    """Return the name and unit of each signal of a design, by key."""
+    return _SIGNALS | dict(_LAYOUT_SIGNALS[reducer.LAYOUT][reducer.design.gear.discs > 1])
 
 
 def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
     """List the keys of the signals whose spectra are drawn."""
-    return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
+    _, of_planes = _LAYOUT_SIGNALS[reducer.LAYOUT]
+    return (*SHOWN, *(of_planes if reducer.design.gear.discs > 1 else ()))
 
 
 def _level_quantities(
@@ -153,22 +160,21 @@ def _level_quantities(
     half_step_runs
         Runs with half the time step by load, for the error; empty without this check.
     """
-    orbit_acceleration, weight = (
-        reducer.design.gear.eccentricity * reducer.design.drive.speed**2,
-        float(np.hypot(*weight_force(reducer))),
-    )
+    orbit_acceleration = reducer.design.gear.eccentricity * reducer.orbit_speed**2
+    weight, all_signals = float(np.hypot(*weight_force(reducer))), _signals(reducer)
     for run in runs:
         half_step_run = half_step_runs.get(run.load)
-        for key in _signal_keys(reducer):
-            name, unit = _ALL[key]
+        for key, (name, unit) in all_signals.items():
             value, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
             error = None if error is None else max(error, abs(run.rms_of_half(key) - value))
-            reference, source = (run.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
+            reference, source = (
+                (run.rms("momentum"), f"m a of disc and {_shaft(reducer)}") if key == "housing" else (None, "")
+            )
             note = _NOTE if key == "housing" else ""
             level_name = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
             yield Quantity(f"{key}_rms_{run.load}", level_name, value, unit, error, reference, source, note)
         for key in _spectrum_keys(reducer):
-            name, _ = _ALL[key]
+            name, _ = all_signals[key]
             level_name = f"share of the power of the {name} above {5e-4 * run.rate:.3g} kHz, {run.load}"
             error = _step_change(run, half_step_run, methodcaller("above", key))
             error = None if error is None else 1e2 * error
@@ -193,14 +199,13 @@ def _unbalance_quantities(
     The force is that in the first of the `runs`. Its closed form is the sum of m c omega^2, with mass, eccentricity and
     crank speed. `half_step_runs` are the runs with half the time step by load, for the error.
     """
-    unbalances, speed_squared, is_single_disc = (
-        unbalance(reducer),
-        reducer.design.drive.speed**2,
-        reducer.design.gear.discs == 1,
-    )
+    unbalances, speed_squared = unbalance(reducer), reducer.orbit_speed**2
+    has_counterweight = "housing_bare" in _signals(reducer)
     first_run, half_step_run = runs[0], half_step_runs.get(runs[0].load)
-    unbalanced_text, balanced_text = (", without counterweight", ", with counterweight") if is_single_disc else ("", "")
-    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if is_single_disc else []
+    unbalanced_text, balanced_text = (
+        (", without counterweight", ", with counterweight") if has_counterweight else ("", "")
+    )
+    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if has_counterweight else []
     for key, condition, closed_form in (*without_weight, ("housing", balanced_text, unbalances.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
@@ -212,9 +217,12 @@ def _unbalance_quantities(
             source="sum of m c omega^2",
         )
     couple = abs(unbalances.couple) * speed_squared
-    arrangement = "the counterweight lies next to the disc" if is_single_disc else "discs balance each other"
+    arrangement = "the counterweight lies next to the disc" if has_counterweight else "discs balance each other"
     note = f"{arrangement}: the force is balanced, the couple is not"
-    yield Quantity("unbalance", f"unbalance{unbalanced_text or ' of discs and cams'}", 1e6 * unbalances.bare, "g mm")
+    if reducer.design.gear.discs == 1 and not has_counterweight:
+        note = "a single disc is not balanced"
+    parts = " of discs" if isinstance(reducer, RvReducer) else " of discs and cams"
+    yield Quantity("unbalance", f"unbalance{unbalanced_text or parts}", 1e6 * unbalances.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced_text}", couple, "N m", note=note)
 
 
@@ -225,28 +233,32 @@ def _step_change(
     return None if half_step_run is None else abs(read(half_step_run) - read(run))
 
 
+def _shaft(reducer: Reducer) -> str:
+    """Return the name of the part whose acceleration is in the force by momentum, with that of the discs."""
+    return "sun" if isinstance(reducer, RvReducer) else "shaft"
+
+
 def _mean_force(run: VibrationRun) -> float:
     return float(np.hypot(*run.mean_force))
 
 
 def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield a curve of each signal and load: the rms level over the magnitude of the crank speed [rpm].
+    """Yield a curve of each signal and load: the rms level over the magnitude of the speed of crank or sun [rpm].
 
     The force on the housing without counterweight also has a curve of its closed form, m c omega^2 of the discs.
     """
-    static_unbalance = unbalance(reducer).bare
-    for key in _signal_keys(reducer):
-        name, unit = _ALL[key]
+    static_unbalance, speed_label = unbalance(reducer).bare, f"{reducer.INPUT} speed [rpm]"
+    for key, (name, unit) in _signals(reducer).items():
         panel = f"rms of the {name}"
         loads = dict.fromkeys(run.load for run in runs)
         if key == "housing_bare":
             rpm = np.linspace(0.0, max(abs(run.rpm) for run in runs), 61)
             force = static_unbalance * (rpm * RPM) ** 2
-            yield Curve(panel, "sum of m c omega^2", rpm, force, _RPM, f"rms [{unit}]", "theory")
+            yield Curve(panel, "sum of m c omega^2", rpm, force, speed_label, f"rms [{unit}]", "theory")
         for load in loads:
             points = [run for run in runs if run.load == load]
             x, y = np.array([abs(point.rpm) for point in points]), np.array([point.rms(key) for point in points])
-            yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
+            yield Curve(panel, load, x, y, speed_label, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
@@ -256,9 +268,9 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
     than the window of the spectrum have none.
     """
     for key in _spectrum_keys(reducer):
-        name, unit = _ALL[key]
+        name, unit = _signals(reducer)[key]
         for run in runs:
-            turns_per_second = abs(run.speed) / (2.0 * np.pi)
+            turns_per_second = abs(run.crank_speed) / (2.0 * np.pi)
             spectra = [orders for axis in run.signals[key].T if (orders := tapered_orders(run.crank, axis)) is not None]
             if spectra:
                 amplitude = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in spectra], axis=0))
@@ -270,9 +282,14 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
     """Return the sentences on bearings, references, sampling, load and numerical errors of the runs."""
+    shaft_beam = (
+        ""
+        if isinstance(reducer, RvReducer)
+        else ", and the shaft is a beam on its two bearings, without its own unbalance"
+    )
     disc_planes = (
         "several discs: the disc's centre is that of disc 1; forces act in the plane of each disc, tilting moments "
-        "are about the middle of all discs, and the shaft is a beam on its two bearings, without its own unbalance",
+        f"are about the middle of all discs{shaft_beam}",
     )
     return (
         "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and weight",
@@ -286,7 +303,7 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
         f"unloaded: a drag of {STEADY.drag_share:.0%} of the nominal torque, which presses the flanks together before "
         "the window; the spectra are at the design's speed",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",
         "numerical error: change with half the time step at the design's speed (not available with --quick), of an "
         "rms also the change with half the window; unloaded pins rattle, and a run with other rounding may differ by "
         "some percent",
@@ -294,5 +311,5 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
 
 
 def _sweep_row(reducer: Reducer, run: VibrationRun) -> dict[str, Any]:
-    levels = {f"{key}_rms": run.rms(key) for key in _signal_keys(reducer)}
+    levels = {f"{key}_rms": run.rms(key) for key in _signals(reducer)}
     return {"speed_rpm": run.rpm, "load": run.load, "orbit_m_s2": run.orbit, **levels}

@@ -12,7 +12,7 @@ import numpy as np
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import decimate
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
+from cycloid_mj.base.names import PEAK_FORCE, column, gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import RPM
@@ -22,13 +22,13 @@ from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.conditions import STEADY
 from cycloid_mj.measure.reaction import (
     bearing_reactions,
-    body_masses,
+    carrier_tilting,
+    inertia_force,
     reaction,
-    shaft_acceleration,
     without_counterweight,
 )
 from cycloid_mj.measure.trace import TRACE, preload_cycle
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 ACCELERATIONS = ("gear_centre", "output", "momentum")
 """Signals that are differences of velocities: means between samples."""
@@ -41,15 +41,18 @@ class VibrationRun:
     load: str
     """``unloaded`` or ``loaded``."""
     speed: float
-    """Speed of the crank [rad/s], signed."""
+    """Speed of the driven shaft, crank or sun [rad/s], signed."""
+    crank_speed: float
+    """Speed of the crank or cranks against the ground [rad/s], signed."""
     crank: Array
     """Swept crank angles [rad], increasing, shape (n,)."""
     signals: Mapping[str, Array]
     """Key -> departures from the closed form or the mean: ``gear_centre`` [m/s2], (n, 2), ``output`` [rad/s2], (n, 1),
     ``housing``, ``housing_bare`` (without counterweight) and ``momentum`` [N], (n, 2). The last is the force on the
-    housing by the accelerations of gears and shaft alone, without that of free pins. Of several discs the centre is the
-    first's, and there are ``shaft_tilting`` and ``output_tilting`` [N m], the moments of the discs' forces about the
-    middle of all, ``shaft_bearing_far`` and ``shaft_bearing_near`` [N], (n, 2)."""
+    housing by the accelerations of gears and shaft alone, without that of free pins. ``housing_bare`` is that of a
+    single disc with a central crank. Of several discs the centre is the first's, and there are ``shaft_tilting`` and
+    ``output_tilting`` [N m], the moments of the discs' forces about the middle of all, ``shaft_bearing_far`` and
+    ``shaft_bearing_near`` [N], (n, 2); of an RV reducer there is only ``output_tilting``, on the carrier."""
     orbit: float
     """The rms magnitude of the gear centre's acceleration [m/s2]."""
     rate: float
@@ -78,11 +81,11 @@ class VibrationRun:
     def rotating(self, key: str) -> float:
         """Compute the magnitude of the part of a vector signal that rotates with the crank."""
         x, y = self.signals[key].T
-        return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.speed) * self.crank))))
+        return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.crank_speed) * self.crank))))
 
     @property
     def rpm(self) -> float:
-        """Crank speed [rpm]."""
+        """Speed of the driven shaft [rpm]."""
         return self.speed / RPM
 
 
@@ -93,7 +96,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
     all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated.
 
     `model` is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on the output
-    [N m] and `speed` the crank speed [rad/s].
+    [N m] and `speed` the speed of the driven shaft [rad/s].
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))
@@ -109,7 +112,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
     )
     run = simulate(reducer.design, model, preload_cycle(reducer, model))
     interval = float(np.mean(np.diff(run.time)))
-    masses, residuals = body_masses(reducer), acceleration(series(run, settle=settling))
+    residuals, crank_speed = acceleration(series(run, settle=settling)), float(reducer.member.crank_angle(speed))
     disc_accelerations = [
         np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / interval for gear in gears(reducer.design.gear.discs)
     ]
@@ -119,20 +122,21 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
         "gear_centre": residuals.centre,
         "output": residuals.output[:, np.newaxis],
         "housing": force,
-        "housing_bare": without_counterweight(run, reducer, force),
-        "momentum": -masses[GEAR].mass * sum(disc_accelerations)
-        - masses[SHAFT].mass * shaft_acceleration(run, masses[SHAFT])[1:],
+        "momentum": inertia_force(run, reducer, disc_accelerations),
     }
     if reducer.design.gear.discs > 1:
         signals |= _tilting_signals(run, reducer)
+    elif not isinstance(reducer, RvReducer):
+        signals["housing_bare"] = without_counterweight(run, reducer, force)
     decimated_signals = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in signals.items()}
     start = int(np.searchsorted(run.time[::stride], settling))
-    rows = slice(start, start + round(turns * 2.0 * np.pi / abs(speed) / (stride * interval)))
+    rows = slice(start, start + round(turns * 2.0 * np.pi / abs(crank_speed) / (stride * interval)))
     sampled_rows = slice(stride * rows.start, stride * rows.stop)
     return VibrationRun(
         load=load,
         speed=speed,
-        crank=np.abs(run["crank_angle"][::stride][rows]),
+        crank_speed=crank_speed,
+        crank=np.abs(reducer.member.crank_angle(run[f"{reducer.INPUT}_angle"][::stride][rows])),
         signals={key: _remove_mean(key, signal[rows]) for key, signal in decimated_signals.items()},
         orbit=rms(decimate(first_acceleration, stride, means=True)[rows]),
         rate=1.0 / (stride * interval),
@@ -147,8 +151,10 @@ def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
     """Return the signals of a run with several discs: tilting moments and bearing forces by name, shape (n, 2) each.
 
     The moments [N m] are those of the discs' forces on shaft and output; the forces [N] are those of both shaft
-    bearings.
+    bearings. Of an RV reducer, there is only the moment on the carrier.
     """
+    if isinstance(reducer, RvReducer):
+        return {"output_tilting": carrier_tilting(run, reducer)}
     reactions = bearing_reactions(run, reducer)
     return {
         "shaft_tilting": reactions.shaft.moment,

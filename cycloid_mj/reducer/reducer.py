@@ -65,6 +65,12 @@ class Reducer:
     INPUT_JOINT = names.CRANK_JOINT
     """Joint of the driven shaft."""
 
+    BEARING_PAIRS: tuple[str, ...] = ("cam", "output")
+    """Kinds of pairs with rolling bearings."""
+
+    RIGID_BEARING = "a rigid cam"
+    """Bearing between crank and disc in the limit of ideal load sharing, for texts."""
+
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
         """Create the reducer of a design, with parts expanded to their temperatures and the wear `worn`, if any.
 
@@ -288,6 +294,11 @@ class Reducer:
         holes = output.pins * (output.hole_radius + clearance.output) ** 2
         bored_area = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
         return profile.area(self.gear_profile, self.profile_offset) - bored_area
+
+    @property
+    def carrying_parts(self) -> tuple[str, int]:
+        """Name and number of the equal parts that transmit the torque between discs and carrier."""
+        return "output pins", self.design.output.pins
 
     @property
     def near_face(self) -> float:

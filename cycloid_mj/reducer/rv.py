@@ -39,6 +39,8 @@ class RvReducer(Reducer):
     LAYOUT: Layout = "rv"
     INPUT = names.SUN
     INPUT_JOINT = names.planar_joints(names.SUN)[-1]
+    BEARING_PAIRS = (names.CRANK_BEARING,)
+    RIGID_BEARING = "rigid crank bearings"
 
     @property
     def planet(self) -> Planet:
@@ -277,6 +279,11 @@ class RvReducer(Reducer):
         crank_play = planet.backlash / pitch_radius + 2.0 * (max(clearance, 0.0) + tooth) / eccentricity
         turn = 2.0 * design.lobes * max(clearance, 0.0) / self.crank_radius
         return float((crank_play + turn) / self.stage.speed_up * self.share)
+
+    @property
+    def carrying_parts(self) -> tuple[str, int]:
+        """Name and number of the equal parts that transmit the torque between discs and carrier."""
+        return "cranks", self.cranks.count
 
     @property
     def near_face(self) -> float:

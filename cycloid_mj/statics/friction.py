@@ -125,20 +125,13 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w, output torque T. At a pin, B is its angle from
     the crank, alpha the angle of the contact normal, and l the distance of its centre from the pitch point.
 
-    A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's centre with the arm s = l - rho + c
-    (N-1) cos(B - alpha), against the gear's rotation. The normal forces F are therefore larger by the factor 1/(1 - mu
-    sum(F s)/T). The holes slide on the output pins at c w N/(N-1). The cam of radius R slides at R w N/(N-1) under its
-    total force; a cam with a rolling bearing has the friction coefficient of the bearing instead.
+    The holes slide on the output pins at c w N/(N-1). The cam of radius R slides at R w N/(N-1) under its total force;
+    a cam with a rolling bearing has the friction coefficient of the bearing instead. The mesh is that of
+    `ideal_mesh_loss`.
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output
-    phases = profile.pin_angles(gear) + crank[:, np.newaxis]
-    distances = profile.pitch_distance(gear, phases) - gear.pin_radius
     ring = ideal_loads.ideal_load_sharing(gear, load, crank)
-    forces = ring.forces
-    arm = distances + gear.eccentricity * gear.lobes * np.cos(phases - profile.conjugate_alpha(gear, phases))
-    friction_factor = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / load)
-    mesh = friction * np.mean(friction_factor * np.sum(forces * distances, axis=1)) / load
     pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
     cam = np.linalg.norm(ideal_loads.cam_force(ring, pins, crank), axis=1)
     losses = [
@@ -148,4 +141,36 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
             ("cam", design.gear.bore_radius, cam),
         )
     ]
-    return float(mesh), float(losses[0]), float(losses[1])
+    return ideal_mesh_loss(reducer, crank, friction), float(losses[0]), float(losses[1])
+
+
+def ideal_mesh_loss(reducer: Reducer, crank: Array, friction: float) -> float:
+    """Compute the friction loss of the mesh with ideal load sharing, relative to the power of the carrier.
+
+    Torque and speed of the carrier are those against the ring. The relative loss is the same at all torques.
+
+    Parameters
+    ----------
+    crank
+        Crank angles [rad], shape (n,), over which the loss is averaged.
+    friction
+        Friction coefficient of the mesh [1].
+
+    Returns
+    -------
+    float
+        Loss divided by the power [1].
+
+    Notes
+    -----
+    Symbols are those of `ideal_losses`. A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's
+    centre with the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's rotation. The normal forces F are
+    therefore larger by the factor 1/(1 - mu sum(F s)/T).
+    """
+    gear, torque = reducer.tooth_profile, 1.0
+    phases = profile.pin_angles(gear) + crank[:, np.newaxis]
+    distances = profile.pitch_distance(gear, phases) - gear.pin_radius
+    forces = ideal_loads.ideal_load_sharing(gear, torque, crank).forces
+    arm = distances + gear.eccentricity * gear.lobes * np.cos(phases - profile.conjugate_alpha(gear, phases))
+    friction_factor = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / torque)
+    return float(friction * np.mean(friction_factor * np.sum(forces * distances, axis=1)) / torque)

@@ -9,7 +9,8 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, ideal_rv_loads
 from cycloid_mj.reducer import Reducer, RvReducer
-from cycloid_mj.statics.rv_sheet import torque_on_carrier
+from cycloid_mj.statics.friction import ideal_mesh_loss
+from cycloid_mj.statics.rv_sheet import ideal_rv, torque_on_carrier
 from cycloid_mj.statics.springs import body_force
 
 
@@ -40,6 +41,42 @@ def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
         return sun_torque / (reducer.cranks.count * reducer.planet_mesh.sun_base)
     loads = ideal_rv_at(reducer, crank_angle)
     return float((loads.bearings if kind == names.CRANK_BEARING else loads.pins).max())
+
+
+def ideal_rv_losses(reducer: RvReducer, crank: Array, friction: float) -> tuple[float, float, float]:
+    """Compute the friction losses of an RV reducer with ideal load sharing, relative to the power of the carrier.
+
+    Torque and speed of the carrier are those against the ring. The relative losses are the same at all torques.
+
+    Parameters
+    ----------
+    crank
+        Crank angles [rad], shape (n,), over which the loss of the mesh is averaged.
+    friction
+        Friction coefficient of the mesh [1].
+
+    Returns
+    -------
+    tuple of float
+        Losses of mesh, crank bearings and planets, each divided by the power [1].
+
+    Notes
+    -----
+    The carrier, of the torque T, turns at w/(N-1) against the ring if the cranks turn at w. The mesh of all discs
+    carries the torque T (R-1)/R (N-1)/N, with N ring teeth and the ratio R of sun and carrier. The friction of a crank
+    bearing acts at the radius of its eccentric, under its force of ideal sharing. The planets transmit the power of the
+    carrier and the losses of mesh and bearings, T/R (1 + losses) on the sun.
+    """
+    ratio, design = reducer.stage.to_carrier, reducer.design
+    disc_share = (ratio - 1.0) / ratio * design.lobes / design.ring.teeth
+    mesh = disc_share * ideal_mesh_loss(reducer, crank, friction)
+    bearing_force = ideal_rv(reducer, 1.0).bearings.sum(axis=(1, 2)).mean()
+    carrier_power = reducer.share * abs(reducer.output_speed)
+    bearing_loss = design.friction_of(names.CRANK_BEARING) * bearing_force * reducer.cranks.eccentric_radius
+    bearings = bearing_loss * reducer.crank_speed / carrier_power
+    flank_force = reducer.share / ratio * (1.0 + mesh + bearings) / reducer.planet_mesh.sun_base
+    planet_loss = design.friction_of(names.PLANET_MESH) * flank_force * reducer.planet_mesh.arm
+    return mesh, float(bearings), float(planet_loss * reducer.planet_mesh_speed / carrier_power)
 
 
 def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:

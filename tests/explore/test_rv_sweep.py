@@ -48,10 +48,9 @@ def test_figures_of_rating_and_size_vary_with_the_width_of_the_discs() -> None:
 
 
 def test_measures_and_figures_of_a_central_crank_are_refused() -> None:
-    with pytest.raises(
-        UsageError, match=r'"rv" \(rv80e\): choose one of statics, te, backlash, lost-motion, loads, mass,'
-    ):
-        sweep("rv80e", {CLEARANCE: [0.0]}, "vibration", engine=HERE)
+    measures = "statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, mass"
+    with pytest.raises(UsageError, match=rf'"rv" \(rv80e\): choose one of {measures},'):
+        sweep("rv80e", {CLEARANCE: [0.0]}, "simulate", engine=HERE)
     with pytest.raises(UsageError, match="drive_mass_kg does not apply to layout"):
         sweep("rv80e", {CLEARANCE: [0.0]}, "drive_mass_kg", engine=HERE)
 
