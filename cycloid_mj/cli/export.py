@@ -453,7 +453,9 @@ def _clearance_table(outlines: "Export", offset: float) -> Table:
         )
         for clearance in outlines.clearances
     )
-    return Table("clearance in the outlines [um]", ("pair", "requested", "offset", "least", "most"), rows)
+    return Table(
+        "clearance of the exported outlines [um]", ("pair", "requested", "offset", "smallest", "largest"), rows
+    )
 
 
 @dataclass(frozen=True)

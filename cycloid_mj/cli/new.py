@@ -154,8 +154,8 @@ DELIVERED = NewDelivery()
 COLUMNS = {
     "mass_kg": "mass [kg]",
     "drive_length_mm": "length [mm]",
-    "rated_torque_nm": "rated [N m]",
-    "momentary_torque_nm": "once [N m]",
+    "rated_torque_nm": "rated torque [N m]",
+    "momentary_torque_nm": "momentary torque [N m]",
     "life_h": "life [h]",
     "temperature_c": "housing [°C]",
     "stiffness_nm_per_arcmin": "stiffness [N m/arcmin]",

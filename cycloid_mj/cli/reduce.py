@@ -260,8 +260,8 @@ def _outcome(
         condition=f"level {joint.level}",
         headline=headline(quantities.values()),
         summary=[
-            f"scene: {scene.integrator}, {1e3 * scene.timestep:g} ms, {scene.inertia:.4g} kg m2 on the output: "
-            f"{scene.sentence}"
+            f"scene: {scene.integrator}, time step {1e3 * scene.timestep:g} ms, {scene.inertia:.4g} kg m2 on the "
+            f"output: {scene.sentence}"
         ],
         tables=[
             quantity_table(f"reduce: {joint.name}, level {joint.level}", quantities.values()),

@@ -235,7 +235,9 @@ def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> It
         hold = "0.05" if resolved.layout == "central" else "0.2"
         load_flags = ["--load-nm", f"{resolved.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
         yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
-    yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
+    yield _command(
+        ["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive that meets requirements"
+    )
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
     if resolved.layout == "central":
         yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")

@@ -110,8 +110,8 @@ class StepTrial:
         if not self.good or self.level == "rigid":
             return self.summary
         return (
-            f"peak of an impact at {self.impact_frequency:g} Hz under the rated load: error "
-            f"{100.0 * self.impact_error:+.1f} % ({self.impact_peak / ARCMINUTE:.4g} arcmin of wind-up)"
+            f"error of the peak wind-up in an impact {100.0 * self.impact_error:+.1f} % (peak "
+            f"{self.impact_peak / ARCMINUTE:.4g} arcmin, rated load at {self.impact_frequency:g} Hz)"
         )
 
     def as_json(self) -> dict[str, Any]:

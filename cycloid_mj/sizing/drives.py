@@ -19,7 +19,7 @@ MIN_DIFFERENCE = 1.05
 """Ratio of stiffness or life from which a drive is shown next to the lightest."""
 
 
-LIGHTEST = f"lowest losses of the drives within {SETTINGS.mass_tolerance:.0%} of the lowest mass, with covers"
+LIGHTEST = f"lowest losses among the drives within {SETTINGS.mass_tolerance:.0%} of the lowest mass"
 """Why the first drive is shown."""
 
 WHY = {
@@ -102,7 +102,7 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
     reducer = rated.reducer
     figures = _figures(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
-        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, with screws outside of the ring"
+        why += f"; the screws are outside of the ring: diameter with covers {figures['drive_diameter_mm']:.3g} mm"
     reasons = dict(reasons_of(solution.requirement, reducer, rated.weakest.name))
     return SizedDrive(title, why, reducer.design, figures, reasons)
 

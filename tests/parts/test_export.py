@@ -425,7 +425,7 @@ def test_the_command_writes_the_parts(file_format: str, tmp_path: Path, capsys: 
         {"pair": "pin_gear", "asked": 1e-6, "least": 1e-6, "most": 1e-6}, abs=2e-8
     )
     assert main([*arguments, "--force"]) == 0
-    assert "clearance in the outlines" in capsys.readouterr().out
+    assert "clearance of the exported outlines" in capsys.readouterr().out
 
 
 def test_the_command_refuses_what_cannot_be_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
