@@ -21,7 +21,7 @@ from cycloid_mj.cli.plot import EXAMPLES as PLOT_EXAMPLES
 from cycloid_mj.cli.plot import plot
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.cli.terminal import note
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.base.record import Run
@@ -204,7 +204,7 @@ def rerun(
     from cycloid_mj.scene.rerun import write_rerun
 
     run, (path, page) = read(log), _claim_output(log, out, ".rrd", delivery)
-    write_rerun(run, Reducer(design_of(run)), path)
+    write_rerun(run, reducer_of(design_of(run)), path)
     return deliver_files(f"recording: {log}", [path], page, delivery)
 
 
@@ -216,7 +216,7 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene.layout import viewer_layout
 
-    arrangement = viewer_layout(Reducer(design_of(_read(log))))
+    arrangement = viewer_layout(reducer_of(design_of(_read(log))))
     destination = claim_destination(delivery, f"{Path(log).stem}-layout")
     text = json.dumps(arrangement, indent=2).splitlines()
     return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, delivery)

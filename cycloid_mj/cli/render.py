@@ -10,7 +10,7 @@ from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 EXAMPLES = """Examples:
   cycloid-mj render runs/pin.mcap pin.png
@@ -83,7 +83,7 @@ def render(
     require_mujoco()
     from cycloid_mj.scene.render import render as rendered
 
-    picture = rendered(run, Reducer(design_of(run)), sample, (width, height), (azimuth, elevation))
+    picture = rendered(run, reducer_of(design_of(run)), sample, (width, height), (azimuth, elevation))
     from PIL import Image
 
     with atomic_file(out) as temporary_path:

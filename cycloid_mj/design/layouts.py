@@ -22,12 +22,14 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "design check",
         "export",
         "figures",
+        "log",
         *(
             f"measure {name}"
             for name in ("te", "backlash", "lost-motion", "loads", "torque", "efficiency", "vibration")
         ),
         "rate",
         "reduce",
+        "render",
         "report",
         "simulate",
         "statics",

@@ -6,7 +6,7 @@ from PIL.Image import Image, fromarray
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 from cycloid_mj.scene.opengl import require_mujoco
 from cycloid_mj.scene.render import IMAGE
 from cycloid_mj.scene.render import render as render_sample
@@ -54,4 +54,4 @@ def render(
         )
     require_mujoco()
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
-    return fromarray(render_sample(run, Reducer(design_of(run)), sample, size, (azimuth, elevation)))
+    return fromarray(render_sample(run, reducer_of(design_of(run)), sample, size, (azimuth, elevation)))

@@ -8,13 +8,16 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.names import (
+    CRANK_BEARING,
     FORCE_X,
     FORCE_Y,
     HOUSING,
     KINDS,
     MOMENT,
     OUTPUT,
+    PLANET_MESH,
     SHAFT,
+    SUN,
     column,
     disc_of,
     gears,
@@ -27,7 +30,8 @@ from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.parts import Colour
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.rv_bodies import crank_names
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import poses, ring_places, transform
 
@@ -55,6 +59,7 @@ FORCE_COLOURS: dict[str, Colour] = {
     "tooth": (0.84, 0.37, 0.0, 1.0),
     "cam": (0.0, 0.0, 0.0, 1.0),
     "output": (0.0, 0.45, 0.70, 1.0),
+    CRANK_BEARING: (0.0, 0.45, 0.70, 1.0),
 }
 """Kinds of mating pairs that are shown; the force in a socket or sleeve equals that of the disc on the pin."""
 
@@ -67,12 +72,13 @@ class ContactForces:
     ----------
     names, kinds
         Name of each pair (pin_1, ..., cam, output_pin_1, ...; of several discs gear_2_cam, ...) and its kind (pin_gear,
-        tooth, pin_socket, pin_sleeve, cam, output).
+        tooth, pin_socket, pin_sleeve, cam, output; in an RV reducer crank_bearing and planet_mesh instead of the last
+        two).
     point
         Point of action, from the reducer axis [m], shape (n, k, 2): on the line of action, at the surface of the pin,
-        lobe, cam or output pin.
+        lobe, cam, output pin or needles, or near the pitch point of a planet.
     force
-        Force on the disc, on the pin in its socket, or on the sleeve on its pin [N], shape (n, k, 2).
+        Force on the disc, on the pin in its socket, on the sleeve on its pin, or on the sun [N], shape (n, k, 2).
     """
 
     names: tuple[str, ...]
@@ -130,10 +136,11 @@ def contact_forces(
     measured_geometry = _inner_parts_measured(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
     wrench_columns = [columns[column(name, part)] for name in kind_by_pair for part in WRENCH]
-    count = columns["crank_angle"].size
+    count = columns["output_angle"].size
     wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
     loaded_parts = [
-        pin(number_of(name)) if kind in _ON_PINS else disc_names[disc_of(name)] for name, kind in kind_by_pair.items()
+        pin(number_of(name)) if kind in _ON_PINS else SUN if kind == PLANET_MESH else disc_names[disc_of(name)]
+        for name, kind in kind_by_pair.items()
     ]
     origin = np.reshape([poses_by_part[part][:, :2] for part in loaded_parts], (len(kind_by_pair), count, 2)).transpose(
         1, 0, 2
@@ -183,9 +190,12 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
     It follows from the load, or from weight and inertia of the disc if they cause larger forces. Symbols: torque T of a
     disc, eccentricity c, N ring contacts, n output pins on the radius R. The cam has the force T/(c (N-1)). Half of the
     ring contacts share it as a sine, so that the largest of their forces is 4 T/(c N (N-1)). The largest force of
-    output pins is 4 T/(n R).
+    output pins is 4 T/(n R). For an RV reducer, the forces are those of ideal sharing of the load.
     """
     design = reducer.design
+    if isinstance(reducer, RvReducer):
+        contacts = reducer.at_rated_load.contacts
+        return {kind: contacts[kind].force for kind in reducer.mechanism.kinds}
     gear, output, teeth = design.gear, design.output, design.ring.teeth
     disc_area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
     mass = design.material_of("gear").density * gear.face_width * max(float(disc_area), 0.0)
@@ -207,32 +217,36 @@ def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class _InnerParts:
-    """Centres of the inner parts: ring (n, N, 2), cams (n, D, 2), output pins (n, k, 2) [m]; and their radii."""
+    """Inner parts of the pairs at n times.
+
+    Attributes
+    ----------
+    ring
+        Centres of pins or lobes [m], shape (n, N, 2).
+    others
+        Kind of pair -> centres of its inner parts on each disc [m], shape (n, D, k, 2).
+    radii
+        Kind of pair -> radius of its inner parts [m]; negative if the inner part is the loaded one.
+    """
 
     ring: Array
-    cams: Array
-    output_pins: Array
-    radii: Radii
+    others: Mapping[str, Array]
+    radii: Mapping[str, float]
 
     def contact_points(self, kind_by_pair: Mapping[str, str], direction: Array) -> Array:
         """Compute the contact points of k pairs at n instants, as they would be without friction, shape (n, k, 2) [m].
 
-        The points are on the surface of the inner part: pin, cam, output pin or core. `kind_by_pair` has the kind of
-        each pair by its name (`ContactForces.kinds`), and `direction` (n, k, 2) the unit vectors of the forces on the
-        loaded parts. Discs and sleeves are loaded by the inner part, which touches them on the side towards which the
-        force acts. A pin in its socket is itself the loaded part, and touches the socket on the opposite side.
+        The points are on the surface of the inner part: pin, cam, output pin, needles or core. `kind_by_pair` has the
+        kind of each pair by its name (`ContactForces.kinds`), and `direction` (n, k, 2) the unit vectors of the forces
+        on the loaded parts. Discs and sleeves are loaded by the inner part, which touches them on the side towards
+        which the force acts. A pin in its socket is itself the loaded part, and touches the socket on the opposite
+        side.
         """
-        radius_by_kind = {
-            "cam": self.radii.cam,
-            "output": self.radii.output_pin,
-            "pin_socket": -self.radii.pin,
-            "pin_sleeve": self.radii.sleeve_bore,
-        }
         points = np.empty_like(direction)
         for row, (name, kind) in enumerate(kind_by_pair.items()):
-            centres = {"cam": self.cams, "output": self.output_pins}.get(kind, self.ring)
-            centre = centres[:, disc_of(name) if kind == "cam" else number_of(name) - 1]
-            points[:, row] = centre + radius_by_kind.get(kind, self.radii.pin) * direction[:, row]
+            number = number_of(name) - 1
+            centre = self.others[kind][:, disc_of(name), number] if kind in self.others else self.ring[:, number]
+            points[:, row] = centre + self.radii[kind] * direction[:, row]
         return points
 
 
@@ -241,12 +255,45 @@ def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _In
     ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
     if pin(1) in by_part:
         ring = np.stack([by_part[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+    if isinstance(reducer, RvReducer):
+        return _rv_inner_parts(reducer, by_part, ring)
     pins = transform(by_part[OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _InnerParts(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
+    return _central_inner_parts(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
 
 
 def _inner_parts_drawn(reducer: Reducer, drawn: Drawing) -> _InnerParts:
-    return _InnerParts(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
+    return _central_inner_parts(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
+
+
+def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Radii) -> _InnerParts:
+    """Return the inner parts of a reducer with a central crank, from centres (n, N, 2), (n, D, 2), (n, k, 2) [m]."""
+    count, discs, _ = cam_centres.shape
+    pins_of_discs = np.broadcast_to(pins[:, np.newaxis], (count, discs, *pins.shape[1:]))
+    others = {"cam": cam_centres[:, :, np.newaxis], "output": pins_of_discs}
+    return _InnerParts(
+        ring, others, _ring_radii(radii.pin, radii.sleeve_bore) | {"cam": radii.cam, "output": radii.output_pin}
+    )
+
+
+def _rv_inner_parts(reducer: RvReducer, by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
+    """Return the inner parts of an RV reducer; the force of a planet is at the pitch point on the line to the sun."""
+    cranks, ring_design, planet = crank_names(reducer), reducer.design.ring, reducer.planet
+    crank_poses = np.stack([by_part[name] for name in cranks], axis=1)
+    bearings = [reducer.mechanism.mating(CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)]
+    eccentrics = np.stack([transform(crank_poses, place) for place in bearings], axis=1)
+    sun = by_part[SUN][:, np.newaxis, :2]
+    pitch_points = sun + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (crank_poses[..., :2] - sun)
+    needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
+    radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
+    return _InnerParts(
+        ring,
+        {CRANK_BEARING: eccentrics, PLANET_MESH: pitch_points[:, np.newaxis]},
+        radii | {CRANK_BEARING: needle_radius, PLANET_MESH: 0.0},
+    )
+
+
+def _ring_radii(pin_radius: float, sleeve_bore_radius: float) -> dict[str, float]:
+    return {"pin_gear": pin_radius, "tooth": pin_radius, "pin_socket": -pin_radius, "pin_sleeve": sleeve_bore_radius}
 
 
 def cams(reducer: Reducer, shaft: Array) -> Array:

@@ -4,8 +4,9 @@ import json
 from importlib.resources import files
 from typing import Any
 
-from cycloid_mj.base.names import HOUSING, OUTPUT, PIN, SHAFT, all_numbered, gears, planar_speeds
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.base.names import HOUSING, OUTPUT, PIN, SHAFT, SUN, all_numbered, column, gears, planar_speeds
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.rv_bodies import crank_names
 from cycloid_mj.scene.messages import ROOT
 
 DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
@@ -26,10 +27,13 @@ def viewer_layout(reducer: Reducer) -> dict[str, Any]:
         "far": FARTHEST * housing_radius,
     }
     pins = all_numbered(PIN, design.ring.mate_count) if design.ring.kind == "pin" else ()
-    frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
+    shafts = (SUN, *crank_names(reducer)) if isinstance(reducer, RvReducer) else (SHAFT,)
+    frames = (ROOT, HOUSING, *shafts, *gears(design.gear.discs), OUTPUT, *pins)
     plot = content["configById"]["Plot!speed"]
     disc_path, *other_paths = plot["paths"]  # one path is repeated for each disc
     discs = [disc_path | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
     plot["paths"] = [*discs, *other_paths]
+    torque_path, *_ = content["configById"]["Plot!torque"]["paths"]
+    torque_path["value"] = f"/reducer.{column(reducer.INPUT, 'torque')}"
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}
     return content

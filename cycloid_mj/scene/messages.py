@@ -130,7 +130,7 @@ class Scene:
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
         """Yield the messages of frames at k times: transforms of the parts, and arrows of the contact forces.
 
-        An RV reducer has no arrows. Times at which a pose is not finite are skipped.
+        Times at which a pose is not finite are skipped.
 
         Parameters
         ----------
@@ -143,10 +143,6 @@ class Scene:
         pose = np.stack(list(poses_by_part.values()), axis=1)
         rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
         stamps = np.rint(1e9 * time).astype(np.int64).tolist()
-        if isinstance(self.reducer, RvReducer):
-            for row in rows:
-                yield FRAMES, stamps[row], self._transforms(list(poses_by_part), pose[row], stamps[row])
-            return
         forces = shown_forces(self.reducer, columns)
         arrows = self._arrows(forces)
         rows_by_kind = {

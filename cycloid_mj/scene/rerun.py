@@ -10,7 +10,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.extras import import_extra
-from cycloid_mj.base.names import gears, planar_speeds
+from cycloid_mj.base.names import column, family, gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
@@ -21,8 +21,6 @@ from cycloid_mj.scene.shape import Piece, shapes
 
 TIMELINE = "time"
 MECHANISM, SIGNALS = "mechanism", "signals"
-PLOTTED = (("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
-"""Columns in the initial plots, after the speeds of the discs; all others can be added by dragging."""
 
 
 def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> None:
@@ -35,17 +33,17 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     """
     rr = import_extra("rerun", "a recording", "rerun")
     poses_by_part, forces = poses(reducer, run.columns), shown_forces(reducer, run.columns)
-    name = "cycloid_mj_" + "_".join(reducer.design.name.split())
+    application = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with atomic_file(path) as temporary_path:
-        recording = rr.RecordingStream(name)
+        recording = rr.RecordingStream(application)
         recording.save(str(temporary_path), default_blueprint=_layout(reducer, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)
         _log_parts(rr, recording, reducer, time, poses_by_part)
         _log_forces(rr, recording, reducer, time, forces)
         for topic, names in run.topics.items():
-            for column in names:
-                values = rr.Scalars.columns(scalars=run[column])
-                recording.send_columns(f"{SIGNALS}{topic}/{column}", indexes=[time], columns=values)
+            for name in names:
+                values = rr.Scalars.columns(scalars=run[name])
+                recording.send_columns(f"{SIGNALS}{topic}/{name}", indexes=[time], columns=values)
         recording.flush()
         recording.disconnect()
 
@@ -65,7 +63,7 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_pa
     pieces_by_part = shapes(reducer)
     for part, pose in poses_by_part.items():
         entity = f"{MECHANISM}/{part}"
-        for piece in pieces_by_part["pin" if part.startswith("pin_") else part]:
+        for piece in pieces_by_part[part if part in pieces_by_part else family(part)]:
             recording.log(f"{entity}/{piece.name}", _rerun_mesh(rr, piece), static=True)
         translation = np.column_stack([pose[:, :2], np.zeros(len(pose))])
         quaternion = np.zeros((len(pose), 4))
@@ -120,9 +118,10 @@ def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
     rrb = importlib.import_module("rerun.blueprint")
     entities = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
     speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))
+    torques = (column(reducer.INPUT, "torque"), "load_torque")
     plots = [
         rrb.TimeSeriesView(name=", ".join(names), contents=[entities[name] for name in names])
-        for names in (speeds, *PLOTTED)
+        for names in (speeds, ("output_speed",), torques, ("peak_force",))
         if all(name in entities for name in names)
     ]
     housing_radius = reducer.design.housing.outer_radius

@@ -409,4 +409,4 @@ def test_pictures_that_are_refused(modelled, monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     with pytest.raises(CycloidError, match=r"OpenGL \(nothing\) cannot render images: .*cycloid-mj animate"):
         render.render(modelled, Reducer(PIN), 0, (100, 100))
-    assert FORCE_COLOURS.keys() == {"pin_gear", "tooth", "cam", "output"}
+    assert FORCE_COLOURS.keys() == {"pin_gear", "tooth", "cam", "output", "crank_bearing"}
