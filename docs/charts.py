@@ -49,7 +49,7 @@ def validation() -> Figure:
         color=BLUE,
     )
     axes.tick_params(axis="y", labelsize=0.62 * FONT_SIZE)
-    axes.set(xlabel="worst error, share of the allowed error [%]", xlim=(0.0, 100.0))
+    axes.set(xlabel="largest error, share of the allowed error [%]", xlim=(0.0, 100.0))
     axes.grid(False, axis="y")
     return figure
 
@@ -148,7 +148,7 @@ def verdicts() -> Figure:
     colors = {"agrees": GREEN, "depends": ORANGE, "disagrees": VERMILION, "not determined": "#C8CDD2"}
     names = {
         **{"speed": "Fig. 6: speed", "path": "Fig. 7: path", "velocity": "Fig. 8: velocity, vibration"},
-        **{"pin": "Figs 9, 16: pin 1", "height": "Figs 12-15: stress", "order": "Figs 12-15: order, course"},
+        **{"pin": "Figs 9, 16: pin 1", "height": "Figs 12-15: stress", "order": "Figs 12-15: ranking, curves"},
         **{"torque": "Fig. 19: torque", "lines": "section 2: contact lines", "steel": "Table 1: steel"},
     }
     keys_by_section = {**docs_results.SECTIONS, "order": docs_results.DOWNLOAD_ONLY}
@@ -175,9 +175,7 @@ def stress_heights() -> Figure:
     axes = figure.subplots()
     for row, key in enumerate(keys):
         low, high = claims[key]["ours"]["spread"]
-        axes.plot(
-            [low, high], [row, row], color=BLUE, linewidth=4.0, label="this model, 12 starts" if not row else None
-        )
+        axes.plot([low, high], [row, row], color=BLUE, linewidth=4.0, label="this model, 12 runs" if not row else None)
         axes.plot(claims[key]["paper"]["value"], row, "D", color=VERMILION, label="paper" if not row else None)
     axes.set_yticks(range(len(keys)), [key.removeprefix("stress_height_").replace("_", ", ") for key in keys])
     axes.set(xscale="log", xlabel="largest stress away from contacts, no load [MPa]", xlim=(0.1, 1000.0))

@@ -109,7 +109,7 @@ def claim_rows(content: Mapping[str, Any]) -> list[tuple[str, ...]]:
 def load(condition: Mapping[str, float]) -> str:
     """Return the load of a claim's condition in words."""
     if "input_torque_nm" in condition:
-        return f"{condition['input_torque_nm']:g} N m in"
+        return f"{condition['input_torque_nm']:g} N m on the crank"
     return f"{condition['load_nm']:g} N m" if condition["load_nm"] else "none"
 
 

@@ -286,7 +286,7 @@ class Condition:
     @property
     def words(self) -> str:
         """The load in words, for a row of a table."""
-        return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
+        return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m on the crank"
 
     def as_json(self) -> dict[str, float | str]:
         """Convert the condition to JSON values; keys end in their units, and values that are not set are omitted."""

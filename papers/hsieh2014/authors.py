@@ -297,7 +297,7 @@ def _torque_plate(torques: Mapping[str, tuple[float, float]]) -> PaperFigure:
 
     computed = {name: dict(zip(("line contacts", "IMPACT"), both, strict=True)) for name, both in torques.items()}
     stated = {name: {f"the paper, {kind}": torque for kind, torque in TORQUES[name].items()} for name in torques}
-    words = "Output torque at 1.048 N m in by both contact laws, friction as designed; dashed: without losses."
+    words = "Output torque at 1.048 N m on the crank by both contact laws; dashed: without losses."
     return PaperFigure("authors_fig19_torque", "Fig. 19", words, torques_figure(computed, stated, IDEAL))
 
 

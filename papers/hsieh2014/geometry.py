@@ -82,10 +82,10 @@ def _judge_poisson_ratio() -> Claim:
             steel.poisson,
             "1",
         ),
-        error=Value("none: as given", 0.0, "1"),
+        error=Value("input value", 0.0, "1"),
         verdict=Verdict.AGREES if same else Verdict.DEPENDS,
-        decided_by="which two of E, G and Poisson's ratio the authors' program took, which the paper leaves open: its "
-        "library's steel has 0.28, and a program for isotropic materials does not use G",
+        decided_by="which two of E, G and Poisson's ratio the authors' program used (not stated): the steel of its "
+        "library has 0.28, and a program for isotropic materials does not use G",
         searched=(Range("material.poisson", steel.poisson, stated, "1", "of the program's steel, to that of E and G"),),
         removals=[
             Removal(

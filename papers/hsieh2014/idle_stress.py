@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 
-ERROR = "one more refinement, or where bulk begins"
+ERROR = "comparison with a finer mesh or another distance from the contacts"
 """Source of a stress's numerical error."""
 
 

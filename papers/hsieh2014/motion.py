@@ -215,7 +215,7 @@ def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Cla
     `evidence` are the peak-to-peak errors of the starts [arcsec], `rated` is the run under the rated load.
     """
     sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
-    cause = "the clearances: within them an idle gear floats"
+    cause = "the clearances: the disc floats within them without load"
     judged = ruling(evidence, lambda size: size >= 0.1, lambda some: f"{StartSpread.of(some).words} arcsec", cause)
     return statements.transmission_error(rated.design.name).judge(
         ours=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),

@@ -97,6 +97,6 @@ def ruling(
     return Ruling(
         Verdict.DEPENDS if reference == Verdict.DISAGREES and agrees else reference,
         sign_test_p([holds(each) for each in evidence.base]),
-        "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes the verdict"))),
+        "; ".join(filter(None, (decisive, turned or "no single variation changes the verdict"))),
         tuple(Removal(each.words, words(starts), others[each]) for each, starts in evidence.varied.items()),
     )

@@ -42,7 +42,7 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
     )
     return statements.pin_1_sway(clearance).judge(
         ours=Value(words, 1e3 * reach.mean, "mm", (1e3 * reach.low, 1e3 * reach.high)),
-        error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
+        error=Value(f"spread of {len(starts)} runs", 1e6 * reach.half, "um"),
         searched=motions.ranges,
         rated=Value(under, 1e3 * rated.reach, "mm"),
         **vars(judged),

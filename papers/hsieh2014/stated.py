@@ -14,7 +14,7 @@ IDEAL = 36.68
 """Output torque without losses [N m]: 1.048 x 35."""
 
 TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated": 35.8, "measured": 35.08}}
-"""Output torque of each kind of ring [N m] at 1.048 N m in (section 3.4 and Fig. 19)."""
+"""Output torque of each kind of ring [N m] at 1.048 N m on the crank (section 3.4 and Fig. 19)."""
 
 GEAR_SPEED = 4.907
 """Speed of the gear at 1640 rpm of the crank [rad/s] (Eq. 12, Fig. 6)."""

@@ -19,9 +19,7 @@ from hsieh2014.stated import HEIGHTS, LEAST, MOST, ORDER
 from hsieh2014.stress_evidence import Evidence, Searched, forces_of
 from hsieh2014.stress_patterns import output, pin_1_cycle, shaft_peaks
 
-TREATMENT = (
-    "the treatment of contact: the paper states no stiffness, damping or mesh of its motion solver; see the hypothesis"
-)
+TREATMENT = "the contact model: the paper states no stiffness, damping or mesh of its motion solver"
 
 
 def stress_claims(
@@ -115,9 +113,9 @@ def smaller(
     number, spread = (ratio.values[0], (ratio.low, ratio.high)) if compared else (None, None)
     return statement.judge(
         ours=Value(words, number, statements.BY_DESIGN, spread),
-        error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
+        error=Value(f"error of the linear fit of stress over force; {len(pin.values)} runs", missed, "MPa"),
         verdict=verdict,
-        decided_by=verdicts.order_cause(verdict, changes, "nothing varied that the paper leaves open"),
+        decided_by=verdicts.order_cause(verdict, changes, "none of the varied values that the paper omits"),
         searched=ranges,
         removals=_orders(varied, missed),
         p=verdicts.chance(pin, nonpin),
@@ -176,7 +174,9 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         ours=Value(f"{_of_parts(sizes(None))} MPa"),
         error=stress_error(each, ORDER),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
-        decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
+        decided_by=f"omitted by the paper: {', '.join(agreeing)}"
+        if agreeing
+        else "no variation leads to the claimed result",
         rated=Value(", ".join(f"{part} {each.rated[part].high:.3g}" for part in ORDER) + " MPa"),
         searched=(*searched.ranges, *searched.contact_ranges),
         removals=[*of_runs.values(), *of_contact],
@@ -216,7 +216,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
         ours=Value(words, mean, statements.BY_DESIGN, (ratio.low, ratio.high)),
         error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), statements.BY_DESIGN),
         verdict=verdict,
-        decided_by=verdicts.order_cause(verdict, changes, "nothing varied that the paper leaves open"),
+        decided_by=verdicts.order_cause(verdict, changes, "none of the varied values that the paper omits"),
         searched=ranges,
         removals=_orders(varied),
         p=verdicts.chance(*ours),

@@ -52,8 +52,8 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         [each.words for each in near if (each.parameter in LEFT_OPEN) == is_open] for is_open in (True, False)
     )
     verdict = Verdict.DEPENDS if changes and verdict == Verdict.DISAGREES else verdict
-    deciding = [f"left open by the paper: {', '.join(changes)}"] if changes else []
-    deciding += [f"given by the paper: {', '.join(stated_changes)}"] if stated_changes else []
+    deciding = [f"omitted by the paper: {', '.join(changes)}"] if changes else []
+    deciding += [f"stated by the paper: {', '.join(stated_changes)}"] if stated_changes else []
     mean = largest_of_halves(np.mean(curves, axis=0))
     angles = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judge(
@@ -74,7 +74,8 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         ],
         p=verdicts.sign_test_p(_near_the_papers(each)),
         rated=Value(
-            f"{idle_stress.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"
+            f"{idle_stress.rated['shaft'].words} MPa over the turn: "
+            "in the frame of the shaft, the cam force is almost constant"
         ),
     )
 
@@ -133,7 +134,9 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
         ours=verdicts.spread_value(words(ours, None), ours, "MPa"),
         error=stress_error(each, [OUTPUT]),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
-        decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
+        decided_by=f"omitted by the paper: {', '.join(agreeing)}"
+        if agreeing
+        else "no variation leads to the claimed result",
         rated=rated_value(each, OUTPUT),
         searched=(*ranges, *OUTPUT_RANGES),
         removals=[*of_pins, *of_runs.values()],

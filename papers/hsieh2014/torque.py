@@ -27,7 +27,7 @@ from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, TorqueSearch, 
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
-ERROR = "half the step or half the average"
+ERROR = "comparison with half the time step or half the averaging time"
 
 TO_PIN = "of the internal gear, to that of both clearances of a pin"
 PLAYS = (Range("total play of gear and housing", 1.0, 2.0, "um", TO_PIN),)
@@ -53,8 +53,8 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         PaperFigure(
             f"fig19_torque_{name}",
             "Fig. 19",
-            f"{name}: output torque at 1.048 N m in, its ripple by order, and the output rate by friction with the "
-            "paper's rates, where one friction of all that slides gives them.",
+            f"{name}: output torque at 1.048 N m on the crank, its ripple by order, and the output rate over friction. "
+            "Marks: the paper's rates, if one friction coefficient of all contacts leads to them.",
             measurement_figure(measurement),
         )
         for name, measurement in measurements.items()
@@ -102,7 +102,7 @@ def _torque_table(measurements: Mapping[str, Measurement], alike: float) -> Tabl
         equal_play_design().name: alike
     }
     return Table(
-        "output torque at equal friction, 1.048 N m in; the third has the pin design's total play and series stiffness",
+        "output torque at equal friction, 1.048 N m on the crank; third: total play and series stiffness of pin",
         ("", *torques),
         (
             ("output torque [N m]", *(f"{torque:.2f}" for torque in torques.values())),
@@ -143,7 +143,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
                 ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
-                decided_by=f"friction, left open by the paper: {'; '.join(each.words for each in solutions) or none}",
+                decided_by=f"friction, omitted by the paper: {'; '.join(each.words for each in solutions) or none}",
                 searched=RANGES,
                 removals=[
                     Removal(f"our own friction, for {case}", f"{each.rate * IDEAL:.2f} N m", Verdict.AGREES)
@@ -184,7 +184,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
         ours=Value(f"nonpin {ours['nonpin']:.2f}, pin {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, AHEAD),
         verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
-        decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
+        decided_by="friction, omitted by the paper: at equal friction the nonpin design is ahead by "
         f"{alike[least]:+.2f} ({_case_words(least)}) to {alike[best]:+.2f} N m ({_case_words(best)})",
         searched=RANGES,
         removals=removals,
@@ -201,9 +201,9 @@ def precision(rated: Sequence[Run]) -> Claim:
     sizes = ", ".join(f"{name} {size:.2g}" for name, (size, _) in strays.items())
     return PRECISION.judge(
         ours=Value(f"{sizes} arcsec peak to peak", nonpin / pin, BY_DESIGN),
-        error=Value("half the turns of one run each", max(errors) / pin, BY_DESIGN),
+        error=Value("comparison with half the turns of each run", max(errors) / pin, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin < pin else Verdict.DISAGREES,
-        decided_by="play and stiffness between gear and housing"
+        decided_by="play and stiffness between disc and housing"
         if alike > 0.5 * (pin + nonpin)
         else "the lines themselves: with the pin design's play and stiffness the nonpin design stays ahead",
         searched=PLAYS,
@@ -231,9 +231,9 @@ def capacity() -> Claim:
         ours=Value(
             f"first yield at {nonpin:.3g} N m without pins, at {pin:.3g} N m with pins", nonpin / pin, BY_DESIGN
         ),
-        error=Value("statics, without a run", 0.0, BY_DESIGN),
+        error=Value("static model", 0.0, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,
-        decided_by="how many lines carry, and how closely they fit",
+        decided_by="number of contact lines that carry load, and how closely the surfaces fit",
         searched=PLAYS,
         removals=[_at_equal_fit(f"{alike:.3g} to {pin:.3g} N m", alike > pin)],
     )

@@ -56,7 +56,7 @@ def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
 
     `order` is by `rank_order`, `varied` the same for each change of what the paper leaves open, by its name. The claim
     depends if a change reverses the order. It is not determined if the result is the opposite order and a change leaves
-    no order. A claim that agrees still does if a change leaves no order.
+    no order. A claim that agrees still does if a change leads to no clear ranking.
     """
     if order == 0:
         return Verdict.NOT_DETERMINED, ()
@@ -72,7 +72,8 @@ def order_cause(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
     """Return in words what decides an order: changes that reverse it or leave none, or another cause."""
     if not deciding:
         return else_by
-    return f"left open by the paper: {', '.join(deciding)}{'' if verdict == Verdict.DEPENDS else ' leaves no order'}"
+    effect = "" if verdict == Verdict.DEPENDS else " leads to no clear ranking"
+    return f"omitted by the paper: {', '.join(deciding)}{effect}"
 
 
 def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
@@ -83,7 +84,7 @@ def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
     """
     if claim.verdict != Verdict.DISAGREES or claim.kind == "value" or claim.condition.load or not unsearched:
         return claim
-    words = f"{claim.decided_by}; not searched here: {', '.join(unsearched)}"
+    words = f"{claim.decided_by}; not varied here: {', '.join(unsearched)}"
     return replace(claim, verdict=Verdict.NOT_DETERMINED, decided_by=words)
 
 
@@ -137,4 +138,4 @@ def spread_value(text: str, ours: StartSpread, unit: str) -> Value:
 
 def spread_error(ours: StartSpread, unit: str) -> Value:
     """Return half the spread of the starts as the numerical error of their mean."""
-    return Value(f"spread of {len(ours.values)} starts", ours.half, unit)
+    return Value(f"spread of {len(ours.values)} runs", ours.half, unit)

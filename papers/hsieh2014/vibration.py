@@ -120,7 +120,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     )
     return fluctuation(key, quantity.name).judge(
         ours=Value(words, ratio.values[0], RATIO, (ratio.low, ratio.high)),
-        error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
+        error=Value(f"spread of {len(pin.values)} runs", ratio.half, RATIO),
         verdict=verdict,
         decided_by=_cause(key, base, sweep, verdict, deciding),
         rated=_rated_value(quantity, rated[key]),
@@ -141,8 +141,8 @@ def _cause(key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: V
     """Return in words which variations reverse the order, and which of them the paper leaves open."""
     orders = {each: pin_over_nonpin(levels, key) for each, levels in sweep.items() if each.parameter not in LEFT_OPEN}
     agreeing = [each.words for each, order in orders.items() if order not in (0, pin_over_nonpin(base, key))]
-    words = order_cause(verdict, deciding, "nothing varied that the paper leaves open")
-    return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
+    words = order_cause(verdict, deciding, "none of the varied values that the paper omits")
+    return f"{words}; stated by the paper: {', '.join(agreeing)}" if agreeing else words
 
 
 def _rated_value(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:

@@ -15,7 +15,7 @@ from cycloid_mj.base.result import Claim, Condition, Quantity, Table, Value, Ver
         (Condition(36.68, 0.0), "36.68 N m", {"load_nm": 36.68, "speed_rpm": 0.0}),
         (
             Condition(30.0, 0.0, 1.048),
-            "1.048 N m in",
+            "1.048 N m on the crank",
             {"load_nm": 30.0, "speed_rpm": 0.0, "input_torque_nm": 1.048},
         ),
     ],

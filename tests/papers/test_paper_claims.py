@@ -94,7 +94,7 @@ def test_an_order_counts_where_the_starts_do_not_overlap():
 @pytest.mark.parametrize(
     ("found", "varied", "verdict"),
     [
-        # what agrees with every change but one that leaves no order still agrees, and says so
+        # what agrees with every change but one that leads to no clear ranking still agrees, and says so
         (1, {"friction": 1, "damping": 0}, ("agrees", ("damping",))),
         (1, {"friction": 1}, ("agrees", ())),
         (-1, {"friction": -1, "damping": -1}, ("disagrees", ())),
@@ -111,10 +111,12 @@ def test_an_order_depends_only_on_the_changes_that_reverse_it(found, varied, ver
 
 def test_a_claim_disagrees_only_after_a_search_of_all_that_the_paper_leaves_open():
     def verdict(statement, *unsearched):
-        claim = statement.judge(Value("1"), Value("none"), Verdict.DISAGREES, "nothing that was varied gives it")
+        claim = statement.judge(
+            Value("1"), Value("none"), Verdict.DISAGREES, "no variation leads to the claimed result"
+        )
         found = as_searched(claim, unsearched)
         assert (found == claim) == (found.verdict == "disagrees")
-        assert found.decided_by.startswith("nothing that was varied gives it")
+        assert found.decided_by.startswith("no variation leads to the claimed result")
         assert all(name in found.decided_by for name in unsearched if found != claim)
         return found.verdict
 
@@ -523,7 +525,7 @@ def test_the_output_is_low_and_regular(idle):
     assert judged_output(high, alike).verdict == "disagrees"
     # what the paper leaves open of the output pins
     held = judged_output(stressed(True, output=(1.0, 2.0)), alike)
-    assert (held.verdict, held.decided_by) == ("depends", "left open by the paper: output pins as cantilevers")
+    assert (held.verdict, held.decided_by) == ("depends", "omitted by the paper: output pins as cantilevers")
     places = np.random.default_rng(7).uniform(0.0, 360.0, len(alike))
     unlike = [at_degrees(run, "output_pin_2", (at,)) for run, at in zip(idle[0]["pin"], places, strict=True)]
     assert judged_output(low, unlike).verdict != "agrees"
@@ -657,7 +659,7 @@ def test_the_page_names_the_load_of_every_claim(calm):
     )
     page = reproduction_page([StageRun(STEPS[0], StageResult(claims=claims), 1.0)], [], {}, ())
     assert page.count("<td>no load</td>") == len(calm.claims)
-    assert page.count("<td>1.048 N m in</td>") == 1
+    assert page.count("<td>1.048 N m on the crank</td>") == 1
     assert page.count('class="not-determined"') == sum(each.verdict == "not determined" for each in calm.claims) > 0
     assert "model at the rated load" in page
     assert 'id="gear_speed"' in page

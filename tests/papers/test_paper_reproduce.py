@@ -416,7 +416,7 @@ def test_a_row_of_the_page_names_its_load():
     assert rows[0][:6] == ("Fig. 6", "both", "none", "more with pins", "pin > nonpin", "0.4 to 1")
     assert rows[0][6].startswith("0.12 pin / nonpin (")
     assert rows[0][7:] == ("not determined", "friction", "2.3 to 1")
-    assert rows[1][2] == "1.048 N m in"
+    assert rows[1][2] == "1.048 N m on the crank"
 
 
 def test_the_errata_of_the_json_are_those_of_the_code():
