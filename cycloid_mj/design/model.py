@@ -1123,18 +1123,7 @@ class Design(Section, Presented):
             remedy = "remove it; an RV reducer has neither a central crank nor output pins"
         if set_keys:
             raise ValueError(f'layout = "{self.layout}" has no use for {", ".join(set_keys)}: {remedy}')
-        self._check_rv_temperatures()
         return self
-
-    def _check_rv_temperatures(self) -> None:
-        """Raise ValueError for an RV reducer whose parts have different temperatures, unless their sizes are warm."""
-        temperatures = {f"thermal.{part}_c": float(getattr(self.thermal, part)) for part in HEATED}
-        if self.layout == "rv" and not self.thermal.applied and len(set(temperatures.values())) > 1:
-            listed_values = ", ".join(f"{key} = {value:g}" for key, value in temperatures.items())
-            raise ValueError(
-                f'layout = "rv" needs the same temperature of all parts, but {listed_values}: use --at-c, or '
-                "`cycloid-mj thermal` for differences of temperature, which preload the discs"
-            )
 
     def material_of(self, part: str) -> Material:
         """Return the material of a part of `PARTS`."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design.model import Material
-from cycloid_mj.geometry.expansion import at_temperatures, tooth_play
+from cycloid_mj.geometry.expansion import at_temperatures
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.heat import heat_transfer_coefficient
 from cycloid_mj.life.rv import TAPERS, flange_forces
@@ -21,7 +21,6 @@ from cycloid_mj.life.thermal_network import (
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvLoads
 from cycloid_mj.statics.rv_sheet import balance_running, friction_powers
-from cycloid_mj.statics.springs import tooth_stiffness
 
 RV_THERMAL_ASSUMPTIONS = (
     "half of each loss heats each of the two parts that meet; motor and driven machine take no heat",
@@ -73,34 +72,8 @@ def solve_rv_losses(
 
 
 def warm_reducer(reducer: RvReducer, temperatures: Mapping[str, float]) -> RvReducer:
-    """Return the reducer with the dimensions and materials at temperatures of its parts [°C].
-
-    If the teeth then interfere, ring and discs deform elastically: only `preload_share` of the interference remains for
-    the springs of the pins.
-    """
-    hot_design = at_temperatures(reducer.design, temperatures)
-    warm, interference = RvReducer(hot_design), max(0.0, -tooth_play(hot_design))
-    if not interference:
-        return warm
-    relief = (1.0 - preload_share(warm)) * interference
-    return warm.but(modification={"equidistant": warm.design.modification.equidistant + relief})
-
-
-def preload_share(reducer: RvReducer) -> float:
-    """Compute the share of a radial interference of discs and ring that the springs of the pins take [1].
-
-    In series with the springs, the housing expands as a thin ring and each disc shrinks as a full plate, under equal
-    radial forces of all pins on all discs.
-    """
-    design, ring = reducer.design, reducer.design.ring
-    housing, disc = design.material_of("housing"), design.material_of("gear")
-    section = (design.housing.outer_radius - design.ring_root_radius) * design.gear.stack_width
-    middle = 0.5 * (design.housing.outer_radius + design.ring_root_radius)
-    expansion = ring.teeth * design.gear.discs * middle / (2.0 * math.pi * housing.youngs_modulus * section)
-    shrinkage = (1.0 - disc.poisson) * ring.teeth
-    shrinkage /= 2.0 * math.pi * design.gear.face_width * disc.youngs_modulus
-    pin = 1.0 / float(np.mean(tooth_stiffness(reducer, np.array([1.0 / ring.pin_radius]))))
-    return pin / (pin + expansion + shrinkage)
+    """Return the reducer with the dimensions and materials at temperatures of its parts [°C]."""
+    return RvReducer(at_temperatures(reducer.design, temperatures))
 
 
 def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:

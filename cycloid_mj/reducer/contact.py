@@ -522,6 +522,19 @@ class Contacts:
         }[source]
 
 
+def tooth_stiffness(reducer: "Reducer", curvature: Array) -> Array:
+    """Compute the stiffness of contact lines with the ring [N/m], including sockets or sleeves in series.
+
+    `curvature` is the relative curvature of each line [1/m], of any shape; the result has the same shape. If the ring
+    has two halves, each line is half as long and has half of the stiffness.
+    """
+    law = reducer.contacts.teeth.curvature_law
+    stiffness = law.stiffness * law.factors(curvature)
+    kind = reducer.design.seat_pair
+    total = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
+    return np.asarray(total / reducer.design.ring.halves)
+
+
 @lru_cache(maxsize=64)
 def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
     """Return the mean force on the cam of a disc over a turn, under ideal sharing of an output torque of 1 N m [N].

@@ -83,13 +83,16 @@ class Reducer:
         """
         if design.layout != self.LAYOUT:
             raise DesignError(unsupported_layout(design.name, design.layout))
-        if not design.thermal.is_reference:
-            from cycloid_mj.geometry.expansion import expand
-
-            design = expand(design)
-        self.design = design
+        self.design = design if design.thermal.is_reference else self._expanded(design)
         self.worn = worn
         self._kept = _cache_of(design) if worn is None else {}
+
+    @staticmethod
+    def _expanded(design: Design) -> Design:
+        """Return a design as it is at the temperatures of ``[thermal]``."""
+        from cycloid_mj.geometry.expansion import expand
+
+        return expand(design)
 
     def but(self, **changes: Any) -> Self:
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""

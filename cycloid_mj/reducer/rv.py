@@ -1,6 +1,7 @@
 """Reducer of an RV design: planet stage, two or three cranks, no output pins."""
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, NoReturn, Self, TypeVar
 
 from cycloid_mj.base import names
@@ -9,7 +10,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout, unsupported_layout
 from cycloid_mj.design.model import BEARING_CORNER, SHARES
 from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
-from cycloid_mj.reducer.reducer import Reducer
+from cycloid_mj.reducer.reducer import CACHED_DESIGNS, Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.geometry.involute import InvoluteGear
@@ -41,6 +42,11 @@ class RvReducer(Reducer):
     INPUT_JOINT = names.planar_joints(names.SUN)[-1]
     BEARING_PAIRS = (names.CRANK_BEARING,)
     RIGID_BEARING = "rigid crank bearings"
+
+    @staticmethod
+    def _expanded(design: Design) -> Design:
+        """Return a design as it is at the temperatures of ``[thermal]``; teeth without clearance are preloaded."""
+        return _warm_design(design)
 
     @property
     def planet(self) -> Planet:
@@ -292,6 +298,22 @@ class RvReducer(Reducer):
 
     def _refuse(self) -> NoReturn:
         raise DesignError(unsupported_layout(self.design.name, self.design.layout))
+
+
+@lru_cache(maxsize=CACHED_DESIGNS)
+def _warm_design(design: Design) -> Design:
+    """Return a design as it is at the temperatures of ``[thermal]``, with the elastic deformation of ring and discs.
+
+    If the teeth interfere, only `rv_preload.preload_share` of the interference remains for the springs of the pins.
+    """
+    from cycloid_mj.geometry.expansion import expand, tooth_play
+    from cycloid_mj.reducer.rv_preload import preload_share
+
+    warm, interference = expand(design), max(0.0, -tooth_play(design))
+    if not interference:
+        return warm
+    relief = (1.0 - preload_share(RvReducer(warm))) * interference
+    return warm.but(modification={"equidistant": warm.modification.equidistant + relief})
 
 
 def _required(table: Table | None) -> Table:

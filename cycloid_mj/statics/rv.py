@@ -20,9 +20,9 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array, Integers, quarter_turned, rotate
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.contact import tooth_stiffness
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
 from cycloid_mj.reducer.rv_bodies import expanded
-from cycloid_mj.statics.springs import tooth_stiffness
 
 
 @dataclass(frozen=True)

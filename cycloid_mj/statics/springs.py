@@ -9,6 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.contact import tooth_stiffness
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_displacements, ideal_motion
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.film import FilmContacts, FilmFriction, build_film_contacts
@@ -184,19 +185,6 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         pins=design.output.pins if bending.any() else 0,
         **shared,
     )
-
-
-def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness of contact lines with the ring [N/m], including sockets or sleeves in series.
-
-    `curvature` is the relative curvature of each line [1/m], of any shape; the result has the same shape. If the ring
-    has two halves, each line is half as long and has half of the stiffness.
-    """
-    law = reducer.contacts.teeth.curvature_law
-    stiffness = law.stiffness * law.factors(curvature)
-    kind = reducer.design.seat_pair
-    total = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
-    return np.asarray(total / reducer.design.ring.halves)
 
 
 def _cross_compliances(reducer: Reducer) -> Array:

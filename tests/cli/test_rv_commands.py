@@ -87,7 +87,6 @@ def test_a_copy_of_the_preset_is_the_preset() -> None:
         ("output.pins=4", 'layout = "rv" has no use for output.pins'),
         ("cranks.count=4", "it must be from 2 to 3"),
         ("crank_errors.bore_x_um=[1.0]", "cranks.count times gear.discs is 6"),
-        ("thermal.disc_c=40", "needs the same temperature of all parts"),
         ("friction.cam=0.1", 'layout = "rv" has no use for friction.cam'),
     ],
 )

@@ -4,18 +4,22 @@ import math
 
 import numpy as np
 import pytest
+from rv_runs import static_loads
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import at_temperatures, expand, jam_difference, tooth_play
 from cycloid_mj.life.duty import DutyPoint, constant_duty
-from cycloid_mj.life.rv_thermal import preload_share, solve_rv_losses, warm_reducer
+from cycloid_mj.life.rv_thermal import solve_rv_losses, warm_reducer
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_network import heat_by_node, heat_capacities
+from cycloid_mj.measure.efficiency_map import run_forward
+from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import friction_powers
+from cycloid_mj.reducer.rv_preload import preload_share
+from cycloid_mj.statics.rv_sheet import friction_powers, rv_powers
 
 RV80E = PRESETS["rv80e"]
 FEW_ANGLES = 31
@@ -65,8 +69,29 @@ def test_the_housing_takes_most_of_an_interference() -> None:
     assert share == pytest.approx(1.0 / (1.0 + 3e8 * (lame + disc)), rel=0.25)
     hot = _at(disc=30.0)
     relief = warm_reducer(reducer, hot).design.modification.equidistant
-    relief -= RvReducer(at_temperatures(RV80E, hot)).design.modification.equidistant
+    relief -= expand(at_temperatures(RV80E, hot)).modification.equidistant
     assert relief == pytest.approx((1.0 - share) * -tooth_play(at_temperatures(RV80E, hot)), rel=1e-2)
+
+
+@pytest.mark.parametrize("member", ["carrier", "ring"])
+@pytest.mark.parametrize("temperatures", [{"disc": 40.0}, {"ring": 40.0, "housing": 40.0}], ids=["disc", "ring"])
+def test_runs_with_temperatures_by_part_agree_with_statics(temperatures: dict[str, float], member: str) -> None:
+    """Discs 20 K warmer than the ring are pressed against the pins; in a warmer ring, the teeth have clearance."""
+    warm = RV80E.but(thermal=temperatures, ring={"pins": "fixed"}, output={"member": member}, load={"torque": 784.0})
+    reducer = steady_design(RvReducer(warm))
+    point = run_forward(reducer, 784.0, reducer.design.drive.speed, 13, "planar")
+    assert point.powers.efficiency == pytest.approx(rv_powers(reducer, 784.0).efficiency, abs=1.5e-3)
+    run = point.run.select(slice(0, None, 50))
+    static = static_loads(point.reducer, run)
+    turn = (-reducer.share if member == "ring" else 1.0) * static.carrier_turn
+    error = run["output_angle"] - reducer.member.output_angle(run["sun_angle"])
+    assert error.mean() == pytest.approx(turn.mean(), rel=3e-3)
+    simulated = np.linalg.norm(run.forces("crank_bearing"), axis=2)
+    np.testing.assert_allclose(simulated, static.bearings.reshape(len(run), -1), atol=0.01 * static.bearings.max())
+    play = tooth_play(at_temperatures(RV80E, temperatures))
+    assert (play < 0.0) == ("disc" in temperatures)
+    cold = rv_powers(RvReducer(RV80E.but(ring={"pins": "fixed"}, output={"member": member})), 784.0)
+    assert (point.powers.efficiency < cold.efficiency) == (play < 0.0)
 
 
 def test_losses_at_20_degrees_are_those_of_statics_and_a_hot_disc_adds_friction_of_its_teeth() -> None:

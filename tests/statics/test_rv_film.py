@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures.film_map import compute_film_map
@@ -163,11 +162,6 @@ def test_torque_without_load_is_that_of_bearings_and_seal() -> None:
 def test_the_map_has_no_back_driving_torque() -> None:
     points = compute_film_map(lubricated(), shares=(1.0,), temperatures=(60.0,))
     assert [point.quantity for point in points] == ["starting torque", "no-load torque", "efficiency"]
-
-
-def test_temperatures_by_part_are_refused() -> None:
-    with pytest.raises(DesignError, match="the same temperature of all parts"):
-        override(PRESETS["rv80e"], ["thermal.disc_c=40"])
 
 
 def test_friction_that_oscillates_with_the_sliding_of_a_pin_converges() -> None:
