@@ -25,7 +25,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.optimum import Optimum
@@ -143,7 +143,7 @@ def optimize(
 
     engine = delivery.engine()
     task = define_problem(
-        Reducer(design_options.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow
+        reducer_of(design_options.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow
     )
     resumed = has_study(Path(delivery.out or OUT), STUDY)
     destination = claim_destination(

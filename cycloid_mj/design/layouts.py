@@ -27,6 +27,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
             f"measure {name}"
             for name in ("te", "backlash", "lost-motion", "loads", "torque", "efficiency", "vibration")
         ),
+        "optimize",
         "rate",
         "reduce",
         "render",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import Design, declaration_of, override, value_of
+from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer, reducer_of
 
@@ -29,6 +30,8 @@ class LinkRule:
     """Keys that it follows."""
     apply: Callable[[Reducer, Reducer], Reducer]
     """Sets the key: from the drive at the start and that at the point to the latter with the key set."""
+    layouts: tuple[Layout, ...] = BOTH
+    """Layouts that have the key."""
 
 
 def _set_hole_radius(nominal: Reducer, reducer: Reducer) -> Reducer:
@@ -46,9 +49,10 @@ _HOLE, _RATED = (
     "output pin radius plus eccentricity plus the clearance of the start",
     "the nominal torque on the output",
 )
-_OF_HOLE, _OF_RATIO = {"gear.eccentricity_mm", "output.pin_radius_mm"}, {"ring.teeth", "output.member"}
+_OF_HOLE = {"gear.eccentricity_mm", "output.pin_radius_mm"}
+_OF_RATIO = {"ring.teeth", "output.member", "planet.sun_teeth", "planet.planet_teeth"}
 RULES: Mapping[str, LinkRule] = {
-    "output.hole_radius_mm": LinkRule(_HOLE, frozenset(_OF_HOLE), _set_hole_radius),
+    "output.hole_radius_mm": LinkRule(_HOLE, frozenset(_OF_HOLE), _set_hole_radius, CENTRAL),
     "drive.torque_nm": LinkRule(f"keeps {_RATED}", frozenset(_OF_RATIO), _set_torque),
 }
 """Keys that have a rule of their own."""
@@ -134,15 +138,19 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
     return tuple(links.values())
 
 
-def default_links(requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
-    """Return the links that an optimisation adds by the `RULES`, beyond those that the user has `requested`.
+def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
+    """Return the links that an optimisation of a reducer adds by the `RULES`, beyond those that are `requested`.
 
-    A rule applies if a key that it follows (`LinkRule.leaders`) is varied, and the key that it sets is neither varied
-    nor linked by `requested`.
+    A rule applies if the layout of the reducer has its key, a key that it follows (`LinkRule.leaders`) is varied, and
+    the key that it sets is neither varied nor linked by `requested`.
     """
     varied_keys = set(varied_keys)
     excluded = varied_keys | {link.key for link in requested}
-    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied_keys and key not in excluded)
+    return tuple(
+        Link(key)
+        for key, rule in RULES.items()
+        if reducer.LAYOUT in rule.layouts and rule.leaders & varied_keys and key not in excluded
+    )
 
 
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:

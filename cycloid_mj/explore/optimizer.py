@@ -21,11 +21,10 @@ from cycloid_mj.explore.optimum import BestChecks, Optimum
 from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, define_problem, evaluate_point
 from cycloid_mj.explore.row import PointResult
-from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.explore.search import CMA, REQUIREMENT, Point, search_minimum
-from cycloid_mj.explore.tolerances import TooManyJams, tolerance
+from cycloid_mj.explore.tolerances import TooManyJams, has_tolerances, tolerance
 from cycloid_mj.explore.verify import verify_design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import Sheet, sheet
 
 STUDY = "optimize"
@@ -117,7 +116,7 @@ def optimize(
     DesignError
         No point satisfies all checks and limits; it states how many each of them rejects.
     """
-    task = define_problem(Reducer(resolve(design)), vary, minimize, maximize, limits, strict, follow)
+    task = define_problem(reducer_of(resolve(design)), vary, minimize, maximize, limits, strict, follow)
     optimum = run_search(task, evaluations, starts, seed, out, engine, progress)
     write_best(optimum, out)
     return add_checks_of_best(optimum, solver) if verify else optimum
@@ -170,12 +169,12 @@ def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     """
     best = optimum.design()
     try:
-        zones, samples = tolerance_zones(Reducer(best)), OPTIMIZER.tolerance_samples
-        ranges = tolerance(best, samples, optimum.seed) if zones else None
+        samples = OPTIMIZER.tolerance_samples
+        ranges = tolerance(best, samples, optimum.seed) if has_tolerances(reducer_of(best)) else None
     except TooManyJams as jam:
         ranges = jam.tolerances
-    sheets = _compute_sheet(Reducer(best)), _compute_sheet(optimum.task.reducer)
-    checks = BestChecks(*sheets, verify_design(Reducer(best), solver), ranges)
+    sheets = _compute_sheet(reducer_of(best)), _compute_sheet(optimum.task.reducer)
+    checks = BestChecks(*sheets, verify_design(reducer_of(best), solver), ranges)
     return Optimum(optimum.task, optimum.rows, optimum.seed, checks)
 
 

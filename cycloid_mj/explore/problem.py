@@ -14,7 +14,7 @@ from cycloid_mj.explore.linked_keys import Link, apply_links, default_links, par
 from cycloid_mj.explore.points import Value, Wanted, axis_values, parse_axis
 from cycloid_mj.explore.row import PointResult, error_line
 from cycloid_mj.figures import COMPUTED, compute, figure
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 MAX_COMBINATIONS = 2000
 """Combinations of whole numbers and words at most, which are tried one by one."""
@@ -101,7 +101,7 @@ class Problem:
     def design_at(self, values: Sequence[Value]) -> Design:
         """Return the design at a point; raise DesignError where the design file does not allow a value."""
         design = override(self.reducer.design, dict(zip(self.keys, values, strict=True)))
-        return apply_links(self.reducer, Reducer(design), self.links)
+        return apply_links(self.reducer, reducer_of(design), self.links)
 
     def costs(self, row: PointResult) -> tuple[float, ...]:
         """Return the objectives of a feasible point, all to be minimized: those to maximize have the sign changed."""
@@ -168,7 +168,7 @@ def define_problem(
     parsed_limits = tuple(parse_limit(text, reducer) for text in _as_tuple(limits))
     require_consistent(parsed_limits)
     requested = parse_links(reducer, follow, vary)
-    links = (*requested, *default_links(requested, vary))
+    links = (*requested, *default_links(reducer, requested, vary))
     task = Problem(reducer, ranges, choices, objectives, parsed_limits, strict, links)
     if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
@@ -235,9 +235,9 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
     except DesignError as error:
         return {}, {FILE: 1.0}, INVALID_VALUE, error_line(error)
     try:
-        if failed_checks := compute_rejections(Reducer(design), task.strict):
+        if failed_checks := compute_rejections(reducer_of(design), task.strict):
             return {}, failed_checks, CHECK_VIOLATION, ""
-        figures = compute(Reducer(design), task.figures)
+        figures = compute(reducer_of(design), task.figures)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, NO_FIGURE, error_line(error)
     violations = {str(limit): excess for limit in task.limits if (excess := limit.excess(figures[limit.key])) > 0.0}

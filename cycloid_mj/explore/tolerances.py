@@ -1,11 +1,11 @@
 """Monte Carlo study of a design within its tolerances: distributions, yield, jams, and an error budget."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from statistics import NormalDist
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore import rv_samples, sampling
 from cycloid_mj.explore.budget import (
@@ -300,6 +301,18 @@ class StudyInterrupted(KeyboardInterrupt):
         self.tolerances = tolerances
 
 
+ZONES: Mapping[Layout, Callable[[Reducer], Mapping[str, Zone]]] = {
+    "central": sampling.tolerance_zones,
+    "rv": lambda reducer: rv_samples.crank_zones(cast(RvReducer, reducer)),
+}
+"""Function of each layout that returns the nonzero tolerances of a reducer, by key."""
+
+
+def has_tolerances(reducer: Reducer) -> bool:
+    """Return whether a design has tolerances that a study can vary."""
+    return bool(ZONES[reducer.LAYOUT](reducer))
+
+
 class TooManyJams(RunError):
     """Nearly all samples of the first batch jam; `tolerances` has their figures."""
 
@@ -361,7 +374,8 @@ def tolerance(
         )
     reducer = reducer_of(resolve(design))
     if isinstance(reducer, RvReducer):
-        return _study_rv_reducer(reducer, samples, seed, limits, verify)
+        tolerances = _study_rv_reducer(reducer, samples, seed, limits)
+        return _add_dynamics(tolerances, _verify_worst(tolerances, verify, solver, engine))
     return _run_study(_define_study(reducer, samples, seed, limits), verify, solver, progress, engine)
 
 
@@ -376,7 +390,7 @@ def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress,
         if not _solve_batches(study, figures_by_batch, progress, engine):
             raise TooManyJams(study.result({0: figures_by_batch[0]}))
         result = study.result(figures_by_batch)
-        drives = [Reducer(worst) for worst in result.worst[:verify]]
+        drives = [reducer_of(worst) for worst in result.worst[:verify]]
         checks.update(engine.stream(partial(verify_design, solver=solver), drives))
     except KeyboardInterrupt as stop:
         if 0 not in figures_by_batch:
@@ -385,13 +399,11 @@ def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress,
     return _add_dynamics(result, checks)
 
 
-def _study_rv_reducer(
-    reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
-) -> Tolerances:
+def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
     """Return the tolerance study of an RV reducer from its closed form, in which no sample jams.
 
     Arguments and errors are those of `tolerance`. A UsageError is also raised for a limit on any figure but the
-    transmission error (`rv_samples.FIGURE`), and if `verify` is set, because the samples cannot be simulated.
+    transmission error (`rv_samples.FIGURE`).
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
@@ -399,11 +411,6 @@ def _study_rv_reducer(
         raise UsageError(
             f"--limit {other[0]}: this quantity is not computed for samples of an RV reducer. Use --limit with "
             f"{rv_samples.FIGURE} instead"
-        )
-    if verify:
-        raise UsageError(
-            f"--verify does not apply to an RV reducer such as {reducer.design.name}, because its samples cannot be "
-            "simulated: remove --verify"
         )
     drawn_samples = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(
@@ -466,6 +473,12 @@ def _solve_batches(
         if index == 0 and stops_study(find_jams(figures)):
             return False
     return True
+
+
+def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: Engine) -> dict[int, DynamicsCheck]:
+    """Simulate some of the worst samples in full dynamics; return their checks by rank."""
+    drives = [reducer_of(worst) for worst in tolerances.worst[:count]]
+    return dict(engine.stream(partial(verify_design, solver=solver), drives))
 
 
 def _add_dynamics(tolerances: Tolerances, checked: Mapping[int, DynamicsCheck]) -> Tolerances:

@@ -59,5 +59,12 @@ def test_a_design_without_tolerances_and_other_figures_are_refused() -> None:
         tolerance(PRESETS["rv80e"], 10)
     with pytest.raises(UsageError, match="Use --limit with te_errors_arcsec instead"):
         tolerance(toleranced(phase="uniform 3"), 10, limits=["backlash_arcmin<=1"])
-    with pytest.raises(UsageError, match="remove --verify"):
-        tolerance(toleranced(phase="uniform 3"), 10, verify=1)
+
+
+@pytest.mark.slow
+def test_a_run_of_the_worst_sample_has_the_transmission_error_of_statics() -> None:
+    (check,) = tolerance(toleranced(**ZONES), 200, verify=1).verified
+    assert not check.note
+    assert check.statics["te_loaded_forward_arcsec"] > 10.0
+    for key, difference in check.differences.items():
+        assert abs(difference) < 0.02, key
