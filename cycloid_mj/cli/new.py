@@ -70,7 +70,7 @@ DutyFlag = Annotated[
     Parameter(
         metavar="SHARE|FILE",
         help="Share of the time under load, 0.001 to 1, or CSV file of a duty cycle (as for `cycloid-mj rate --duty`), "
-        "whose largest torque becomes --torque-nm. Default: 1; 0.25 for printed drives.",
+        "whose largest torque becomes --torque-nm. Default: 1; 0.25 for printed drives; 0.4 for --layout rv.",
     ),
 ]
 CoolingFlag = Annotated[
@@ -226,12 +226,12 @@ class SizeFlags:
                 f"--ratio {self.ratio} and --ratio-range {self.ratio_range} cannot be used together: remove one of the "
                 "two"
             )
-        output_rpm, kind = None if self.motor else self.output_rpm, Requirement
+        output_rpm, kind, duty = None if self.motor else self.output_rpm, Requirement, self.duty or None
         if self.layout == "rv":
-            from cycloid_mj.sizing.rv import OUTPUT_RPM, RvRequirement
+            from cycloid_mj.sizing.rv import DUTY_SHARE, OUTPUT_RPM, RvRequirement
 
             self._refuse_unsupported_flags()
-            kind = RvRequirement
+            kind, duty = RvRequirement, duty or str(DUTY_SHARE)
             if self.speed_rpm is None and self.output_rpm is None:
                 output_rpm = OUTPUT_RPM
         low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)
@@ -242,7 +242,7 @@ class SizeFlags:
             life_h=self.life_h,
             speed_rpm=self._crank_speed(low),
             output_rpm=output_rpm,
-            duty=self.duty or None,
+            duty=duty,
             cooling=self.cooling,
             ambient_c=self.ambient_c,
             motor=_frame(self.motor),

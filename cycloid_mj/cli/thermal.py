@@ -56,17 +56,20 @@ def thermal(
     and the difference at which the teeth jam; the exit code is 0 even if they jam. The teeth of an RV reducer become
     preloaded instead of jamming.
 
-    The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Torque
-    limits by duty are for a drive that rests for the remaining time of a cycle. The JSON has temperatures_c,
-    jam_difference_k, losses_w, thermal_torque_nm and time_constant_s; a limit that is never reached is null.
+    The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Without it,
+    the drive runs for the share service.duty_share of each cycle and rests for the remaining time, as it does for
+    the torque limits by duty. The JSON has temperatures_c, jam_difference_k, losses_w, thermal_torque_nm and
+    time_constant_s; a limit that is never reached is null.
     """
     from cycloid_mj.life.thermal import thermal as compute
 
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     if cycle_min is not None:
-        if not duty:
-            raise UsageError("--cycle-min needs a duty cycle: add --duty, or remove --cycle-min")
+        if not duty and design.service.duty_share == 1.0:
+            raise UsageError(
+                "--cycle-min needs a duty cycle: add --duty, set service.duty_share below 1, or remove --cycle-min"
+            )
         cycle = replace(cycle, period=60.0 * cycle_min)
     destination = claim_destination(delivery, f"{design.name}-thermal")
     return deliver(_outcome(compute(design, cycle), destination), destination, delivery)

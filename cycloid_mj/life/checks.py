@@ -16,6 +16,10 @@ from cycloid_mj.life.rated import is_momentary, rated_torque
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 REMEDY = "lower drive.torque_nm to the rated torque of `cycloid-mj datasheet`, or see `cycloid-mj rate` for each item"
+HEAT_REMEDY = (
+    "lower drive.torque_nm or service.duty_share, or cool the housing better (service.film_coefficient_w_m2_k); see "
+    "`cycloid-mj thermal`"
+)
 
 BELOW, ABOVE = -1, 1
 
@@ -74,9 +78,8 @@ def check_design(design: Named) -> Checks:
 def check_reducer(reducer: Reducer) -> Checks:
     """Run all checks of a reducer, as `check_design`."""
     checks = check(reducer.design)
-    if isinstance(reducer, RvReducer):
-        return checks
-    checks = verify_remedies(reducer, checks)
+    if not isinstance(reducer, RvReducer):
+        checks = verify_remedies(reducer, checks)
     return checks if checks.failures else Checks((*checks, *life_checks(reducer)))
 
 
@@ -188,7 +191,7 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
             why=f"{explanation}; {weakest.load_text}{limit}, for {rating.duty}"
             f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
-            remedy="" if margin >= 1.0 else REMEDY,
+            remedy="" if margin >= 1.0 else HEAT_REMEDY if kind == "heat" else REMEDY,
             severity="warning",
             key=about,
             value=weakest.life if by_life else weakest.safety,

@@ -2,7 +2,7 @@
 
 import csv
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cycloid_mj.base.errors import UsageError, reason
@@ -48,13 +48,26 @@ class Duty:
             point = self.points[0]
             return f"{point.torque:.4g} N m at {point.speed / RPM:.6g} rpm"
         return "; ".join(
-            f"{point.torque:g} N m at {point.speed / RPM:g} rpm, {point.share:.3g}" for point in self.points
+            f"{point.torque:g} N m at {point.speed / RPM:g} rpm, {point.share:.3g}"
+            if point.speed
+            else f"rest, {point.share:.3g}"
+            for point in self.points
         )
 
 
 def constant_duty(torque: float, speed: float, peak: float | None = None) -> Duty:
     """Return the duty cycle of a constant torque [N m] and speed [rad/s]; its peak defaults to twice the torque."""
     return _cycle((DutyPoint(abs(torque), abs(speed), 1.0),), peak)
+
+
+def add_rests(duty: Duty, share: float) -> Duty:
+    """Return a constant duty with rests between, so that it runs for a share of the time [1] (S3, IEC 60034-1).
+
+    A duty of several points is unchanged, because its file states its rests.
+    """
+    if len(duty.points) > 1 or share == 1.0:
+        return duty
+    return replace(duty, points=(replace(duty.points[0], share=share), DutyPoint(0.0, 0.0, 1.0 - share)))
 
 
 def _cycle(points: tuple[DutyPoint, ...], peak: float | None) -> Duty:

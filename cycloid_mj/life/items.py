@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import chain
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
-from cycloid_mj.design import Named, resolve
+from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.life.as_built import Parts, default_parts, select_rated_samples
 from cycloid_mj.life.bearings import rate_bearings
@@ -21,7 +21,7 @@ from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.rv import rate_rv
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
-from cycloid_mj.life.thermal import rate_jam_difference, rate_thermal_torque
+from cycloid_mj.life.thermal import rate_jam_difference, rate_thermal_limits
 from cycloid_mj.life.wear import rate_wear
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
@@ -80,7 +80,8 @@ def rate(
             raise UsageError(
                 f"{design.name}: `--parts toleranced` does not apply to an RV reducer: use `--parts perfect`"
             )
-        return rate_rv(reducer, duty, life)
+        rating = rate_rv(reducer, duty, life)
+        return _add_thermal_limits(rating, design, duty) if compliance else rating
     if parts == "toleranced":
         samples = select_rated_samples(reducer)
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
@@ -103,13 +104,24 @@ def _rate_parts(
     """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
-    if compliance and not design.thermal.applied:
-        items.append(replace(rate_thermal_torque(design, duty), kind=ItemKind.HEAT))
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
     condition = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
-    return Rating(design.name, condition, life, by_key, assumptions, spread, work, reducer.parts_text)
+    rating = Rating(design.name, condition, life, by_key, assumptions, spread, work, reducer.parts_text)
+    return _add_thermal_limits(rating, design, duty) if compliance else rating
+
+
+def _add_thermal_limits(rating: Rating, design: Design, duty: Duty) -> Rating:
+    """Return a rating with the limits of the steady temperatures under a duty (`rate_thermal_limits`).
+
+    A design whose dimensions already include thermal expansion (``thermal.applied``) has no such limits.
+    """
+    if design.thermal.applied:
+        return rating
+    items = [*rating.items.values(), *rate_thermal_limits(design, duty)]
+    by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(rating.life))}
+    return replace(rating, items=by_key)
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
@@ -189,7 +201,12 @@ def rate_at_rated_load(reducer: Reducer) -> Rating:
 
 @once
 def rate_for_verdict(reducer: Reducer) -> Rating:
-    """Rate as `rate_at_rated_load`, but within the tolerances of the design if it has any, as ``cycloid-mj rate``."""
+    """Rate as `rate_at_rated_load`, but within the tolerances of the design if it has any, as ``cycloid-mj rate``.
+
+    The rating of an RV reducer includes heat, which `rate_at_rated_load` does not.
+    """
+    if isinstance(reducer, RvReducer):
+        return rate(reducer, compliance=True)
     parts = default_parts(reducer.design)
     return rate(reducer, parts=parts) if parts == "toleranced" else rate_at_rated_load(reducer)
 

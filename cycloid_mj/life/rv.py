@@ -372,7 +372,7 @@ def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
     yield f"reliability of bearings: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield (
-        "not rated: strength of cranks, discs and tooth roots (`cycloid-mj stress`), heat (`cycloid-mj thermal`), "
-        "strength of the carrier, main bearings and wear"
+        "not rated: strength of cranks, discs and tooth roots (`cycloid-mj stress`), wear (`cycloid-mj wear`), "
+        "strength of the carrier, and main bearings"
     )
     yield from describe_plastic_limits(reducer.design)

@@ -11,9 +11,9 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
 from cycloid_mj.life.heat import heat_limits, mean_losses
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
@@ -92,7 +92,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     ----------
     design, duty, settings
         A design, or the name of a preset or a file, whose temperatures in ``[thermal]`` are not used; duty cycle, by
-        default the nominal torque at the design's speed; and settings of the search.
+        default the nominal torque at the design's speed; and settings of the search. A constant duty has rests if
+        ``service.duty_share`` is below 1.
 
     Returns
     -------
@@ -108,6 +109,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     """
     reducer = state_seals(reducer_of(resolve(design).at_reference))
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
+    duty = add_rests(duty, reducer.design.service.duty_share)
     points = _running_points(reducer.design, duty)
     steady_state = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
@@ -519,14 +521,16 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     )
 
 
-def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
-    """Return the item of the largest torque of a duty [N m] against the torque that heat allows.
+def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
+    """Yield the item of the largest torque of a duty [N m] against the torque that heat allows.
+
+    For an RV reducer, whose losses `rate_heat` does not know, the housing temperature [°C] follows.
 
     Raises the errors of `thermal`.
     """
     state = thermal(design, duty)
     torque = max(abs(point.torque) for point in duty.points)
-    return RatedItem(
+    yield RatedItem(
         "thermal_torque",
         "thermal torque limit",
         torque,
@@ -537,4 +541,22 @@ def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
         f"steady state of the thermal network; limit: {state.limited_by}",
         f"disc {state.difference:.3g} K warmer than the ring, {state.jam_difference:.3g} K close the teeth; up to "
         f"{state.speed / RPM:.4g} rpm at this torque; conductances are assumed ([thermal]): see `cycloid-mj thermal`",
+        ItemKind.HEAT,
+    )
+    if design.layout != RvReducer.LAYOUT:
+        return
+    ambient, housing = design.service.ambient_temperature, max(state.temperatures["housing"], state.peaks["housing"])
+    lowest = min(heat_limits(reducer_of(design)), key=lambda limit: limit.temperature)
+    yield RatedItem(
+        "temperature",
+        f"housing temperature, {lowest.name}",
+        housing,
+        lowest.temperature,
+        "°C",
+        (lowest.temperature - ambient) / (housing - ambient) if housing > ambient else math.inf,
+        None,
+        "thermal network with the losses of the duty; safety factor of the temperature rise",
+        f"{sum(state.losses.values()):.3g} W at h = {design.service.film_coefficient:g} W/(m2 K) (assumed); "
+        f"ambient {ambient:g} °C; {state.condition}",
+        ItemKind.HEAT,
     )

@@ -5,6 +5,7 @@ crank bearings and pins last. The shortest candidate that should carry the torqu
 corrects the estimates of the others, until a drive passes or none is left.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -19,12 +20,14 @@ from cycloid_mj.base.units import HOUR, MILLIMETRES
 from cycloid_mj.checks import soundness
 from cycloid_mj.design import PRESETS, Design, override, stock
 from cycloid_mj.geometry.rv_loads import ideal_rv_loads, mean_force
+from cycloid_mj.life import rate
+from cycloid_mj.life.heat import COOLING
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
 from cycloid_mj.life.rated import is_momentary
 from cycloid_mj.life.rolling import EXPONENT
-from cycloid_mj.life.rv import crank_bearing_rollers, flange_forces, rate_rv
+from cycloid_mj.life.rv import crank_bearing_rollers, flange_forces
 from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
-from cycloid_mj.life.thermal import thermal
+from cycloid_mj.life.thermal import SETTINGS, thermal
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer
@@ -99,6 +102,9 @@ ESTIMATE_ANGLES = 48
 
 OUTPUT_RPM = 15.0
 """Usual speed of the output [rpm], at which catalogues state the rated torque."""
+
+DUTY_SHARE = 0.4
+"""Share of the time under load, if none is required [1]: assumed, an intermittent duty (S3, IEC 60034-1)."""
 
 CLEARANCE = 0.5e-6
 """Clearance of pins on discs and in their sockets, if none is required [m]: parts are matched."""
@@ -272,7 +278,7 @@ def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
     crank = np.linspace(0.0, reducer.crank_turn, ESTIMATE_ANGLES, endpoint=False)
     loads = ideal_rv_loads(reducer.stage, reducer.share, crank)
     forces = loads.bearings.reshape(crank.size, -1), flange_forces(reducer, loads.cranks)
-    turns = requirement.life * requirement.duty_share * HOUR * reducer.crank_speed / (2.0 * math.pi)
+    turns = requirement.life * HOUR * reducer.crank_speed / (2.0 * math.pi)
     bearings = (
         rollers.dynamic * (1e6 / turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
         for rollers, force in zip(crank_bearing_rollers(reducer), forces, strict=True)
@@ -315,7 +321,7 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
         return None
     torque = requirement.torque
     try:
-        rating = rate_rv(candidate.reducer, requirement.duty_at(torque), requirement.life * requirement.duty_share)
+        rating = rate(candidate.reducer, requirement.duty_at(torque), requirement.life, compliance=True)
     except CycloidError:
         return None
     items = [item for item in rating.items.values() if item.decisive]
@@ -338,23 +344,43 @@ def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
 
 
 def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
-    """Yield a shorter life and a larger diameter that make a requirement feasible, each if rating verifies it.
+    """Yield changes that make a requirement feasible, each if rating verifies it.
 
-    `strongest` is the strongest drive that was rated for the requirement, if any.
+    They are a shorter life; where heat limits the torque, a smaller share of the time under load, and better cooling;
+    and a larger diameter. `strongest` is the strongest drive that was rated for the requirement, if any.
     """
-    if strongest and (life := math.floor(strongest.rating.shortest_life / requirement.duty_share)) >= 100:
+    if strongest and (life := math.floor(strongest.rating.shortest_life)) >= 100:
         shorter = requirement.but(life=float(f"{life:.2g}") if life < requirement.life else requirement.life)
-        if shorter.life < requirement.life and _search(shorter, list(candidates(shorter)))[0]:
+        if shorter.life < requirement.life and _is_feasible(shorter):
             yield FeasibleChange(f"a life of {shorter.life:g} h", shorter)
+    if strongest and strongest.weakest.kind is ItemKind.HEAT:
+        less_duty = (
+            (f"a duty of {share:g} of the time", requirement.but(duty_share=share))
+            for share in reversed(SETTINGS.duty_shares)
+            if share < requirement.duty_share and not requirement.duty
+        )
+        more_cooling = (
+            (f"cooling: {name}", requirement.but(film=film))
+            for name, film in COOLING.items()
+            if film > requirement.film
+        )
+        for changes in (less_duty, more_cooling):
+            feasible = (FeasibleChange(words, changed) for words, changed in changes if _is_feasible(changed))
+            yield from itertools.islice(feasible, 1)
     factor = GROWTH
     if strongest:
         factor = max(factor, (requirement.torque / strongest.torque) ** (1.0 / 3.0))
     while factor <= MAX_GROWTH:
         larger = requirement.but(diameter=round(factor * requirement.diameter, 3))
-        if _search(larger, list(candidates(larger)))[0]:
+        if _is_feasible(larger):
             yield FeasibleChange(f"a diameter of {MILLIMETRES * larger.diameter:g} mm", larger)
             return
         factor *= GROWTH
+
+
+def _is_feasible(requirement: RvRequirement) -> bool:
+    """Return whether the search finds a drive that meets a requirement."""
+    return _search(requirement, list(candidates(requirement)))[0] is not None
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
@@ -371,7 +397,7 @@ def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: st
         "mass_kg": rv_mass(reducer),
         "rated_torque_nm": rated.torque,
         "momentary_torque_nm": rated.momentary,
-        "life_h": rated.rating.shortest_life / requirement.duty_share,
+        "life_h": rated.rating.shortest_life,
         "temperature_c": thermal(reducer.design, requirement.duty_at(torque)).temperatures["housing"],
         "stiffness_nm_per_arcmin": motion["stiffness_ideal"],
         "backlash_arcmin": motion["backlash"],

@@ -10,6 +10,8 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import at_temperatures, expand, jam_difference, tooth_play
+from cycloid_mj.life import rate
+from cycloid_mj.life.checks import check_design
 from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.rv_thermal import solve_rv_losses, warm_reducer
 from cycloid_mj.life.thermal import thermal
@@ -136,3 +138,16 @@ def test_the_case_stays_below_60_degrees_at_the_rated_torque_on_a_robot() -> Non
 def test_the_command_warns_of_the_preload(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["thermal", "rv80e", "--load-nm", "100"]) == 0
     assert "expand by" in capsys.readouterr().out
+
+
+def test_heat_limits_the_rating_under_continuous_load_only() -> None:
+    """`service.duty_share` is that of the rating: losses, and nearly the temperature rise, are in proportion to it."""
+    continuous, paused = (
+        rate(RV80E.but(service={"duty_share": share}), compliance=True).items["temperature"] for share in (1.0, 0.4)
+    )
+    assert continuous.safety is not None
+    assert paused.safety is not None
+    assert continuous.safety < 1.0 < paused.safety
+    assert continuous.value - 20.0 == pytest.approx(2.5 * (paused.value - 20.0), rel=0.15)
+    assert continuous.limit == RV80E.service.grease_temperature
+    assert [item.name for item in check_design(RV80E).warnings] == ["heat"]

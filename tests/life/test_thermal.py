@@ -13,7 +13,7 @@ from cycloid_mj.design import PRESETS, Material, override, presets_for
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
 from cycloid_mj.life import datasheet
-from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
 from cycloid_mj.life.heat import cooling_area, still_air_coefficient
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.thermal import thermal
@@ -152,6 +152,15 @@ def test_a_duty_heats_by_its_mean_losses() -> None:
     full = thermal("printed", Duty((point,), 20.0))
     half = thermal("printed", Duty((DutyPoint(10.0, drive.speed, 0.5), DutyPoint(0.0, 0.0, 0.5)), 20.0))
     assert sum(half.losses.values()) == pytest.approx(0.5 * sum(full.losses.values()), rel=0.05)
+
+
+def test_rests_of_the_service_are_those_of_a_duty_file() -> None:
+    share, printed = 0.3, PRESETS["printed"]
+    paused = printed.but(service={"duty_share": share})
+    point = constant_duty(paused.rated_torque, paused.drive.speed).points[0]
+    rests = Duty((replace(point, share=share), DutyPoint(0.0, 0.0, 1.0 - share)), 1.0)
+    assert thermal(paused).as_json() == thermal(printed, rests).as_json()
+    assert add_rests(rests, 0.5) is rests, "a file states its rests itself"
 
 
 def test_temperatures_follow_the_points_of_a_duty() -> None:

@@ -1,6 +1,7 @@
 """RV reducers for a requirement."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,11 +12,11 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import load
 from cycloid_mj.geometry.rv import planet_misfit
 from cycloid_mj.life import rate
-from cycloid_mj.sizing.rv import RvRequirement, assemblies, candidates, rate_candidate
+from cycloid_mj.sizing.rv import DUTY_SHARE, RvRequirement, assemblies, candidates, rate_candidate
 
 
 def _requirement(ratio: int, diameter: float, torque: float) -> RvRequirement:
-    return RvRequirement(ratio=ratio, diameter=diameter, torque=torque, speed=15.0 * ratio * RPM)
+    return RvRequirement(ratio=ratio, diameter=diameter, torque=torque, speed=15.0 * ratio * RPM, duty_share=DUTY_SHARE)
 
 
 @pytest.mark.parametrize("cranks", [2, 3])
@@ -60,6 +61,19 @@ def test_flags_without_use_are_refused(
     assert "--backlash-arcmin does not support --layout rv" in capsys.readouterr().err
 
 
+def test_heat_limits_a_candidate_under_continuous_load() -> None:
+    requirement = _requirement(121, 0.16, 412.0)
+    candidate = next(item for item in candidates(requirement) if item.estimate > 412.0)
+    paused = rate_candidate(requirement, candidate)
+    continuous = requirement.but(duty_share=1.0)
+    sizes = candidate.reducer.but(service={"duty_share": 1.0})
+    heated = rate_candidate(continuous, replace(candidate, reducer=sizes, requirement=continuous))
+    assert paused
+    assert heated
+    assert heated.weakest.key == "temperature"
+    assert heated.torque < 412.0 < paused.torque
+
+
 @pytest.mark.slow
 def test_a_sized_drive_passes_its_rating_and_a_smaller_one_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -81,3 +95,6 @@ def test_a_sized_drive_passes_its_rating_and_a_smaller_one_is_refused(
     assert set(refusal) >= {"most", "limit", "ways", "why"}
     assert 0.0 < refusal["most"] < 412.0
     assert refusal["ways"][-1]["flags"][0] == "--diameter-mm"
+    assert main([*words, "--diameter-mm", "160", "--duty", "1", "--force"]) == 1
+    flags = [way["flags"] for way in json.loads(capsys.readouterr().out)["ways"]]
+    assert [item[0] for item in flags] == ["--duty", "--cooling", "--diameter-mm"]
