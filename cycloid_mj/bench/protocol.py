@@ -4,11 +4,11 @@ Loops of the model and of the bench are evaluated by the same functions; docs/pr
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -24,12 +24,14 @@ from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, req
 from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, loop_hysteresis, loop_lost_motion, stiffness_between
 from cycloid_mj.bench.te import MeasuredError, compute_model_error
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis
 from cycloid_mj.measure.back_driving import START
 from cycloid_mj.measure.bench import crank_angles
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.locked import follow_locked_path, slip_elements, solve_locked_curve
+from cycloid_mj.statics.rv_sheet import running_rotation
 
 INTERVALS = {"low": (0.03, 0.15), "middle": (0.15, 0.5), "high": (0.5, 1.0)}
 """Ranges of torque over which stiffness is computed, as shares of the rated torque."""
@@ -238,7 +240,7 @@ def protocol_of(
     RunError
         The model has no static equilibrium, or a run failed.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     files = BenchFiles(tuple(loops), te, starting, running, back_driving)
     return protocol(reducer, files, rated_nm or reducer.design.rated_torque, angles, progress)
 
@@ -290,7 +292,8 @@ def protocol(
         f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)",
         "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
     ]
-    if math.isnan(model_lines["back_driving_torque_nm"].value):
+    notes += _layout_notes(loaded_reducer)
+    if math.isnan(model_lines.get("back_driving_torque_nm", LoopFigure.about(0.0)).value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
     incomplete = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
     notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]
@@ -413,19 +416,50 @@ def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
     )
 
 
+TORQUE_FIGURES = {
+    "starting_torque_nm": "starting_torque_nm",
+    "running_torque_nm": "no_load_torque_nm",
+    "back_driving_torque_nm": "back_driving_torque_free_nm",
+}
+"""Lines of torques without load -> figures of the catalogue."""
+
+
+def _compute_rv_error(reducer: Reducer, torque: float) -> Array:
+    return running_rotation(cast(RvReducer, reducer), torque)
+
+
+MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
+    "central": compute_model_error,
+    "rv": _compute_rv_error,
+}
+"""Function of each layout: transmission error [rad] over a turn of the output, shape (n,), under a torque [N m]."""
+
+
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
     """Compute transmission error and no-load torques of the model, by the keys of `LINES`, without intervals.
 
-    The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N m].
+    The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue
+    of figures does not have for the reducer are left out.
     """
-    catalogue_keys = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
-    catalogue_keys |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
+    error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
+    torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}
     return {
-        "te_arcsec": LoopFigure.about(
-            float(np.ptp(compute_model_error(reducer, SETTINGS.unloaded_share * rated_torque))) / ARCSECOND
-        ),
-        **{line: LoopFigure.about(figure(key).value(reducer)) for line, key in catalogue_keys.items()},
+        "te_arcsec": LoopFigure.about(float(np.ptp(error)) / ARCSECOND),
+        **{line: LoopFigure.about(item.value(reducer)) for line, item in torques.items()},
     }
+
+
+def _layout_notes(reducer: Reducer) -> Iterator[str]:
+    """Yield the differences of the lines of an RV reducer from their definitions, a sentence each."""
+    if not isinstance(reducer, RvReducer):
+        return
+    yield "the crank of the definitions is the sun; the transmission error of the model includes friction"
+    yield "the model's back-driving torque is not computed: `measure efficiency` simulates it"
+    if not reducer.design.has_film:
+        yield (
+            'the model\'s torques without load are not computed with friction.law = "coulomb", because statics does '
+            'not include weight: set friction.law = "film", or simulate them with `measure efficiency`'
+        )
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:

@@ -12,7 +12,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, whole
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.bench.protocol import Protocol
@@ -113,7 +113,7 @@ def protocol(
         delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
     )
     sheet = computed(
-        Reducer(design), files, rated_nm or design.rated_torque, angles, count_progress("protocol", delivery.quiet)
+        reducer_of(design), files, rated_nm or design.rated_torque, angles, count_progress("protocol", delivery.quiet)
     )
     return deliver(_outcome(sheet), destination, delivery)
 

@@ -28,6 +28,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
             for name in ("te", "backlash", "lost-motion", "loads", "torque", "efficiency", "vibration")
         ),
         "optimize",
+        "protocol",
         "rate",
         "reduce",
         "render",

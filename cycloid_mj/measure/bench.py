@@ -123,7 +123,13 @@ def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -
 
 
 def prepare_bench(
-    reducer: Reducer, torque: float, duration: float, samples: int, step_divisor: float = 1.0, solver: Solver = "planar"
+    reducer: Reducer,
+    torque: float,
+    duration: float,
+    samples: int,
+    step_divisor: float = 1.0,
+    solver: Solver = "planar",
+    damping_ratio: float = BENCH.damping_ratio,
 ) -> Reducer:
     """Return the design with time step, contact damping, duration and log rate for a slow run with locked crank.
 
@@ -142,6 +148,8 @@ def prepare_bench(
         Divisor of the time step.
     solver
         Solver of the run.
+    damping_ratio
+        Damping of the contacts as a share of critical.
     """
     design = reducer.design
     timestep = bench_timestep(reducer, torque, solver) / step_divisor
@@ -149,7 +157,7 @@ def prepare_bench(
         FRICTION.impratio * BENCH.friction_step**2 * reducer.contacts[design.tooth_pair].stiffness * timestep
     )
     creep_speed = min(design.contact.creep_speed or math.inf, min_creep_speed or reducer.contacts.creep_speed)
-    contact_changes = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep_speed}
+    contact_changes = {"damping_ratio": damping_ratio, "creep_speed": creep_speed}
     return type(reducer)(
         design.model_copy(
             update={
@@ -185,6 +193,7 @@ def run_with_step_retries(
     samples: int,
     step_divisor: float = 1.0,
     solver: Solver = "planar",
+    damping_ratio: float = BENCH.damping_ratio,
 ) -> Run:
     """Simulate with a locked crank as in `prepare_bench` and `locked_run`; repeat a failed run with half the time step.
 
@@ -204,6 +213,8 @@ def run_with_step_retries(
         Divisor of the first time step.
     solver
         Solver of the run.
+    damping_ratio
+        Damping of the contacts as a share of critical.
 
     Returns
     -------
@@ -217,7 +228,8 @@ def run_with_step_retries(
     """
     shortest, problem = 0.0, None
     for halvings in range(BENCH.max_halvings + 1):
-        bench = prepare_bench(reducer, max_torque, duration, samples, step_divisor * 2.0**halvings, solver)
+        divisor = step_divisor * 2.0**halvings
+        bench = prepare_bench(reducer, max_torque, duration, samples, divisor, solver, damping_ratio)
         shortest = bench.design.settings.timestep
         try:
             return locked_run(bench, crank_angle, torque, solver)

@@ -11,7 +11,6 @@ from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
-    ("protocol", "rv80e"),
     ("design", "kinematics", "rv80e", "--csv", "k.csv"),
     ("design", "profile", "rv80e", "--csv", "p.csv"),
 )
