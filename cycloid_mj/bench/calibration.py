@@ -31,6 +31,7 @@ from cycloid_mj.bench.parameters import (
 )
 from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
 from cycloid_mj.design import Design, Named, resolve
+from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Held, Losses
@@ -446,7 +447,9 @@ def calibrate(
     CalibrationStopped
         Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
-    reducer = Reducer(resolve(design))
+    resolved = resolve(design)
+    require_supported(resolved.name, resolved.layout, "calibrate")
+    reducer = Reducer(resolved)
     if not loops:
         raise UsageError("no measured hysteresis loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)

@@ -20,6 +20,7 @@ from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import transmission_error
@@ -230,7 +231,9 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     RunError
         No static balance exists.
     """
-    reducer = Reducer(resolve(design))
+    resolved = resolve(design)
+    require_supported(resolved.name, resolved.layout, "compare-bench")
+    reducer = Reducer(resolved)
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(

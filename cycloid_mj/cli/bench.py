@@ -15,6 +15,7 @@ from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
+from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -141,8 +142,9 @@ def calibrate(
             f"--crank-deg {crank_deg:g} is not a finite number: give the crank angle in degrees, e.g. --crank-deg 0"
         )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
-    loops = _read_loops(loop)
     design = design_options.resolve_checked()
+    require_supported(design.name, design.layout, "calibrate")
+    loops = _read_loops(loop)
     fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(Reducer(design))
     destination = claim_destination(delivery, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)

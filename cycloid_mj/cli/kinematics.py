@@ -73,13 +73,15 @@ def kinematics(
     with all digits.
     """
     design = design_options.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
-    columns = _compute_motion(design, parse_point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
+    columns = _compute_motion(design, parse_point(q), until_s, step_s)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{design.name}-kinematics")
     return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
 
 
-def _compute_motion(design: Design, q: tuple[float, float], until: float | None, interval: float | None) -> Columns:
+def _compute_motion(
+    design: Design, q: tuple[float, float] | None, until: float | None, interval: float | None
+) -> Columns:
     """Compute the motion of a disc's point as columns of shape (n,) in the units of their names.
 
     They are time [s], crank angle [rad], position [mm], velocity [mm/s] and acceleration [mm/s2].
@@ -87,7 +89,7 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
     Parameters
     ----------
     q
-        The point in the frame of the disc [m].
+        The point in the frame of the disc [m]; None: on +y, on the circle of output pins or cranks.
     until, interval
         End and interval of the samples [s]; None: defaults of the flags.
     """
@@ -95,14 +97,16 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
 
     from cycloid_mj.analysis.series import point_path
     from cycloid_mj.geometry.kinematics import CrankLaw
-    from cycloid_mj.reducer import Reducer
+    from cycloid_mj.reducer import reducer_of
 
-    law = CrankLaw(design.drive.speed, design.drive.ramp)
+    reducer, law = reducer_of(design), CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
     interval = _choose_step(design, interval)
     t = interval * np.arange(_count_samples(until, interval))
-    crank = law.angle_at(t)
-    path = point_path(Reducer(design), np.array(q), 0, crank, law.speed_at(t), law.acceleration_at(t))
+    crank, speed, acceleration = map(
+        reducer.member.crank_angle, (law.angle_at(t), law.speed_at(t), law.acceleration_at(t))
+    )
+    path = point_path(reducer, np.array(q or (0.0, reducer.lever)), 0, crank, speed, acceleration)
     (x, y), (vx, vy), (ax, ay) = (1e3 * vectors.T for vectors in (path.position, path.velocity, path.acceleration))
     names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))

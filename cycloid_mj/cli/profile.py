@@ -9,7 +9,7 @@ from cycloid_mj.cli.delivery import claim_page, deliver_columns
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
@@ -71,7 +71,7 @@ def profile(
     the nominal torque). This force is working_force.*_n or contact.working_force_n if set, else that of ideal load
     sharing.
     """
-    reducer = Reducer(design_options.resolve())
+    reducer = reducer_of(design_options.resolve())
     columns = {"gear": _gear, "ring": _ring_columns, "curvature": _curvature_columns}[part](reducer, points)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-{part}")

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Literal
 
+from cycloid_mj.base.errors import DesignError
+
 Layout = Literal["central", "rv"]
 
 CENTRAL: tuple[Layout, ...] = ("central",)
@@ -20,6 +22,8 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "design new",
         "design show",
         "design check",
+        "design kinematics",
+        "design profile",
         "export",
         "figures",
         "log",
@@ -44,6 +48,20 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     ),
 }
 """The only commands that support a layout; empty: all of them."""
+
+REASONS: Mapping[Layout, Mapping[str, str]] = {
+    "central": {},
+    "rv": {
+        "animate": "its drawing with magnified gaps has a central crank and output pins: use `cycloid-mj render` for "
+        "an image, or open the log in Foxglove or Rerun",
+        "calibrate": "it fits the table [springs], which an RV reducer does not have: evaluate the loops with "
+        "`cycloid-mj protocol --loop`, and set cranks.needle_stiffness_n_m and cranks.taper_stiffness_n_m until the "
+        "model has the same stiffness",
+        "compare-bench": "it assigns the orders of a central crank: use `cycloid-mj measure te --turns N`, which lists "
+        "the orders of cranks, planets and pins, or `cycloid-mj protocol --te` for the peak-to-peak value",
+    },
+}
+"""Why other commands do not support a layout, and what to use instead."""
 
 RV_TABLES = ("planet", "cranks", "crank_errors", "crank_tolerance")
 """Tables of the design file that apply to the layout "rv" only."""
@@ -91,10 +109,15 @@ def layouts_of(command: str) -> tuple[Layout, ...]:
     return tuple(layout for layout in SUPPORTED if supports(layout, command))
 
 
+def require_supported(name: str, layout: Layout, command: str) -> None:
+    """Raise DesignError, with the reason, if a command does not support the layout of a design with a `name`."""
+    if reason := REASONS[layout].get(command):
+        raise DesignError(f'{command} does not support layout = "{layout}" ({name}), because {reason}')
+
+
 def unsupported_layout(name: str, layout: Layout) -> str:
-    """Return a sentence that refuses a design of a layout and names the commands that support it."""
-    *most, last = (f"`{command}`" for command in SUPPORTED[layout])
+    """Return a sentence that refuses a design of a layout where only a central crank is supported."""
     return (
-        f'the design {name!r} has layout = "{layout}", which is supported by {", ".join(most)} and {last} only: '
-        "use one of them, or a design with a central crank"
+        f'the design {name!r} has layout = "{layout}", which is not supported here: use a design with a central '
+        f"crank. Only {', '.join(f'`{command}`' for command in REASONS[layout])} do not support this layout as commands"
     )

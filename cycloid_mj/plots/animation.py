@@ -16,6 +16,7 @@ from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
+from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.plots.movie import write_movie
 from cycloid_mj.plots.stage import AnimatedFigure, Script, create_stage, update_stage
 from cycloid_mj.plots.style import with_style
@@ -118,6 +119,7 @@ def select_samples(
             "as 1"
         )
     motion = series(run)
+    require_supported(motion.design.name, motion.design.layout, "animate")
     if not 0 <= disc < motion.design.gear.discs:
         raise UsageError(
             f"the design {motion.design.name} has no disc {disc + 1}: choose a disc from 1 to "

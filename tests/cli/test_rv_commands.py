@@ -8,13 +8,10 @@ import pytest
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load
-from cycloid_mj.design.layouts import SUPPORTED
-
-REFUSED = (
-    ("design", "kinematics", "rv80e", "--csv", "k.csv"),
-    ("design", "profile", "rv80e", "--csv", "p.csv"),
-)
-"""Commands that do not support an RV reducer yet."""
+from cycloid_mj.design.layouts import REASONS
+from cycloid_mj.dynamics.run import model_for, simulate
+from cycloid_mj.log import write
+from cycloid_mj.reducer import reducer_of
 
 
 @pytest.fixture(autouse=True)
@@ -22,14 +19,40 @@ def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("words", REFUSED, ids=lambda words: "_".join(words[:2]))
-def test_a_command_without_support_names_those_that_have_it(
-    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("command", REASONS["rv"])
+def test_a_command_without_support_gives_the_reason_and_another_command(
+    command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([*words, "--quiet"]) == 1
+    Path("loop.csv").write_text("torque_output_Nm,deflection_deg\n" + "\n".join(f"{k},{k}" for k in range(20)))
+    Path("te.csv").write_text("crank_deg,te_arcsec\n" + "\n".join(f"{6 * k},{k % 3}" for k in range(80)))
+    words = {
+        "animate": ("log.mcap", "film.gif"),
+        "calibrate": ("rv80e", "--loop", "loop.csv"),
+        "compare-bench": ("rv80e", "--te", "te.csv"),
+    }
+    if command == "animate":
+        short = PRESETS["rv80e"].but(drive={"ramp": 0.0, "hold": 2e-3})
+        write(simulate(short, model_for("planar", reducer_of(short))), Path("log.mcap"))
+    assert main([command, *words[command], "--quiet"]) == 1
     out, error = capsys.readouterr()
     assert (out, error.count("\n")) == ("", 1)
-    assert all(f"`{command}`" in error for command in SUPPORTED["rv"])
+    assert f'{command} does not support layout = "rv" (rv80e), because' in error
+    assert "use `cycloid-mj" in error or "`cycloid-mj protocol --loop`" in error
+
+
+@pytest.mark.parametrize("command", ["profile", "kinematics"])
+def test_ideal_profile_and_motion_of_the_discs(command: str) -> None:
+    assert main(["design", command, "rv80e", "--csv", "out.csv", "--quiet"]) == 0
+    header, *rows = Path("out.csv").read_text().splitlines()
+    first = dict(zip(header.split(","), map(float, rows[0].split(",")), strict=True))
+    if command == "profile":
+        # a valley on +y: the pin circle less eccentricity and pin radius
+        assert (first["x_mm"], first["y_mm"]) == (pytest.approx(0.0, abs=1e-9), pytest.approx(72.0))
+        return
+    assert first["y_mm"] == pytest.approx(42.0)
+    last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
+    # the cranks turn 39/153 as fast as the sun, against it; the ramp takes 0.1 s, the hold 0.4 s
+    assert last["crank_rad"] == pytest.approx(-39.0 * 2.0 * math.pi * 0.25 * 0.45, rel=1e-3)
 
 
 def test_export_writes_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
