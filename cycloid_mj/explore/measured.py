@@ -11,7 +11,7 @@ from cycloid_mj.base.frame import Cell
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
-from cycloid_mj.design.layouts import BOTH, CENTRAL, Layout, layouts_of
+from cycloid_mj.design.layouts import BOTH, Layout, layouts_of
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import Solver
@@ -220,9 +220,8 @@ def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Mea
 
 
 MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {
-    **dict.fromkeys(MEASURED, CENTRAL),
+    **dict.fromkeys(MEASURED, BOTH),
     **{name: layouts_of(f"measure {name}") for name in MEASURES},
-    **dict.fromkeys(("statics", "mass", "checks", "figures"), BOTH),
 }
 """Measure of `MEASURED` -> layouts of reducers that it supports."""
 

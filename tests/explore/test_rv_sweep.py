@@ -9,7 +9,7 @@ from cycloid_mj.explore.sweeps import sweep
 from cycloid_mj.figures import figure
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.sheet import sheet
+from cycloid_mj.statics.sheet import shaft_powers, sheet
 
 HERE = Engine(1)
 RV80E = PRESETS["rv80e"]
@@ -47,12 +47,15 @@ def test_figures_of_rating_and_size_vary_with_the_width_of_the_discs() -> None:
     assert table["input_inertia_kg_cm2"][0] < table["input_inertia_kg_cm2"][1]
 
 
-def test_measures_and_figures_of_a_central_crank_are_refused() -> None:
-    measures = "statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, mass"
-    with pytest.raises(UsageError, match=rf'"rv" \(rv80e\): choose one of {measures},'):
-        sweep("rv80e", {CLEARANCE: [0.0]}, "simulate", engine=HERE)
+def test_figures_of_a_central_crank_are_refused() -> None:
     with pytest.raises(UsageError, match="drive_mass_kg does not apply to layout"):
         sweep("rv80e", {CLEARANCE: [0.0]}, "drive_mass_kg", engine=HERE)
+
+
+def test_a_simulated_point_has_the_efficiency_of_statics() -> None:
+    design = RV80E.but(drive={"ramp": 0.0, "hold": 0.03})
+    table = sweep(design, {CLEARANCE: [0.0]}, "simulate", engine=HERE, solver="planar").frame
+    assert table["efficiency"][0] == pytest.approx(shaft_powers(RvReducer(RV80E), 784.0).efficiency, abs=2e-3)
 
 
 def test_each_figure_of_both_layouts_has_a_value() -> None:
