@@ -1,11 +1,12 @@
 """Comparison of a measured transmission error with a design, order by order, with a fitted zero of the crank.
 
-The model is the static balance under the load over a full turn of the output, without friction. Both curves are
-decomposed by least squares into the orders that the measurement resolves: integer orders, of the ring, and multiples of
-N/(N-1), of disc and output.
+The model is the static balance under the load over a full turn of the output, without friction except for an RV
+reducer. Both curves are decomposed by least squares into the orders that the measurement resolves: integer orders, of
+the ring, and multiples of N/(N-1), of disc and output. Angles and orders of an RV reducer are those of its cranks; a
+bench measures them at the sun.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,8 @@ from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
 
 CRANK, ERROR = COLUMNS = ("crank_deg", "te_arcsec")
@@ -231,19 +231,18 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     RunError
         No static balance exists.
     """
-    resolved = resolve(design)
-    require_supported(resolved.name, resolved.layout, "compare-bench")
-    reducer = Reducer(resolved)
+    reducer = reducer_of(resolve(design))
+    measured = _against_crank(reducer, measured)
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(
             "--load-nm 0 is not allowed, because without a load the parts float within their clearances: set a "
             "torque other than 0"
         )
-    lobes = reducer.design.lobes
+    turns = _crank_turns(reducer)
     ideal = compute_model_error(reducer, torque)
-    zero = _fit_zero(ideal, measured, lobes)
-    model = _interpolate_error(ideal, measured.crank + zero, lobes)
+    zero = _fit_zero(ideal, measured, turns)
+    model = _interpolate_error(ideal, measured.crank + zero, turns)
     order = _resolved_orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
@@ -266,39 +265,76 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
 def compute_model_error(reducer: Reducer, torque: float) -> Array:
     """Compute the output's static transmission error [rad] about its mean under a torque on it [N m], shape (n,).
 
-    The n crank angles are evenly spaced over a turn of the output, from 0 on. Friction and weight are left out.
+    The n crank angles are evenly spaced over a turn of the output, from 0 on. Weight is left out, and so is friction
+    except for an RV reducer.
     """
-    lobes = reducer.design.lobes
-    count = TE.poses_per_period * reducer.design.ring.teeth * lobes
-    crank = 2.0 * np.pi * lobes * np.arange(count) / count
-    error = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
+    turns = _crank_turns(reducer)
+    count = TE.poses_per_period * reducer.design.ring.teeth * turns
+    crank = 2.0 * np.pi * turns * np.arange(count) / count
+    weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    if isinstance(reducer, RvReducer):
+        # a crank turn at a time, which bounds the memory
+        blocks = [transmission_error(weightless, angles, torque)[:, 1] for angles in np.split(crank, turns)]
+        error = reducer.member.sense * np.concatenate(blocks)
+    else:
+        error = transmission_error(weightless, crank, torque)[:, 1]
     return np.asarray(error - error.mean())
+
+
+def _crank_turns(reducer: Reducer) -> int:
+    """Return the number of crank turns after which the model's error repeats."""
+    if not isinstance(reducer, RvReducer):
+        return reducer.design.lobes
+    return round(abs(float(reducer.member.crank_angle(1.0) / reducer.member.output_angle(1.0))))
+
+
+def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
+    """Return a measured error against the angle of the crank; that of an RV reducer is measured against the sun's.
+
+    Raises
+    ------
+    UsageError
+        The measurement covers less than a turn of the cranks.
+    """
+    if not isinstance(reducer, RvReducer):
+        return measured
+    converted = replace(measured, crank=reducer.member.crank_angle(measured.crank))
+    if converted.turns < 1.0 - 2.0 / len(measured.crank):
+        needed = abs(float(reducer.member.driven_angle(360.0)))
+        raise UsageError(
+            f"{measured.name}: {CRANK} covers {360.0 * measured.turns:.4g} deg of the sun, but a turn of the cranks "
+            f"takes {needed:.4g} deg. Record at least one turn of the cranks"
+        )
+    return converted
 
 
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
-    They are the integers, and the multiples of N/(N-1), where N is the number of teeth of the ring. A multiple is left
-    out if its distance from an integer is at most `TE.min_separation`, about one cycle over the measurement. The
-    highest order is `TE.max_harmonic` times N, or lower if the points are too far from each other to resolve it.
+    They are the integers, and the multiples of N/(N-1), where N is the number of teeth of the ring; of (N-1)/N in an
+    RV reducer with rotating ring. A multiple is left out if its distance from an integer is at most
+    `TE.min_separation`, about one cycle over the measurement. The highest order is `TE.max_harmonic` times N, or lower
+    if the points are too far from each other to resolve it.
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
     max_order = min(TE.max_harmonic * teeth, int(resolution))
     integer_orders = np.arange(1, max_order + 1, dtype=np.float64)
     disc_orders = np.arange(1, max_order + 1) * teeth / lobes
+    if isinstance(reducer, RvReducer) and reducer.design.output.turns_ring:
+        disc_orders = np.arange(1, max_order + 1) * lobes / teeth
     is_distinct = np.abs(disc_orders - np.rint(disc_orders)) * measured.turns > TE.min_separation
     return np.sort(np.concatenate([integer_orders, disc_orders[is_distinct & (disc_orders < max_order)]]))
 
 
-def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
+def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
     """Return the angle [rad] to add to measured crank angles for which the model is nearest to the measurement.
 
     `ideal` is the model's error [rad], shape (n,), at equally spaced crank angles over a turn of the output, which is
-    `lobes` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined by a
+    `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined by a
     parabola. The smallest of equally good angles is returned.
     """
-    count, turn = len(ideal), 2.0 * np.pi * lobes
+    count, turn = len(ideal), 2.0 * np.pi * turns
     width = turn / count
     # the measured curve on the model's angles, then all shifts at once
     bins = np.floor(np.mod(measured.crank, turn) / width + 0.5).astype(int) % count
@@ -316,13 +352,13 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * width)
 
 
-def _interpolate_error(ideal: Array, crank: Array, lobes: int) -> Array:
+def _interpolate_error(ideal: Array, crank: Array, turns: int) -> Array:
     """Interpolate the model's error [rad] at crank angles [rad], shape (n,), by periodic cubic splines.
 
-    `ideal` is the error [rad] at equally spaced crank angles over a turn of the output, `lobes` turns of the crank.
+    `ideal` is the error [rad] at equally spaced crank angles over a turn of the output, `turns` turns of the crank.
     """
     from scipy.interpolate import CubicSpline
 
-    turn = 2.0 * np.pi * lobes
+    turn = 2.0 * np.pi * turns
     knots = np.linspace(0.0, turn, len(ideal) + 1)
     return np.asarray(CubicSpline(knots, np.append(ideal, ideal[0]), bc_type="periodic")(np.mod(crank, turn)))

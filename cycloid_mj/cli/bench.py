@@ -377,9 +377,10 @@ def compare_bench(
 ) -> int:
     """Compare a measured transmission error with the model.
 
-    The file has the columns crank_deg and te_arcsec. The model is the static equilibrium of the design under the
-    load; the zero angle of the crank, which a bench does not know, is fitted. Reported for each order: both
-    amplitudes, their phase, the share of the measured variance that the model explains, and possible causes.
+    The file has the columns crank_deg (RV reducer: of the sun) and te_arcsec. The model is the static equilibrium of
+    the design under the load; the zero angle of the crank, which a bench does not know, is fitted. Reported for each
+    order: both amplitudes, their phase, the share of the measured variance that the model explains, and possible
+    causes.
     """
     from cycloid_mj.bench import compare_bench as compared
     from cycloid_mj.bench import read_te

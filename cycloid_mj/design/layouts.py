@@ -18,6 +18,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "analyze",
         "build",
         "compare",
+        "compare-bench",
         "datasheet",
         "design new",
         "design show",
@@ -57,8 +58,6 @@ REASONS: Mapping[Layout, Mapping[str, str]] = {
         "calibrate": "it fits the table [springs], which an RV reducer does not have: evaluate the loops with "
         "`cycloid-mj protocol --loop`, and set cranks.needle_stiffness_n_m and cranks.taper_stiffness_n_m until the "
         "model has the same stiffness",
-        "compare-bench": "it assigns the orders of a central crank: use `cycloid-mj measure te --turns N`, which lists "
-        "the orders of cranks, planets and pins, or `cycloid-mj protocol --te` for the peak-to-peak value",
     },
 }
 """Why other commands do not support a layout, and what to use instead."""

@@ -24,11 +24,9 @@ def test_a_command_without_support_gives_the_reason_and_another_command(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("loop.csv").write_text("torque_output_Nm,deflection_deg\n" + "\n".join(f"{k},{k}" for k in range(20)))
-    Path("te.csv").write_text("crank_deg,te_arcsec\n" + "\n".join(f"{6 * k},{k % 3}" for k in range(80)))
     words = {
         "animate": ("log.mcap", "film.gif"),
         "calibrate": ("rv80e", "--loop", "loop.csv"),
-        "compare-bench": ("rv80e", "--te", "te.csv"),
     }
     if command == "animate":
         short = PRESETS["rv80e"].but(drive={"ramp": 0.0, "hold": 2e-3})
