@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import json
+import re
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -42,6 +43,9 @@ from cycloid_mj.scene.replay import replay_model
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
 KINDS = ("pin", "nonpin")
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+LAST_DIGIT = 1e-11
+"""Relative difference of numbers with 12 digits, whose last one processors round differently."""
 STEP_US = {"pin": 2.0, "nonpin": 5.0}
 
 
@@ -245,8 +249,10 @@ def test_a_scene_has_what_a_user_needs(loaded: dict[str, Any], kind: str) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_file_is_the_model_digit_for_digit(loaded: dict[str, Any], reducers: dict[str, Any], kind: str) -> None:
-    """Shortest numbers read back as the doubles they were: each contact parameter of the folder is the spec's."""
+def test_the_file_has_the_contact_parameters_of_the_spec(
+    loaded: dict[str, Any], reducers: dict[str, Any], kind: str
+) -> None:
+    """Processors round differently in the last of the 12 digits."""
     file, built = loaded[kind], reducers[kind].model
     for i in range(built.ngeom):
         name = built.geom(i).name
@@ -261,15 +267,15 @@ def test_the_file_is_the_model_digit_for_digit(loaded: dict[str, Any], reducers:
             "geom_contype",
             "geom_conaffinity",
         ):
-            np.testing.assert_array_equal(getattr(file, array)[other], getattr(built, array)[i])
+            np.testing.assert_allclose(getattr(file, array)[other], getattr(built, array)[i], rtol=LAST_DIGIT)
         # poses of meshes are composed with their principal axes, which costs the last bits
         for array in ("geom_pos", "geom_quat"):
             np.testing.assert_allclose(getattr(file, array)[other], getattr(built, array)[i], rtol=0.0, atol=1e-13)
-    np.testing.assert_array_equal(file.body_mass[1:], built.body_mass[1:])
+    np.testing.assert_allclose(file.body_mass[1:], built.body_mass[1:], rtol=LAST_DIGIT)
     # cam and holes rub in their slices, and the pins in their sockets
     assert file.npair == built.npair == 2848 + (612 if kind == "pin" else 0)
     for array in ("pair_dim", "pair_friction", "pair_solref", "pair_solreffriction", "pair_solimp", "pair_margin"):
-        np.testing.assert_array_equal(getattr(file, array), getattr(built, array))
+        np.testing.assert_allclose(getattr(file, array), getattr(built, array), rtol=LAST_DIGIT)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -544,9 +550,13 @@ def test_errors_and_modification_are_in_the_meshes() -> None:
 
 
 def without_rest(name: str, content: bytes) -> Any:
-    """Return a generated file less what CoACD decides, whose search may go another way on another machine."""
+    """Return a generated file less what CoACD decides, whose search may go another way on another machine.
+
+    The XML file is returned as its text without numbers, and its numbers.
+    """
     if name == "reducer.xml":
-        return [line for line in content.decode().splitlines() if "_rest_" not in line]
+        text = "\n".join(line for line in content.decode().splitlines() if "_rest_" not in line)
+        return NUMBER.sub("", text), *map(float, NUMBER.findall(text))
     if name == "manifest.json":
         told = json.loads(content)
         hashes = {file: value for file, value in told["sha256"].items() if "_rest_" not in file}
@@ -599,7 +609,12 @@ def require_committed(name: str, made: dict[str, bytes]) -> None:
     assert {file for file in made if "_rest_" not in file} == {file for file in committed if "_rest_" not in file}
     for file in set(made) & set(committed) - {"README.md"}:
         if "_rest_" not in file:
-            assert without_rest(file, made[file]) == without_rest(file, committed[file]), file
+            ours, theirs = (without_rest(file, files[file]) for files in (made, committed))
+            if file == "reducer.xml":
+                assert ours[0] == theirs[0]
+                np.testing.assert_allclose(ours[1:], theirs[1:], rtol=LAST_DIGIT)
+            else:
+                assert ours == theirs, file
     assert rest_volumes(made) == pytest.approx(rest_volumes(committed), rel=0.02)
 
 
