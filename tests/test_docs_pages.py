@@ -97,7 +97,8 @@ def test_every_example_has_a_page_with_a_figure(site: dict[Path, _Links]) -> Non
     pages = {page.stem: found for page, found in site.items()}
     for script in (ROOT / "examples").glob("plot_*.py"):
         assert any("sphx_glr" in place for place in pages[script.stem].loads)
-        assert 15 < len(script.read_text(encoding="utf-8").splitlines()) <= 70
+        longest = 120 if "notebook" in script.stem else 70  # the notebook has sixteen cells
+        assert 15 < len(script.read_text(encoding="utf-8").splitlines()) <= longest
 
 
 @pytest.mark.slow

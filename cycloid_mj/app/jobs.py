@@ -162,8 +162,9 @@ class Jobs:
     def stop(self, number: int) -> Job:
         """Stop a queued or running job, and return it; a finished job is returned unchanged. Raises as `get`."""
         job = self.get(number)
-        if job.state in ("queued", "running"):
-            job.state = "stopped"
+        if job.state not in ("queued", "running"):
+            return job
+        job.state = "stopped"
         for queue in self._queues.values():
             if queue.running is job:
                 queue.worker.stop()

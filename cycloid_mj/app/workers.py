@@ -97,8 +97,9 @@ class Worker:
         """Start a process; one that replaces another is not warmed up, because a request may already wait for it."""
         context = multiprocessing.get_context("spawn")
         self._pipe, child_end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(child_end, tuple(warm_up), self._nice), daemon=False)
-        self._process.start()
+        process = context.Process(target=_serve, args=(child_end, tuple(warm_up), self._nice), daemon=False)
+        process.start()
+        self._process = process  # only now, because `stop` can be called at any time
         child_end.close()
 
 

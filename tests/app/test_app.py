@@ -808,6 +808,29 @@ def test_running_and_queued_jobs_can_be_stopped() -> None:
     assert waiting(second, "stopped").result is None
 
 
+def test_a_second_stop_leaves_the_new_process_of_the_worker_alone() -> None:
+    """A tab stops its study, and so does its successor, while the worker starts its next process."""
+
+    class Restarting(Slow):
+        stops, restarted = 0, threading.Event()
+
+        def do(self, work: Any, *args: Any, on_progress: Any) -> Any:
+            self.go.wait(20.0)
+            self.restarted.wait(20.0)
+            raise WorkerDied("stopped")
+
+        def stop(self) -> None:
+            self.stops += 1
+            self.go.set()
+
+    worker = Restarting()
+    jobs = Jobs({"studies": worker})
+    job = waiting(jobs.start("studies", "", lambda told: {}), "running")
+    assert [jobs.stop(job.number).state for _ in range(2)] == ["stopped", "stopped"]
+    worker.restarted.set()
+    assert worker.stops == 1
+
+
 def test_only_the_last_finished_jobs_are_kept() -> None:
     worker = Slow()
     jobs = Jobs({"studies": worker})
