@@ -72,7 +72,7 @@ class Tab:
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
-    def wait(self, script: str, what: str, seconds: float = 60.0) -> None:
+    def wait(self, script: str, what: str, seconds: float = 240.0) -> None:
         """Wait until the value of a script is true, for example an element that is there.
 
         Raise TimeoutError with the text `what` if it is not true after a duration [s].
