@@ -230,5 +230,6 @@ def create_job(content: Content) -> JobKind:
         "stress": ("stresses", part_stress.stress, (design,)),
     }
     if kind not in jobs:
-        raise UsageError(f"unknown job {kind!r}: choose one of {', '.join((*artifacts.FILES, *jobs))}")
+        known = "size", artifacts.WHOLE_DRIVE, *artifacts.FILES, *jobs
+        raise UsageError(f"unknown job {kind!r}: choose one of {', '.join(known)}")
     return JobKind("studies", *jobs[kind])

@@ -317,7 +317,10 @@ def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | 
 
     for design in designs:
         if design.layout != Reducer.LAYOUT:
-            raise UsageError(f'--springs does not support layout = "{design.layout}" ({design.name}): remove --springs')
+            raise UsageError(
+                f'--springs does not support layout = "{design.layout}" ({design.name}): remove --springs, or choose a '
+                f'design with layout = "{Reducer.LAYOUT}"'
+            )
     mounting = None if mounts is None else read_mounts(Path(mounts))
     _require_runnable(designs)
     names = [f"{design.name}-springs.toml" for design in designs]

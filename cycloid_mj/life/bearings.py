@@ -178,9 +178,9 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
 
 
 def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
-    """Yield the items of each rolling bearing over a duty, and of its static load at the peak torque of a stop [N m].
+    """Rate each rolling bearing: its life over a duty, and its static factor at the torque of an emergency stop.
 
-    `loadings` are the solved forces at each point of the duty.
+    `loadings` are the solved forces at each point of the duty. `peak_torque` is that of the emergency stop [N m].
 
     Yields
     ------

@@ -34,8 +34,10 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     model = _compile(spec)
     hinge = spec.joint(joint)
     if hinge is None:
-        names = ", ".join(element.name for element in spec.joints if element.name) or "none has a name"
-        raise UsageError(f"the model has no joint {joint!r}: choose one of {names}")
+        hinges = (element for element in spec.joints if element.type == mujoco.mjtJoint.mjJNT_HINGE)
+        names = ", ".join(hinge.name for hinge in hinges if hinge.name)
+        remedy = f"choose one of {names}" if names else "give a hinge of the model a name, because none has one"
+        raise UsageError(f"the model has no joint {joint!r}: {remedy}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
         raise UsageError(
             f"the joint {joint!r} is not a hinge: choose a hinge joint, because reducers can be attached to hinges only"

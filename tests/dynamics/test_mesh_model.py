@@ -26,7 +26,7 @@ from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque, servo_ta
 from cycloid_mj.dynamics.law import FRICTION
 from cycloid_mj.dynamics.mjcf import build, sensors
 from cycloid_mj.dynamics.mjcf.folder import design_hash, model_files
-from cycloid_mj.dynamics.mjcf.foundation import flank_patch, hole_patch
+from cycloid_mj.dynamics.mjcf.foundation import flank_contact_width, hole_contact_width
 from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes, joint_state
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import MESH_SWAYS, Contact, reducer_model, simulate
@@ -166,17 +166,17 @@ def test_stiffness_does_not_grow_with_the_number_of_slices(kind: str) -> None:
         assert force == pytest.approx(expected, rel=tolerance)
 
 
-def test_hole_and_flank_patches_agree_for_little_penetration() -> None:
+def test_hole_and_flank_contact_widthes_agree_for_little_penetration() -> None:
     """A hole with little penetration is a parabola of curvature play / (r R); the foundation's integral is 4/3 s d."""
     radius, play, depth = 5e-3, 1e-4, 1e-8
     curvature = 1.0 / (radius - play) - 1.0 / radius
-    assert hole_patch(depth, radius, play) == pytest.approx(flank_patch(depth, curvature), rel=0.03)
+    assert hole_contact_width(depth, radius, play) == pytest.approx(flank_contact_width(depth, curvature), rel=0.03)
     s = np.linspace(-1.0, 1.0, 200001) * np.sqrt(2.0 * depth / curvature)
     integral = np.trapezoid(depth - 0.5 * curvature * s**2, s)
-    assert flank_patch(depth, curvature) * depth == pytest.approx(integral, rel=1e-9)
+    assert flank_contact_width(depth, curvature) * depth == pytest.approx(integral, rel=1e-9)
     angle = np.linspace(-np.pi / 2, np.pi / 2, 200001)
     pushed = np.trapezoid(np.maximum((play + 1e-4) * np.cos(angle) - play, 0.0) * np.cos(angle), angle) * radius
-    assert hole_patch(1e-4, radius, play) * 1e-4 == pytest.approx(pushed, rel=1e-7)
+    assert hole_contact_width(1e-4, radius, play) * 1e-4 == pytest.approx(pushed, rel=1e-7)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -258,7 +258,7 @@ def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
 
 def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("printed", 7e-3), ("3_discs", 9e-3)):
-        with pytest.raises(DesignError, match=rf"with a bore of {2e3 * seat:g} mm does not fit"):
+        with pytest.raises(DesignError, match=rf"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit"):
             printed_parts(Reducer(DESIGNS[name]), CHORD_ERROR, seat)
     with pytest.raises(DesignError, match="needs a cam with a rolling bearing"):
         printed_parts(Reducer(DESIGNS["plastic"]), CHORD_ERROR, 10e-3)

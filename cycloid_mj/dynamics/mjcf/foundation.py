@@ -29,7 +29,11 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     """
     stiffness = law.stiffness * factor
     penetration = force / stiffness
-    patch = hole_patch(penetration, part.radius, part.play) if part.play else flank_patch(penetration, part.curvature)
+    patch = (
+        hole_contact_width(penetration, part.radius, part.play)
+        if part.play
+        else flank_contact_width(penetration, part.curvature)
+    )
     share = min(1.0, part.width / patch)
     return ContactParameters(
         stiffness=stiffness * share,
@@ -40,7 +44,7 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     )
 
 
-def flank_patch(depth: float, curvature: float) -> float:
+def flank_contact_width(depth: float, curvature: float) -> float:
     """Compute the effective width [m] of the contact of two flanks at a penetration [m]: 4/3 sqrt(2 d / kappa).
 
     The gap opens as kappa s^2 / 2 next to the deepest point: springs of k per width push with 4/3 sqrt(2 d/kappa) k d.
@@ -48,9 +52,10 @@ def flank_patch(depth: float, curvature: float) -> float:
     return 4.0 / 3.0 * math.sqrt(2.0 * depth / curvature)
 
 
-def hole_patch(depth: float, radius: float, play: float) -> float:
+def hole_contact_width(depth: float, radius: float, play: float) -> float:
     """Compute the effective width [m] of the contact of a round part in a hole at a penetration d = `depth` [m].
 
+    The width is measured along the circumference, in the plane of the disc.
     The part has the `radius` R [m] and the radial clearance `play` [m]. Displaced by x = play + d, it penetrates by
     x cos(theta) - play at the angle theta, up to theta_0 = acos(play / x). Springs of the stiffness k per width push
     radially. Their total force along the displacement is

@@ -226,7 +226,7 @@ def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
         )
     if not (flush < seat or (discs == 1 and seat == round(flush, 9))) or not seat < gear.bore_radius:
         raise DesignError(
-            f"a cam bearing with a bore of {2e3 * seat:g} mm does not fit: choose a bore larger than {2e3 * flush:g} "
+            f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than {2e3 * flush:g} "
             f"mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the outside diameter of the "
             "bearing (twice gear.bore_radius_mm)"
         )

@@ -93,6 +93,8 @@ def balance_few_samples(
 ) -> None:
     """Solve for the equilibria of samples `first_sample` to `end_sample` - 1 under t loads, at k crank angles in order.
 
+    A sample is a drive with random errors within its tolerances. It has u unknowns.
+
     Parameters
     ----------
     ideal
