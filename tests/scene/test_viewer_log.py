@@ -500,7 +500,7 @@ def test_rerun_loads_the_log_and_what_is_written_for_it(logged, tmp_path):
     for topic in (FRAMES, PARTS, FORCES, "/reducer", "/forces"):
         assert any(line.split()[:1] == ["ok"] and topic in line for line in checked.stdout.splitlines()), checked.stdout
     target = tmp_path / "run.rrd"
-    write_rerun(read(path), design, target)
+    write_rerun(read(path), Reducer(design), target)
     done = subprocess.run([*tool, "rrd", "verify", target], capture_output=True, text=True, check=True, timeout=120)
     assert "verified without error" in done.stdout + done.stderr
     told = subprocess.run([*tool, "rrd", "stats", target], capture_output=True, text=True, check=True, timeout=120)
