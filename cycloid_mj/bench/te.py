@@ -1,9 +1,9 @@
 """Comparison of a measured transmission error with a design, order by order, with a fitted zero of the crank.
 
 The model is the static balance under the load over a full turn of the output, without friction except for an RV
-reducer. Both curves are decomposed by least squares into the orders that the measurement resolves: integer orders, of
-the ring, and multiples of N/(N-1), of disc and output. Angles and orders of an RV reducer are those of its cranks; a
-bench measures them at the sun.
+reducer. Both curves are decomposed by least squares into the orders that the measurement resolves: those of the ring,
+and those of disc and output (`measure.orders`). Angles and orders of an RV reducer are those of its cranks; a bench
+measures them at the sun.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
 
@@ -275,17 +275,15 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
     if isinstance(reducer, RvReducer):
         # a crank turn at a time, which bounds the memory
         blocks = [transmission_error(weightless, angles, torque)[:, 1] for angles in np.split(crank, turns)]
-        error = reducer.member.sense * np.concatenate(blocks)
+        error = np.concatenate(blocks)
     else:
         error = transmission_error(weightless, crank, torque)[:, 1]
-    return np.asarray(error - error.mean())
+    return np.asarray(reducer.member.sense * (error - error.mean()))
 
 
 def _crank_turns(reducer: Reducer) -> int:
     """Return the number of crank turns after which the model's error repeats."""
-    if not isinstance(reducer, RvReducer):
-        return reducer.design.lobes
-    return round(abs(float(reducer.member.crank_angle(1.0) / reducer.member.output_angle(1.0))))
+    return round(reducer.design.lobes * reducer.mesh_turn / (2.0 * np.pi))
 
 
 def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
@@ -311,20 +309,19 @@ def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
-    They are the integers, and the multiples of N/(N-1), where N is the number of teeth of the ring; of (N-1)/N in an
-    RV reducer with rotating ring. A multiple is left out if its distance from an integer is at most
-    `TE.min_separation`, about one cycle over the measurement. The highest order is `TE.max_harmonic` times N, or lower
-    if the points are too far from each other to resolve it.
+    They are the multiples of the two base orders of the design (`base_orders`): 1 and N/(N-1), where N is the number of
+    teeth of the ring, or (N-1)/N and 1 if the ring rotates. A multiple is left out if its distance from an integer is
+    at most `TE.min_separation`, about one cycle over the measurement. The highest order is `TE.max_harmonic` times N,
+    or lower if the points are too far from each other to resolve it.
     """
-    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
+    teeth = reducer.design.ring.teeth
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
     max_order = min(TE.max_harmonic * teeth, int(resolution))
     integer_orders = np.arange(1, max_order + 1, dtype=np.float64)
-    disc_orders = np.arange(1, max_order + 1) * teeth / lobes
-    if isinstance(reducer, RvReducer) and reducer.design.output.turns_ring:
-        disc_orders = np.arange(1, max_order + 1) * lobes / teeth
-    is_distinct = np.abs(disc_orders - np.rint(disc_orders)) * measured.turns > TE.min_separation
-    return np.sort(np.concatenate([integer_orders, disc_orders[is_distinct & (disc_orders < max_order)]]))
+    (fractional_base,) = set(base_orders(reducer)) - {1}
+    multiples = np.arange(1, max_order + 1) * float(fractional_base)
+    is_distinct = np.abs(multiples - np.rint(multiples)) * measured.turns > TE.min_separation
+    return np.sort(np.concatenate([integer_orders, multiples[is_distinct & (multiples < max_order)]]))
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
@@ -342,10 +339,11 @@ def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
     binned_sums, counts = np.zeros(count), np.zeros(count)
     np.add.at(binned_sums, bins, error)
     np.add.at(counts, bins, 1.0)
-    spectrum = np.fft.rfft(ideal)
+    spectrum, counted = np.fft.rfft(ideal), np.conj(np.fft.rfft(counts))
     cross = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * spectrum, count)
-    power = np.fft.irfft(np.conj(np.fft.rfft(counts)) * np.fft.rfft(ideal**2), count)
-    residual = power - 2.0 * cross
+    power = np.fft.irfft(counted * np.fft.rfft(ideal**2), count)
+    model_sum = np.fft.irfft(counted * spectrum, count)
+    residual = power - 2.0 * cross - model_sum**2 / counts.sum()  # about the mean of the model at the measured angles
     index = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
     neighbours = [residual[(index + shift) % count] for shift in (-1, 0, 1)]
     curvature = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
