@@ -106,7 +106,7 @@ def test_length_is_that_of_planets_carrier_and_gaps() -> None:
 
 
 def test_toleranced_parts_have_the_transmission_error_of_the_tolerance_study() -> None:
-    """docs/rv.md: 3 to 23 arcsec for 90 % of the samples."""
+    """docs/rv-forces.md: 3 to 23 arcsec for 90 % of the samples."""
     assert toleranced_error_rows(RvReducer(RV80E)) == ()
     (row,) = toleranced_error_rows(RvReducer(override(RV80E, TOLERANCES)))
     assert row.value == pytest.approx(23.0, abs=1.0)
