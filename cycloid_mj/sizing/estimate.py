@@ -71,7 +71,7 @@ def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate
         loads = _Loads.of(requirement, sizes, design, torque)
         limits = {**_surfaces(requirement, sizes, design, loads), **_bearings(requirement, sizes, loads)}
         limits |= _pins(sizes, design, loads, requirement.discs or 1)
-        limits["temperature"] = _heat(requirement, sizes, design, loads)
+        limits["temperature"] = _thermal_torque_limit(requirement, sizes, design, loads)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
     play = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
@@ -302,7 +302,7 @@ def _pins(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, 
     return {key: loads.torque * limit for key, limit in limits.items()}
 
 
-def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
+def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
     """Estimate the output torque [N m] at which the housing of each candidate reaches its allowed temperature, (n,).
 
     The losses of teeth, output pins and cams are proportional to the torque; natural convection removes them from the
