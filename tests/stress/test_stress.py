@@ -465,8 +465,8 @@ def test_every_claim_agrees_with_stress_as_in_the_paper():
         ("shaft", 100.0 + np.cos(np.radians(36 * DEGREES)), "two peaks a turn"),
         ("gear", np.full(360, 61.0), "shaft > ring > gear"),
         ("ring", np.full(360, 44.0), "ring: less stress in nonpin than in pin"),
-        ("pin_1", np.where(DEGREES > 180.0, 50.0, 0.1), "pin 1 is loaded at 0"),
-        ("pin_1", np.full(360, 50.0), "pin 1 is loaded at 0"),
+        ("pin_1", np.where(DEGREES > 180.0, 50.0, 0.1), "pin 1 carries load from 350"),
+        ("pin_1", np.full(360, 50.0), "pin 1 carries load from 350"),
         ("output", np.full(360, 300.0), "the output's stress is low"),
     ],
 )
