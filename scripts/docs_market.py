@@ -144,8 +144,8 @@ DRIVES: Mapping[str, MarketDrive] = {
 """Drives by the name of their design file.
 
 Makers rate a reducer that is bolted to a machine: cooling is ``mounted``. Without a speed, an RV reducer turns its
-output at 15 rpm. The bench drive carried 25 N m for a short time: half of it is required, because a drive of
-`design new` has to withstand twice the required torque.
+output at 15 rpm; without a duty, it is loaded for 40 % of the time. The bench drive carried 25 N m for a short time:
+half of it is required, because a drive of `design new` has to withstand twice the required torque.
 """
 
 FIGURES: Mapping[str, tuple[str, str]] = {
@@ -262,27 +262,22 @@ def _run(*words: str) -> dict[str, Any]:
 
 
 def _request_drive(drive: MarketDrive, name: str, folder: Path) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """Return all requests with their refusals, and the figures of the drive that was created last."""
+    """Return all requests with their refusals, and the figures of the drive that was created last.
+
+    The drive is requested as required, then without its length, then with `SHARES` of the maximum torque that the last
+    refusal states.
+    """
     requests: list[dict[str, Any]] = []
-    for torque, length in _torques_and_lengths(drive, requests):
-        answer = _request(requests, drive, name, torque, length, folder)
+    for length in dict.fromkeys((drive.length, None)):
+        answer = _request(requests, drive, name, drive.torque, length, folder)
         if answer.get("designs"):
             return requests, answer["designs"][0]["figures"]
-    raise ValueError(f"{name}: no drive for {SHARES[-1]} of the stated maximum")
-
-
-def _torques_and_lengths(
-    drive: MarketDrive, requests: Sequence[Mapping[str, Any]]
-) -> Iterator[tuple[float, float | None]]:
-    """Yield torque [N m] and length [mm] of each request: as required, then without length, then with less torque.
-
-    `requests` are those so far; the last of them states the maximum torque, of which `SHARES` are requested.
-    """
-    for length in dict.fromkeys((drive.length, None)):
-        yield drive.torque, length
-    most = requests[-1]["most"]
     for share in SHARES:
-        yield floor_digits(share * most), None
+        torque = floor_digits(share * answer["most"])
+        smaller = _request(requests, drive, name, torque, None, folder)
+        if smaller.get("designs"):
+            return requests, smaller["designs"][0]["figures"]
+    raise ValueError(f"{name}: no drive for {SHARES[-1]} of the stated maximum")
 
 
 def _request(

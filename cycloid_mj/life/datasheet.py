@@ -23,7 +23,7 @@ from cycloid_mj.figures import figure, quantities, values_json
 from cycloid_mj.life.as_built import SETTINGS, has_tolerances
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import DutyPoint, constant_duty
-from cycloid_mj.life.heat import describe_cooling
+from cycloid_mj.life.heat import describe_cooling, describe_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
@@ -383,7 +383,7 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     with_film = "with seals, and grease in the cams, without bearings of shaft and output"
     bare = f"{with_film}{law}" if design.has_film else "without seals, grease and bearings"
     housing = rate_at_rated_load(reducer).items["temperature"]
-    ambient, cooling = design.service.ambient_temperature, describe_cooling(design)
+    ambient, cooling = design.service.ambient_temperature, f"{describe_cooling(design)}, {describe_duty(design)}"
     return (
         _drive_efficiency(reducer, f"{condition}, all bearings included"),
         with_name(

@@ -138,6 +138,12 @@ def describe_cooling(design: Design) -> str:
     return f"cooled with {coefficient:g} W/(m2 K)" if coefficient > STILL_AIR[1] else "still air"
 
 
+def describe_duty(design: Design) -> str:
+    """Return the share of the time under load by IEC 60034-1: "S1" for continuous load, or such as "S3 25 %"."""
+    share = design.service.duty_share
+    return "S1" if share == 1.0 else f"S3 {100.0 * share:.3g} %"
+
+
 def housing_temperature(reducer: Reducer, power_lost: float) -> float:
     """Compute the steady temperature of the housing [°C] at which it passes `power_lost` [W] to the air."""
     ambient, area = reducer.design.service.ambient_temperature, cooling_area(reducer)

@@ -11,7 +11,7 @@ from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, KG_CM2, MILLIMETRES, RPM
 from cycloid_mj.explore.rv_samples import draw_rv_samples
 from cycloid_mj.life.as_built import SETTINGS as TOLERANCE_SETTINGS
-from cycloid_mj.life.heat import describe_cooling, heat_limits
+from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.no_load import grease_of
 from cycloid_mj.life.rated import is_bearing_life, momentary_torque, rated_torque
@@ -187,16 +187,16 @@ def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
 
 
 @once
-def _solve_nominal_state(reducer: RvReducer) -> ThermalState:
-    """Return the steady state at nominal torque and speed."""
-    return thermal(reducer.design)
+def _solve_nominal_state(reducer: RvReducer, share: float) -> ThermalState:
+    """Return the steady state at nominal torque and speed, with load for a `share` of the time [1]."""
+    return thermal(reducer.design.but(service={"duty_share": share}))
 
 
 def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] by the steady state."""
-    state = _solve_nominal_state(reducer)
+    state = _solve_nominal_state(reducer, reducer.design.service.duty_share)
     temperatures = state.temperatures
-    cooling = f"{describe_cooling(reducer.design)}, S1"
+    cooling = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling}"
     rise = temperatures["housing"] - reducer.design.service.ambient_temperature
     hottest = max(temperatures, key=lambda part: temperatures[part])
@@ -210,9 +210,9 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     if math.isfinite(state.torque):
         note = f"{describe_speed(reducer)}, {cooling}; limit: {state.limited_by}"
         yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
-    if math.isfinite(state.speed):
-        note = f"nominal torque, {cooling}; limited by heat only"
-        yield Quantity("continuous_speed_rpm", "Continuous input speed", state.speed / RPM, "rpm", note=note)
+    if math.isfinite(speed := _solve_nominal_state(reducer, 1.0).speed):
+        note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
+        yield Quantity("continuous_speed_rpm", "Continuous input speed", speed / RPM, "rpm", note=note)
     note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
     yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=note)
 
@@ -261,15 +261,16 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     yield from grease_rows(design)
     if design.thermal.applied:
         return
-    state, ambient = _solve_nominal_state(reducer), design.service.ambient_temperature
+    loaded, ambient = design.service.duty_share, design.service.ambient_temperature
+    state = _solve_nominal_state(reducer, loaded)
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
     rise = max(state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
     reached = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
     if limit.temperature - rise >= grease_of(design).coldest:
-        warmest, note = limit.temperature - rise, f"{condition}, S1; then {reached}"
+        warmest, note = limit.temperature - rise, f"{condition}, {describe_duty(design)}; then {reached}"
         yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
-    share = 100.0 * min((limit.temperature - ambient) / rise, 1.0) if rise > 0.0 else 100.0
+    share = 100.0 * min(loaded * (limit.temperature - ambient) / rise, 1.0) if rise > 0.0 else 100.0
     note = f"{condition}; limit: {reached}"
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 

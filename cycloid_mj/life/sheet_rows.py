@@ -17,7 +17,7 @@ from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import bearing_forces, bearings_of
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.heat import describe_cooling, heat_limits
+from cycloid_mj.life.heat import describe_cooling, describe_duty, heat_limits
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
@@ -248,7 +248,7 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         min(heat_limits(reducer), key=lambda limit: limit.temperature),
     )
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(design)}"
-    share = 100.0 * min(housing.safety or 1.0, 1.0)
+    share = 100.0 * min(design.service.duty_share * (housing.safety or 1.0), 1.0)
     return (
         *grease_rows(design),
         Quantity(
@@ -256,7 +256,7 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
             "Ambient temperature, to",
             lowest.temperature - rise,
             "°C",
-            note=f"{condition}, S1; then {lowest.temperature:g} °C at the housing ({lowest.name})",
+            note=f"{condition}, {describe_duty(design)}; then {lowest.temperature:g} °C at the housing ({lowest.name})",
         ),
         Quantity(
             "duty", "Duty at nominal torque and speed", share, "%", note=f"{condition}; limited by {housing.name}"

@@ -20,6 +20,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, life_curve
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.life.sheet_rows import environment_rows
 from cycloid_mj.parts import input_inertia, mass_properties, parts
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.prism import Prism
@@ -282,3 +283,18 @@ def test_tolerances_lower_the_torques_of_the_sheet() -> None:
         toleranced = rows[f"{kind}_torque_toleranced"]
         assert toleranced.value < rows[f"{kind}_torque"].value
         assert "95 % percentile of 200 samples" in toleranced.note
+
+
+def test_the_permissible_duty_does_not_depend_on_the_duty_of_the_design() -> None:
+    """Half of the time under load heats half as much, and the same share of the time reaches the limit."""
+    pin = PRESETS["pin"]
+    continuous, paused = (
+        {row.key: row for row in environment_rows(Reducer(pin.but(service={"duty_share": share})))}
+        for share in (1.0, 0.5)
+    )
+    assert continuous["duty"].value < 100.0
+    assert paused["duty"].value == pytest.approx(continuous["duty"].value)
+    rises = [100.0 - rows["ambient_max"].value for rows in (continuous, paused)]
+    assert rises[1] == pytest.approx(0.5 * rises[0])
+    assert "S1" in continuous["ambient_max"].note
+    assert "S3 50 %" in paused["ambient_max"].note
