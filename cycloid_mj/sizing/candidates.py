@@ -17,6 +17,7 @@ from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.design.units import bounds_of
 from cycloid_mj.life import rolling
+from cycloid_mj.parts.export.bearings import output_pin
 from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS
@@ -422,10 +423,12 @@ def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reduc
 
 
 def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
-    """Return whether a drive passes its checks, and its covers fit into the required diameter."""
+    """Return whether a drive passes its checks, its covers fit into the diameter, and its output pins are in stock."""
     try:
         outer = casing_of(requirement, reducer).outer
-        return not _fails(sound_checks(reducer)) and 2.0 * outer <= requirement.diameter + ROUNDING
+        if _fails(sound_checks(reducer)) or 2.0 * outer > requirement.diameter + ROUNDING:
+            return False
+        return requirement.custom or output_pin(reducer) is not None
     except CycloidError:
         return False
 

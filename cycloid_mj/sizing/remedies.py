@@ -24,6 +24,9 @@ MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 4, 5, 4
 """Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
 remedies; a diameter is among them."""
 
+LENGTH_WORDS = "a length of {:.4g} mm"
+"""Words of a change of the length [mm]."""
+
 Changes = Sequence[FeasibleChange]
 """Changes of the same kind, the smallest first."""
 
@@ -52,14 +55,14 @@ def remedies(requirement: Requirement, most: float, pool: Pool | None) -> Iterat
             yield remedy
     if not count:
         combined = itertools.chain.from_iterable(map(search.smallest, _combined(requirement)))
-        yield from itertools.islice(combined, 1)
+        yield from (search.shortened(remedy) for remedy in itertools.islice(combined, 1))
 
 
 class _RemedySearch:
     """Searches for the smallest feasible changes of a requirement, by the ratings of a pool."""
 
     def __init__(self, requirement: Requirement, most: float, pool: Pool) -> None:
-        self.pool = pool.strong_part
+        self.requirement, self.pool = requirement, pool.strong_part
         predicted = self._predict(requirement)
         self.scale = most / predicted if most and predicted else 1.0
 
@@ -106,6 +109,15 @@ class _RemedySearch:
         feasible = (change for change in changes[high : high + MAX_VERIFICATIONS] if is_feasible(change.requirement))
         yield from itertools.islice(feasible, 1)
 
+    def shortened(self, remedy: FeasibleChange) -> FeasibleChange:
+        """Return a remedy with a changed length with the smallest feasible length instead."""
+        longest = remedy.requirement.length
+        if longest == self.requirement.length:
+            return remedy
+        words = remedy.words.replace(LENGTH_WORDS.format(MILLIMETRES * longest), LENGTH_WORDS)
+        series = _series(remedy.requirement.but(length=self.requirement.length), "length", longest, 1e-3, words)
+        return next(self.smallest(series), remedy)
+
 
 def _series(requirement: Requirement, key: str, end: float, unit: float, words: str) -> Changes:
     """List changes of the value `key` of a requirement in a geometric series by `STEP` up to `end` (in SI).
@@ -138,7 +150,7 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     words = "clearances of {:.3g} um"
     yield [FeasibleChange(words.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in tighter]
     yield _series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
-    yield _series(requirement, "length", 2.0 * requirement.diameter, 1e-3, "a length of {:.4g} mm")
+    yield _series(requirement, "length", 2.0 * requirement.diameter, 1e-3, LENGTH_WORDS)
 
 
 def _diameters(requirement: Requirement) -> Changes:
@@ -178,7 +190,7 @@ def _combined(requirement: Requirement) -> Iterator[Changes]:
             else requirement
         )
         for length in dict.fromkeys((requirement.length, max(requirement.length, 2.0 * requirement.diameter))):
-            free = [f"a length of {MILLIMETRES * length:g} mm"] if length > requirement.length else []
+            free = [LENGTH_WORDS.format(MILLIMETRES * length)] if length > requirement.length else []
             for slower in (1.0, 4.0, 16.0):
                 speed = max(float(f"{base.speed / slower / RPM:.3g}") * RPM, MIN_SPEED)
                 changed = base.but(speed=speed, length=length)
