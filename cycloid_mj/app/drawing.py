@@ -58,6 +58,7 @@ MARKED_PARTS: Mapping[str, str] = {
     "output_hardness": "output",
     "shaft": "shaft",
     "shaft_fillet": "shaft",
+    "shaft_bore": "shaft",
     "balance": "shaft",
     "counterweight": "shaft",
     "counterweight_room": "shaft",

@@ -25,6 +25,8 @@ class MechanicsSettings:
     jump_poses: int = 4
     jump_sides: int = 32
     """Crank angles at which a large backlash is computed, and sides of the polygon around the clearance of the cam."""
+    max_bore_share: float = 0.9
+    """Assumed largest bore of a hollow shaft relative to its diameter: a tube that can still be turned and ground."""
     overload: float = 1.2
     """Assumed largest product of motor torque and speed over the rated power."""
 
@@ -133,6 +135,14 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
         "the cam must enclose the shaft, or the disc cannot be assembled",
         (Limit("gear.bore_radius", "more than", shaft.radius + c),),
     )
+    if shaft.bore_radius:
+        share = MECHANICS.max_bore_share
+        yield Rule(
+            "shaft_bore",
+            Limit("shaft.bore_radius", "at most", share * shaft.radius),
+            f"the wall of a hollow shaft must be at least {100.0 * (1.0 - share):.0f} % of its radius",
+            (Limit("shaft.radius", "at least", shaft.bore_radius / share),),
+        )
     yield Rule(
         "shaft_fillet",
         Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),

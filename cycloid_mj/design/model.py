@@ -291,6 +291,13 @@ class Shaft(Section):
     """The eccentric input shaft with its counterweight."""
 
     radius: float = quantity(8.0, "radius of the input shaft", u.MILLIMETRE, ge=0.001, le=5000.0)
+    bore_radius: float = quantity(
+        0.0,
+        "radius of a bore through shaft, hub and output flange, for cables or a tool; 0: none",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=5000.0,
+    )
     length: float = quantity(30.0, "length of the input shaft before the discs", u.MILLIMETRE, ge=0.001, le=5000.0)
     counterweight_radius: float = quantity(
         30.0, "outer radius of the half-disc counterweight", u.MILLIMETRE, ge=0.001, le=5000.0
@@ -324,6 +331,11 @@ class Shaft(Section):
     def shoulder_fillet(self) -> float:
         """Radius of the fillets at the shoulders [m]."""
         return self.fillet_radius or min(SHARES.fillet * self.radius, BEARING_CORNER)
+
+    @property
+    def section_share(self) -> float:
+        """Second moment of area of the hollow journal relative to that of a solid one: 1 - (bore/diameter)^4."""
+        return 1.0 - (self.bore_radius / self.radius) ** 4
 
 
 class Housing(Section):

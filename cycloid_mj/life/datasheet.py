@@ -479,6 +479,8 @@ def _interface_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     covers = casing(reducer)
     motor, screws = covers.motor, covers.screws
     shaft_text = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
+    if reducer.design.shaft.bore_radius:
+        shaft_text = "around the hollow crank, for a frameless motor or the guard of a belt"
     return (
         Quantity(
             "motor_circle",
@@ -536,6 +538,11 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
             note="input journal to output disc",
         ),
         Quantity("input_diameter", "Input shaft diameter", 2e3 * design.shaft.radius, "mm", note="journal"),
+        *(
+            (Quantity("through_bore", "Through bore", 2e3 * design.shaft.bore_radius, "mm", note="shaft and hub"),)
+            if design.shaft.bore_radius
+            else ()
+        ),
         Quantity(
             "face_width", "Face width", 1e3 * gear.face_width, "mm", note=f"of {gear.discs} disc{'s'[: gear.discs > 1]}"
         ),

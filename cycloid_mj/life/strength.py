@@ -102,7 +102,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
     design = reducer.design
     shaft, material, fillet = shaft_dimensions(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
-    section = 4.0 / (math.pi * shaft.radius**3)
+    section = shaft.nominal_bending
     endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)
     rated_shoulders: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
@@ -129,6 +129,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
             None,
             "Goodman, notch factors of DIN 743-2, ripple of a load that turns with the shaft",
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
+            f"{'nominal stress of the hollow section; ' if shaft.bore_radius else ''}"
             f"{_limit_source(reducer, 'shaft')}",
         )
         rated_shoulders.append((fatigue.safety, item))

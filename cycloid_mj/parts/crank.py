@@ -28,7 +28,8 @@ class Shoulder:
 class ShaftDimensions:
     """Dimensions of the shaft [m]: radii, eccentricity, and positions along z of ends, counterweight, cams, bearings.
 
-    The crank of several discs has no counterweight (of length 0). `phases` are those of the cams [rad].
+    The crank of several discs has no counterweight (of length 0). `phases` are those of the cams [rad]. The
+    `bore_radius` is 0 for a solid shaft.
     """
 
     radius: float
@@ -41,6 +42,7 @@ class ShaftDimensions:
     cams: tuple[tuple[float, float], ...]
     phases: tuple[float, ...]
     bearings: tuple[tuple[float, float], tuple[float, float]]
+    bore_radius: float = 0.0
 
     @property
     def weighted(self) -> bool:
@@ -51,6 +53,12 @@ class ShaftDimensions:
     def straddles(self) -> bool:
         """True if it continues beyond its last cam."""
         return self.far_end > self.cams[-1][1]
+
+    @property
+    def nominal_bending(self) -> float:
+        """Bending stress on the surface of a journal per moment [Pa/(N m)], 4/(pi R^3) if solid; of torsion, half."""
+        share = 1.0 - (self.bore_radius / self.radius) ** 4
+        return 4.0 / (np.pi * self.radius**3 * share)
 
     @property
     def cam_centres(self) -> Array:
@@ -103,4 +111,5 @@ def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
         cams=tuple(cams),
         phases=reducer.phases,
         bearings=bearing_seats(reducer, segments_by_name),
+        bore_radius=design.shaft.bore_radius,
     )

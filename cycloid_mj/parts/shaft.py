@@ -79,7 +79,7 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
     ring, half_gap = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
     ends = by_name.get(FAR, cams[-1]).z1
     return (
-        Part(names.SHAFT, (Segment(JOURNAL, journal.outline, (), journal.z0, ends),), density),
+        Part(names.SHAFT, (Segment(JOURNAL, journal.outline, journal.holes, journal.z0, ends),), density),
         Part(names.SPACER, (Segment(names.SPACER, ring.outline, ring.holes, -half_gap, half_gap),), density),
         *(Part(cam.name, (Segment(names.CAM, cam.outline, ring.holes, cam.z0, cam.z1),), density) for cam in cams),
     )
@@ -136,11 +136,12 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
     counterweight = CounterweightContour(shaft.counterweight_radius, journal)
     end = reducer.near_face
     start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
+    bore = _through_bore(reducer)
     return [
-        Segment(JOURNAL, journal, (), end - shaft.length, start),
-        Segment(COUNTERWEIGHT, counterweight, (), start, end),
-        Segment(INNER, journal, (), end, -half_width),
-        Segment(names.CAM, cam, (), -half_width, half_width),
+        Segment(JOURNAL, journal, bore, end - shaft.length, start),
+        Segment(COUNTERWEIGHT, counterweight, bore, start, end),
+        Segment(INNER, journal, bore, end, -half_width),
+        Segment(names.CAM, cam, bore, -half_width, half_width),
         *_far_journal(reducer, journal, start - (end - shaft.length)),
     ]
 
@@ -153,16 +154,16 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
     require_below("shaft.radius", shaft.radius, free_radius, "the cams leave no wall around the shaft")
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
-    planes, end = gear.disc_planes, reducer.near_face
-    crank_segments = [Segment(JOURNAL, journal, (), end - shaft.length, planes[0] - half_width)]
+    planes, end, bore = gear.disc_planes, reducer.near_face, _through_bore(reducer)
+    crank_segments = [Segment(JOURNAL, journal, bore, end - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             gap = planes[number - 2] + half_width, plane - half_width
-            crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, (), *gap))
+            crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, bore, *gap))
             crank_segments.append(Segment(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
         cam_contour = TurnedContour(cam, phase)
         crank_segments.append(
-            Segment(names.numbered_name(names.CAM, number), cam_contour, (), plane - half_width, plane + half_width)
+            Segment(names.numbered_name(names.CAM, number), cam_contour, bore, plane - half_width, plane + half_width)
         )
     return crank_segments + _far_journal(reducer, journal, shaft.length)
 
@@ -218,7 +219,13 @@ def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Seg
     if reducer.design.shaft.mounting == "overhang":
         return []
     half = reducer.design.gear.stack_width / 2
-    return [Segment(FAR, outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
+    return [Segment(FAR, outline, _through_bore(reducer), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
+
+
+def _through_bore(reducer: Reducer) -> tuple[Contour, ...]:
+    """Return the bore through the shaft as the holes of a segment: one, or none of a solid shaft."""
+    radius = reducer.design.shaft.bore_radius
+    return (CircleContour(radius),) if radius else ()
 
 
 def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:

@@ -534,7 +534,8 @@ def seal_torques(reducer: Reducer) -> tuple[float, float]:
     """Compute the friction torques of the radial seals.
 
     The output has no seal, and a torque of 0, if the reducer has no covers or its hub has angular contact bearings. An
-    RV reducer has a seal on the flange of its carrier only, because the motor seals the shaft of the sun.
+    RV reducer has a seal on the flange of its carrier only, because the motor seals the shaft of the sun. A hollow
+    shaft has a second seal in the hub, around its other end.
 
     Returns
     -------
@@ -548,7 +549,8 @@ def seal_torques(reducer: Reducer) -> tuple[float, float]:
 
     hub = casing(reducer).hub if has_casing(reducer) else None
     hub_torque = seal_torque(hub.bore) if hub and not hub.contact_angle else 0.0
-    return seal_torque(2.0 * reducer.design.shaft.radius), hub_torque
+    shaft = reducer.design.shaft
+    return (2.0 if shaft.bore_radius else 1.0) * seal_torque(2.0 * shaft.radius), hub_torque
 
 
 def _seat_radius(reducer: Reducer) -> float:

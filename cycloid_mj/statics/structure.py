@@ -26,10 +26,10 @@ TWISTING = ("carrier", "shaft", "housing")
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     """Compute the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
 
-    Values that the design does not set follow from the shape and the shear modulus G. A shaft of the radius r and the
-    length L has G pi r^4/(2 L). A ring of inner radius r, outer radius R and thickness t has G 4 pi t/(1/r^2 - 1/R^2)
-    (in-plane shear): the output disc between hub and pins, and the housing between its pins or lobes and its bolts or
-    rim.
+    Values that the design does not set follow from the shape and the shear modulus G. A solid shaft of the radius r and
+    the length L has G pi r^4/(2 L). A ring of inner radius r, outer radius R and thickness t has
+    G 4 pi t/(1/r^2 - 1/R^2) (in-plane shear): the output disc between hub and pins, and the housing between its pins or
+    lobes and its bolts or rim.
     """
     design = reducer.design
     if design.structure == "rigid":
@@ -37,9 +37,10 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     output, shaft, housing = design.output, design.shaft, design.housing
     outer_radius = design.bolt_circle_radius if housing.support == "bolts" else housing.outer_radius
     pin_circle = output.pin_circle_radius
+    torsion_constant = math.pi * shaft.radius**4 / (2.0 * shaft.length) * shaft.section_share
     shapes = {
         "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * pin_circle, pin_circle),
-        "shaft": shear_modulus(design.material_of("shaft")) * math.pi * shaft.radius**4 / (2.0 * shaft.length),
+        "shaft": shear_modulus(design.material_of("shaft")) * torsion_constant,
         "housing": _ring(
             design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outer_radius
         ),
@@ -72,8 +73,8 @@ def wind_up(reducer: Reducer) -> float:
 def crank_flexibility(reducer: Reducer) -> Array:
     """Compute the deflection of the shaft at each cam per force on each cam [m/N], shape (D, D).
 
-    The shaft is an Euler-Bernoulli beam with its radius on two rigid bearings that allow it to tilt. No quantity of the
-    data sheet includes this deflection; only `structure_text` states it.
+    The shaft is an Euler-Bernoulli beam with its radius and bore on two rigid bearings that allow it to tilt. No
+    quantity of the data sheet includes this deflection; only `structure_text` states it.
 
     Raises
     ------
@@ -96,6 +97,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
     )
     weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(breakpoints)
     bending, _ = round_beam(design.material_of("shaft"), radius)
+    bending *= design.shaft.section_share
     return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
 
 

@@ -34,7 +34,7 @@ class Notch:
     angle
         Crank angle [rad].
     bending, torsion
-        Nominal stresses on the surface, 4 M/(pi R^3) and 2 T/(pi R^3) [Pa].
+        Nominal stresses on the surface, 4 M/(pi R^3) and 2 T/(pi R^3) [Pa]; a bore increases them.
     bending_factor, torsion_factor
         Their notch factors.
     """
@@ -121,8 +121,8 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     m] are the moments about x, y and z at the s stations of `shaft`, at crank angles `angle` (k,) [rad]. The first
     stations are the shoulders.
     """
-    bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
-    torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
+    bending = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])
+    torsion = 0.5 * shaft.nominal_bending * np.abs(moments[..., 2])
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:

@@ -83,6 +83,9 @@ def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
         if shaft.straddles:
             sections.append(_cylinder(occ, axis, shaft.radius, shaft.cams[-1][1], shaft.far_end))
         solids, _ = occ.fuse([(3, journal)], [(3, section) for section in sections])
+        if shaft.bore_radius:
+            bore = _cylinder(occ, axis, shaft.bore_radius, shaft.end, shaft.far_end)
+            solids, _ = occ.cut(solids, [(3, bore)])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError(

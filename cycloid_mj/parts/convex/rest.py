@@ -48,12 +48,12 @@ class Rest:
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     """Return the sectors of disc, housing, shaft and output that contain the material behind the sliced surfaces.
 
-    Spacers and output pins are not included.
+    Spacers and output pins are not included. A bore through the shaft is filled, because nothing touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
     crank = [segment for name, segment in shaft_segments(reducer, error).items() if family(name) != SPACER]
-    shaft = [Sector("shaft", segment.prism(error), bound) for segment in crank]
+    shaft = [Sector("shaft", replace(segment, holes=()).prism(error), bound) for segment in crank]
     disc, *other_prisms = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
     for plate in other_prisms[reducer.design.output.pins :]:

@@ -337,8 +337,10 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
 
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
-    """Format diameter and depth of the bore for the motor shaft; empty if there is none."""
-    bore = sizes.motor_bore if sizes else None
+    """Format diameter and depth of the bore for the motor shaft, or that of a hollow shaft; empty without a bore."""
+    bore, through = sizes.motor_bore if sizes else None, reducer.design.shaft.bore_radius
+    if through:
+        return f", bored through {in_mm(2.0 * through)} mm"
     if not bore:
         return ""
     radius, start, end = bore

@@ -42,7 +42,12 @@ from cycloid_mj.parts.export.motor_mount import (
     motor_heads_end,
 )
 from cycloid_mj.parts.export.motors import MotorFlange
-from cycloid_mj.parts.export.output_flange import choose_flange_dowels, choose_flange_pattern, pattern_angles
+from cycloid_mj.parts.export.output_flange import (
+    axial_bores,
+    choose_flange_dowels,
+    choose_flange_pattern,
+    pattern_angles,
+)
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -99,6 +104,8 @@ class Casing:
         Screws of the output flange, its thickness, and number and circle radius of the screws.
     flange_dowel, flange_dowel_circle
         Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
+    hub_bore, flange_bore
+        Largest radii of bores on the axis of hub and flange, inside screws and dowels.
     cover_material
         Material of both covers, a name of the library; empty: that of the ring.
     """
@@ -132,6 +139,8 @@ class Casing:
     flange_circle: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
+    hub_bore: float
+    flange_bore: float
     retainer: Retainer | None
     cover_material: str = ""
 
@@ -221,7 +230,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     Raises
     ------
     DesignError
-        Motor flange, output bearing, crank or screws do not fit.
+        Motor flange, output bearing, crank or screws do not fit, or a hollow shaft ends before the hub.
     """
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
@@ -229,6 +238,11 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     dowel, dowel_angles, dowel_circle = choose_dowels(reducer, screws, wall)
     far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
     straddles = design.shaft.mounting == "straddle"
+    if design.shaft.bore_radius and not straddles:
+        raise DesignError(
+            "a shaft with a through bore needs a bearing in the hub, which seals its far end: set "
+            'shaft.mounting = "straddle", or shaft.bore_radius_mm = 0'
+        )
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     return Casing(
@@ -330,6 +344,8 @@ class _OutputSide(TypedDict):
     flange_circle: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
+    hub_bore: float
+    flange_bore: float
     retainer: Retainer | None
 
 
@@ -362,6 +378,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         thickness = max(thickness, retainer.height + axial_play(reducer))
     pattern = flange_circle, flange_screws
     flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
+    bores = axial_bores(reducer, bolt, flange_circle, flange_dowel, flange_dowel_circle, wall)
     return {
         "hub": hub,
         "hub_floor": hub_floor,
@@ -372,6 +389,8 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         "flange_circle": flange_circle,
         "flange_dowel": flange_dowel,
         "flange_dowel_circle": flange_dowel_circle,
+        "hub_bore": bores[0],
+        "flange_bore": bores[1],
         "retainer": retainer,
     }
 
@@ -398,7 +417,8 @@ def _input_side(
 ) -> tuple[float, float]:
     """Return the position of the motor's flange face and the start of the crank along z [m].
 
-    A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank keeps its journal.
+    A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank keeps its journal; that of
+    a hollow crank protrudes from the face, for a belt pulley or the rotor of a frameless motor.
 
     Parameters
     ----------
@@ -413,8 +433,9 @@ def _input_side(
     """
     journal = crank_segments(reducer)["journal"].z0
     bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
+    is_hollow = reducer.design.shaft.bore_radius > 0.0
     is_shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
-    start = bearing_start if is_shortened else journal
+    start = bearing_start if is_shortened or is_hollow else journal
     face = min(min(start - axial_play(reducer), bearing_start - wall) - RULES.pilot_depth, max_face, bore_limit)
     if is_shortened:
         journal = max(journal, min(bearing_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))

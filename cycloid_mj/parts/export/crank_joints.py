@@ -87,7 +87,7 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     offsets = eccentricity * directions @ unit(-np.array(reducer.phases)).T
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), sizes.motor_bore
-    core = bore[0] if bore and bore[2] > low else 0.0
+    core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
     does_fit = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
     if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None

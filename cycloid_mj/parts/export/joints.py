@@ -4,7 +4,6 @@ A joint states the holes that it needs in its mating parts, and the bought parts
 (`casing_parts`) and the bill of materials (`bill`) are views of these records.
 """
 
-import math
 from collections.abc import Iterable, Iterator
 
 from cycloid_mj.base import names
@@ -51,7 +50,6 @@ from cycloid_mj.parts.export.casing_rules import (
     insert_in,
     shoulder_radius,
     thickest_bolt,
-    thread_radius,
 )
 from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
@@ -309,21 +307,25 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the central bore of hub and flange, which saves mass and centres a load.
+    """Yield the central bore of hub and flange, which saves mass, centres a load, and continues a hollow shaft.
 
-    Yields nothing if screws and dowels leave no room for it.
+    Yields nothing for a solid shaft if screws and dowels leave no room for it.
     """
-    bolt, top, wall = sizes.flange_bolt, sizes.top, sizes.wall
+    design, top, wall = reducer.design, sizes.top, sizes.wall
     bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
-    hole_radii = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    dowel_limit = sizes.flange_dowel_circle - 0.5 * sizes.flange_dowel.diameter if sizes.flange_dowel else math.inf
-    hub_bore, flange_bore = (min(sizes.flange_circle - radius, dowel_limit) - wall for radius in hole_radii)
-    if min(flange_bore, top - bottom) > 2.0 * wall:
-        holes = (
-            (names.OUTPUT, (AXIS, hub_bore, bottom, top)),
-            (FLANGE, (AXIS, flange_bore, top, top + sizes.flange_thickness)),
-        )
-        yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), holes)
+    bore, holes = design.shaft.bore_radius, []
+    if min(sizes.flange_bore, top - bottom) > 2.0 * wall:
+        holes = [
+            (names.OUTPUT, (AXIS, sizes.hub_bore, bottom, top)),
+            (FLANGE, (AXIS, sizes.flange_bore, top, top + sizes.flange_thickness)),
+        ]
+    elif bore:
+        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (FLANGE, (AXIS, bore, top, sizes.ends[1]))]
+    if bore:
+        start = sizes.far[1] + RULES.collar if sizes.far else design.gear.stack_width / 2.0 + AXIAL_GAP
+        holes.append((names.OUTPUT, (AXIS, bore, start, bottom)))
+    if holes:
+        yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), tuple(holes))
 
 
 def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:

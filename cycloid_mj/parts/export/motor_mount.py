@@ -15,6 +15,9 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
 from cycloid_mj.reducer import Reducer
 
+COAXIAL_REMEDY = "drive a hollow crank by a belt or a frameless motor around it, with --motor circle or auto"
+"""What to choose instead of a motor on the axis of a hollow crank."""
+
 Motor = MotorName | MotorFlange
 """The name of a motor's interface, or an interface of one's own."""
 
@@ -52,6 +55,8 @@ def choose_motor_flange(
     def misfits(flange: MotorFlange) -> list[str]:
         """Return the reasons why a flange does not fit, as clauses; empty if it fits."""
         problems, crank = [], reducer.design.shaft.radius
+        if reducer.design.shaft.bore_radius and (flange.shaft or flange in MOTORS.values()):
+            problems.append(f"it closes the through bore of the crank: {COAXIAL_REMEDY}")
         needed_radius, available_radius = reach(flange)
         if needed_radius > available_radius:
             needs = "its screw heads need" if flange.tapped else "it needs a cover with"

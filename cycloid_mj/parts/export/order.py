@@ -95,7 +95,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{_describe_motor_cover(reducer, sizes)}, put it on{dowels} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
-        _describe_last_step(sizes),
+        _describe_last_step(reducer, sizes),
     )
 
 
@@ -138,9 +138,14 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
     return f"{turn}; bolt the motor on ({sizes.motor.name}, {screws} from within), {step}"
 
 
-def _describe_last_step(sizes: Casing) -> str:
+def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:
     """Describe the last step: mount the motor, or turn the drive with a motor that is mounted already."""
     motor = sizes.motor
+    if reducer.design.shaft.bore_radius:
+        return (
+            "Turn the crank by hand through one turn; clamp a belt pulley, or the rotor of a frameless motor, on the "
+            "end of the crank, and pass cables or a tool through its bore."
+        )
     if motor.tapped:
         return "Let the motor, its shaft glued into the bore of the crank, turn it slowly for a turn."
     return (

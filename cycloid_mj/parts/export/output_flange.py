@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
@@ -30,6 +31,30 @@ def choose_flange_pattern(
 def pattern_angles(count: int) -> Array:
     """Return the angles [rad] of screws (even indices) and threads for the load (odd indices), shape (2 count,)."""
     return math.pi * np.arange(2 * count) / count
+
+
+def axial_bores(
+    reducer: Reducer, bolt: stock.Bolt, circle: float, dowel: stock.Dowel | None, dowel_circle: float, wall: float
+) -> tuple[float, float]:
+    """Compute the largest radii [m] of bores on the axis of hub and flange, inside their screws and dowels.
+
+    `circle` and `dowel_circle` are the radii [m] of screws `bolt` and dowels, `wall` [m] is the minimum wall.
+
+    Raises
+    ------
+    DesignError
+        The bore through a hollow shaft is larger.
+    """
+    dowel_limit = dowel_circle - 0.5 * dowel.diameter if dowel else math.inf
+    holes = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    hub, flange = (min(circle - hole, dowel_limit) - wall for hole in holes)
+    bore = reducer.design.shaft.bore_radius
+    if bore and min(hub, flange) < bore:
+        raise DesignError(
+            f"a through bore of {2e3 * bore:.4g} mm does not pass between the screws of the output flange, which leave "
+            f"{2e3 * max(min(hub, flange), 0.0):.4g} mm: reduce shaft.bore_radius_mm, or choose a larger diameter"
+        )
+    return hub, flange
 
 
 def choose_flange_dowels(

@@ -122,7 +122,8 @@ def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) ->
 
 def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
     """Return the annuli that all parts of a drive and its motor sweep, each once."""
-    return tuple(dict.fromkeys((*_part_annuli(reducer, sizes), *_motor_annuli(sizes))))
+    motor = () if reducer.design.shaft.bore_radius else _motor_annuli(sizes)  # none is on the axis of a hollow shaft
+    return tuple(dict.fromkeys((*_part_annuli(reducer, sizes), *motor)))
 
 
 def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
