@@ -9,7 +9,7 @@ from cycloid_mj.design import PARTNERS, PARTS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import REFERENCE_TEMPERATURE, Service
 from cycloid_mj.life.bearings import bearing_losses
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
@@ -48,8 +48,6 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     share = service.duty_share if len(loadings) == 1 and loadings[0].point.share == 1.0 else 1.0
     temperature = housing_temperature(reducer, share * lost)
     film = heat_transfer_coefficient(reducer, temperature)
-    limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
-    lowest = limits[0]
     yield RatedItem(
         "power_lost",
         "power lost",
@@ -63,21 +61,14 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
     warm, cool = (service.ambient_temperature + share * lost / (coefficient * area) for coefficient in STILL_AIR)
-    rise, allowed_rise = temperature - service.ambient_temperature, lowest.temperature - service.ambient_temperature
-    yield RatedItem(
-        "temperature",
-        f"housing temperature, {lowest.name}",
+    yield rate_housing_temperature(
+        reducer,
         temperature,
-        lowest.temperature,
-        "°C",
-        allowed_rise / rise if rise else math.inf,
-        None,
-        "dT = losses/(h A); safety factor of the temperature rise",
+        "dT = losses/(h A)",
         f"{lost:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
         f"at h = {film:.3g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
         f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
-        f"ambient {service.ambient_temperature:g} °C; limits: "
-        f"{', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
+        f"ambient {service.ambient_temperature:g} °C",
     )
     for kind in design.pair_kinds:
         grown = clearance_growth(reducer, kind) * (temperature - REFERENCE_TEMPERATURE)
@@ -94,6 +85,27 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
             "thermal expansion of both parts from 20 °C; safety factor of the clearance",
             f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}; negative: the clearance grows",
         )
+
+
+def rate_housing_temperature(reducer: Reducer, temperature: float, source: str, note: str) -> RatedItem:
+    """Return the item of a temperature of the housing [°C] against the lowest limit of grease, seals and materials.
+
+    `source` is the formula of the temperature. `note` states its conditions, to which all limits are added.
+    """
+    limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
+    lowest, ambient = limits[0], reducer.design.service.ambient_temperature
+    return RatedItem(
+        "temperature",
+        f"housing temperature, {lowest.name}",
+        temperature,
+        lowest.temperature,
+        "°C",
+        (lowest.temperature - ambient) / (temperature - ambient) if temperature > ambient else math.inf,
+        None,
+        f"{source}; safety factor of the temperature rise",
+        f"{note}; limits: {', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
+        ItemKind.HEAT,
+    )
 
 
 def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:

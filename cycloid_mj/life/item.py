@@ -1,7 +1,7 @@
 """The result of a rating: an item for each failure mode, the weakest first."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -137,6 +137,11 @@ def torque_item(key: str, name: str, torque: float, torque_limit: float, source:
     return RatedItem(
         key, name, torque, torque_limit, "N m", torque_limit / torque if torque else math.inf, None, source, note
     )
+
+
+def sort_by_margin(items: Iterable[RatedItem], required_life: float) -> dict[str, RatedItem]:
+    """Return items by their keys, the weakest first: by margin at a required life [h] (`RatedItem.margin`)."""
+    return {item.key: item for item in sorted(items, key=lambda item: item.margin(required_life))}
 
 
 @dataclass(frozen=True, repr=False)

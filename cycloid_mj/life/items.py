@@ -14,7 +14,7 @@ from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.heat import rate_heat
-from cycloid_mj.life.item import ItemKind, RatedItem, Rating
+from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
 from cycloid_mj.life.joints import rate_joints
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
@@ -104,7 +104,7 @@ def _rate_parts(
     """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
-    by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
+    by_key = sort_by_margin(items, life)
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
     condition = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
@@ -120,8 +120,7 @@ def _add_thermal_limits(rating: Rating, design: Design, duty: Duty) -> Rating:
     if design.thermal.applied:
         return rating
     items = [*rating.items.values(), *rate_thermal_limits(design, duty)]
-    by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(rating.life))}
-    return replace(rating, items=by_key)
+    return replace(rating, items=sort_by_margin(items, rating.life))
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
@@ -137,11 +136,10 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
         )
         for key in first_rating.items
     ]
-    items = {item.key: item for item in sorted(weakest, key=lambda item: item.margin(first_rating.life))}
     return replace(
         first_rating,
         design=design_name,
-        items=items,
+        items=sort_by_margin(weakest, first_rating.life),
         assumptions=(sample_text, *first_rating.assumptions),
         parts="toleranced",
     )

@@ -12,7 +12,7 @@ from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
-from cycloid_mj.life.heat import heat_limits, mean_losses
+from cycloid_mj.life.heat import heat_limits, heat_transfer_coefficient, mean_losses, rate_housing_temperature
 from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
@@ -545,18 +545,11 @@ def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
     )
     if design.layout != RvReducer.LAYOUT:
         return
-    ambient, housing = design.service.ambient_temperature, max(state.temperatures["housing"], state.peaks["housing"])
-    lowest = min(heat_limits(reducer_of(design)), key=lambda limit: limit.temperature)
-    yield RatedItem(
-        "temperature",
-        f"housing temperature, {lowest.name}",
+    reducer, housing = reducer_of(design), max(state.temperatures["housing"], state.peaks["housing"])
+    yield rate_housing_temperature(
+        reducer,
         housing,
-        lowest.temperature,
-        "°C",
-        (lowest.temperature - ambient) / (housing - ambient) if housing > ambient else math.inf,
-        None,
-        "thermal network with the losses of the duty; safety factor of the temperature rise",
-        f"{sum(state.losses.values()):.3g} W at h = {design.service.film_coefficient:g} W/(m2 K) (assumed); "
-        f"ambient {ambient:g} °C; {state.condition}",
-        ItemKind.HEAT,
+        "thermal network with the losses of the duty",
+        f"{sum(state.losses.values()):.3g} W at h = {heat_transfer_coefficient(reducer, housing):.3g} W/(m2 K) "
+        f"(assumed); {state.condition}",
     )
