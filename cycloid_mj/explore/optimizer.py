@@ -167,14 +167,14 @@ def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
     tolerances.
     """
-    best = optimum.design()
+    best = reducer_of(optimum.design())
     try:
         samples = OPTIMIZER.tolerance_samples
-        ranges = tolerance(best, samples, optimum.seed) if has_tolerances(reducer_of(best)) else None
+        ranges = tolerance(best.design, samples, optimum.seed) if has_tolerances(best) else None
     except TooManyJams as jam:
         ranges = jam.tolerances
-    sheets = _compute_sheet(reducer_of(best)), _compute_sheet(optimum.task.reducer)
-    checks = BestChecks(*sheets, verify_design(reducer_of(best), solver), ranges)
+    sheets = _compute_sheet(best), _compute_sheet(optimum.task.reducer)
+    checks = BestChecks(*sheets, verify_design(best, solver), ranges)
     return Optimum(optimum.task, optimum.rows, optimum.seed, checks)
 
 

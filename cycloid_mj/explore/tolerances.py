@@ -294,7 +294,7 @@ class Tolerances(Tabular):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C, or a signal of the same effect, stopped a study; `tolerances` has the samples balanced so far."""
+    """Ctrl-C, or a signal of the same effect, stopped a study; `tolerances` has the samples and simulations so far."""
 
     def __init__(self, stop: KeyboardInterrupt, tolerances: Tolerances) -> None:
         super().__init__(*stop.args)
@@ -366,7 +366,8 @@ def tolerance(
         At least 99 % of the first 200 samples jam (of all samples if there are fewer). The attribute `tolerances` of
         the error has the figures of these samples.
     StudyInterrupted
-        Ctrl-C was pressed. The attribute `tolerances` has the figures of all samples before the first unsolved batch.
+        Ctrl-C was pressed. The attribute `tolerances` has the figures of all samples before the first unsolved batch,
+        and the finished simulations.
     """
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(
@@ -375,28 +376,22 @@ def tolerance(
     reducer = reducer_of(resolve(design))
     if isinstance(reducer, RvReducer):
         tolerances = _study_rv_reducer(reducer, samples, seed, limits)
-        return _add_dynamics(tolerances, _verify_worst(tolerances, verify, solver, engine))
-    return _run_study(_define_study(reducer, samples, seed, limits), verify, solver, progress, engine)
+    else:
+        tolerances = _run_study(_define_study(reducer, samples, seed, limits), progress, engine)
+    return _verify_worst(tolerances, verify, solver, engine)
 
 
-def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress, engine: Engine) -> Tolerances:
-    """Solve the static equilibrium of all samples of a study, and simulate the `verify` worst samples.
-
-    The simulations are in full dynamics, by `solver`. Raises the errors of `tolerance`.
-    """
+def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerances:
+    """Solve the static equilibrium of all samples of a study; raise the errors of `tolerance`."""
     figures_by_batch: dict[int, dict[str, Array]] = {}
-    checks: dict[int, DynamicsCheck] = {}
     try:
         if not _solve_batches(study, figures_by_batch, progress, engine):
             raise TooManyJams(study.result({0: figures_by_batch[0]}))
-        result = study.result(figures_by_batch)
-        drives = [reducer_of(worst) for worst in result.worst[:verify]]
-        checks.update(engine.stream(partial(verify_design, solver=solver), drives))
+        return study.result(figures_by_batch)
     except KeyboardInterrupt as stop:
         if 0 not in figures_by_batch:
             raise
-        raise StudyInterrupted(stop, _add_dynamics(study.result(figures_by_batch), checks)) from stop
-    return _add_dynamics(result, checks)
+        raise StudyInterrupted(stop, study.result(figures_by_batch)) from stop
 
 
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
@@ -475,14 +470,22 @@ def _solve_batches(
     return True
 
 
-def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: Engine) -> dict[int, DynamicsCheck]:
-    """Simulate some of the worst samples in full dynamics; return their checks by rank."""
+def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: Engine) -> Tolerances:
+    """Return a study with the simulations of its `count` worst samples in full dynamics, the worst sample first.
+
+    Raises StudyInterrupted with the finished simulations if Ctrl-C is pressed.
+    """
+    checks: dict[int, DynamicsCheck] = {}
     drives = [reducer_of(worst) for worst in tolerances.worst[:count]]
-    return dict(engine.stream(partial(verify_design, solver=solver), drives))
-
-
-def _add_dynamics(tolerances: Tolerances, checked: Mapping[int, DynamicsCheck]) -> Tolerances:
-    return replace(tolerances, verified=tuple(check for _, check in sorted(checked.items())))
+    stop = None
+    try:
+        checks.update(engine.stream(partial(verify_design, solver=solver), drives))
+    except KeyboardInterrupt as interrupt:
+        stop = interrupt
+    verified = replace(tolerances, verified=tuple(check for _, check in sorted(checks.items())))
+    if stop:
+        raise StudyInterrupted(stop, verified) from stop
+    return verified
 
 
 @dataclass(frozen=True)

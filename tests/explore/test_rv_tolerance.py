@@ -5,9 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore.tolerances import tolerance
+from cycloid_mj.explore import tolerances
+from cycloid_mj.explore.rv_samples import FIGURE
+from cycloid_mj.explore.tolerances import StudyInterrupted, tolerance
+from cycloid_mj.explore.verify import DynamicsCheck
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import main as statics
 
 ZONES = {
@@ -59,6 +64,25 @@ def test_a_design_without_tolerances_and_other_figures_are_refused() -> None:
         tolerance(PRESETS["rv80e"], 10)
     with pytest.raises(UsageError, match="Use --limit with te_errors_arcsec instead"):
         tolerance(toleranced(phase="uniform 3"), 10, limits=["backlash_arcmin<=1"])
+
+
+def test_an_interrupted_simulation_keeps_the_study(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the second simulation: the study has all samples, its budget and the first simulation."""
+    design, finished = toleranced(**ZONES), DynamicsCheck("first", {FIGURE: 2.0}, {FIGURE: 3.0})
+    checks = iter([finished])
+
+    def simulate(_: Reducer, solver: str) -> DynamicsCheck:
+        if check := next(checks, None):
+            return check
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tolerances, "verify_design", simulate)
+    with pytest.raises(StudyInterrupted) as stop:
+        tolerance(design, 100, verify=2, engine=Engine(1))
+    study, complete = stop.value.tolerances, tolerance(design, 100)
+    assert study.verified == (finished,)
+    assert np.array_equal(study.figures[FIGURE], complete.figures[FIGURE])
+    assert study.budget == complete.budget
 
 
 @pytest.mark.slow
