@@ -293,7 +293,8 @@ def protocol(
         "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
     ]
     notes += _layout_notes(loaded_reducer)
-    if math.isnan(model_lines.get("back_driving_torque_nm", LoopFigure.about(0.0)).value):
+    back_driving = model_lines.get("back_driving_torque_nm")
+    if back_driving and math.isnan(back_driving.value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
     incomplete = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
     notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]

@@ -226,12 +226,13 @@ class SizeFlags:
                 f"--ratio {self.ratio} and --ratio-range {self.ratio_range} cannot be used together: remove one of the "
                 "two"
             )
-        output_rpm, kind, duty = None if self.motor else self.output_rpm, Requirement, self.duty or None
+        duty: str | float | None = self.duty or None
+        output_rpm, kind = None if self.motor else self.output_rpm, Requirement
         if self.layout == "rv":
             from cycloid_mj.sizing.rv import DUTY_SHARE, OUTPUT_RPM, RvRequirement
 
             self._refuse_unsupported_flags()
-            kind, duty = RvRequirement, duty or str(DUTY_SHARE)
+            kind, duty = RvRequirement, duty or DUTY_SHARE
             if self.speed_rpm is None and self.output_rpm is None:
                 output_rpm = OUTPUT_RPM
         low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)

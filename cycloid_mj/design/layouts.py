@@ -115,8 +115,8 @@ def require_supported(name: str, layout: Layout, command: str) -> None:
 
 
 def unsupported_layout(name: str, layout: Layout) -> str:
-    """Return a sentence that refuses a design of a layout where only a central crank is supported."""
+    """Return a sentence that refuses a design of a layout where only the layout "central" is supported."""
     return (
-        f'the design {name!r} has layout = "{layout}", which is not supported here: use a design with a central '
-        f"crank. Only {', '.join(f'`{command}`' for command in REASONS[layout])} do not support this layout as commands"
+        f'the design {name!r} has layout = "{layout}", but this calculation is for reducers with layout = "central": '
+        "choose such a design"
     )

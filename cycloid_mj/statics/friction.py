@@ -164,13 +164,13 @@ def ideal_mesh_loss(reducer: Reducer, crank: Array, friction: float) -> float:
     Notes
     -----
     Symbols are those of `ideal_losses`. A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's
-    centre with the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's rotation. The normal forces F are
-    therefore larger by the factor 1/(1 - mu sum(F s)/T).
+    centre with the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's rotation. The normal forces F under
+    the torque T are therefore larger by the factor 1/(1 - mu sum(F s)/T).
     """
-    gear, torque = reducer.tooth_profile, 1.0
+    gear = reducer.tooth_profile
     phases = profile.pin_angles(gear) + crank[:, np.newaxis]
     distances = profile.pitch_distance(gear, phases) - gear.pin_radius
-    forces = ideal_loads.ideal_load_sharing(gear, torque, crank).forces
+    forces_per_torque = ideal_loads.ideal_load_sharing(gear, 1.0, crank).forces
     arm = distances + gear.eccentricity * gear.lobes * np.cos(phases - profile.conjugate_alpha(gear, phases))
-    friction_factor = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / torque)
-    return float(friction * np.mean(friction_factor * np.sum(forces * distances, axis=1)) / torque)
+    friction_factor = 1.0 / (1.0 - friction * np.sum(forces_per_torque * arm, axis=1))
+    return float(friction * np.mean(friction_factor * np.sum(forces_per_torque * distances, axis=1)))

@@ -29,12 +29,12 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     """
     stiffness = law.stiffness * factor
     penetration = force / stiffness
-    patch = (
+    contact_width = (
         hole_contact_width(penetration, part.radius, part.play)
         if part.play
         else flank_contact_width(penetration, part.curvature)
     )
-    share = min(1.0, part.width / patch)
+    share = min(1.0, part.width / contact_width)
     return ContactParameters(
         stiffness=stiffness * share,
         damping=law.damping * share,
@@ -55,11 +55,11 @@ def flank_contact_width(depth: float, curvature: float) -> float:
 def hole_contact_width(depth: float, radius: float, play: float) -> float:
     """Compute the effective width [m] of the contact of a round part in a hole at a penetration d = `depth` [m].
 
-    The width is measured along the circumference, in the plane of the disc.
-    The part has the `radius` R [m] and the radial clearance `play` [m]. Displaced by x = play + d, it penetrates by
-    x cos(theta) - play at the angle theta, up to theta_0 = acos(play / x). Springs of the stiffness k per width push
-    radially. Their total force along the displacement is
-    k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]. The effective width is this force divided by k d.
+    The width is measured along the circumference, in the plane of the disc. The part has the `radius` R [m] and the
+    radial clearance `play` [m]. Displaced by x = play + d, it penetrates by x cos(theta) - play at the angle theta, up
+    to theta_0 = acos(play / x). Springs of the stiffness k per width push radially. Their total force along the
+    displacement is k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]. The effective width is this force
+    divided by k d.
     """
     displacement = play + depth
     half_angle = math.acos(play / displacement)
