@@ -13,6 +13,7 @@ from cycloid_mj.geometry.expansion import at_temperatures, expand, jam_differenc
 from cycloid_mj.life import rate
 from cycloid_mj.life.checks import check_design
 from cycloid_mj.life.duty import DutyPoint, constant_duty
+from cycloid_mj.life.heat import heat_transfer_coefficient
 from cycloid_mj.life.rv_thermal import solve_rv_losses, warm_reducer
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_network import heat_by_node, heat_capacities
@@ -151,3 +152,13 @@ def test_heat_limits_the_rating_under_continuous_load_only() -> None:
     assert continuous.value - 20.0 == pytest.approx(2.5 * (paused.value - 20.0), rel=0.15)
     assert continuous.limit == RV80E.service.grease_temperature
     assert [item.name for item in check_design(RV80E).warnings] == ["heat"]
+
+
+def test_the_note_on_the_housing_states_its_heat_transfer_coefficient_once() -> None:
+    """Without a coefficient of the design, it is that of ISO/TR 14179-2 at the temperature of the housing."""
+    uncooled = RV80E.but(service={"film_coefficient": 0.0})
+    item = rate(uncooled, compliance=True).items["temperature"]
+    coefficient = heat_transfer_coefficient(RvReducer(uncooled), item.value)
+    assert coefficient > 5.0
+    assert f"h = {coefficient:.3g} W/(m2 K)" in item.note
+    assert item.note.count("ambient 20 °C") == 1
