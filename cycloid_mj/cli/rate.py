@@ -34,7 +34,8 @@ StressFlag = Annotated[
 PartsFlag = Annotated[
     Literal["perfect", "toleranced"] | None,
     Parameter(
-        help="Parts that are rated: perfect, or samples within [tolerance] at the 95 % percentile of the forces. "
+        help="Parts that are rated: perfect, or samples within [tolerance] (RV reducers: [crank_tolerance]) at the "
+        "95 % percentile of the forces. "
         "Default: toleranced if the design has tolerances.",
     ),
 ]

@@ -17,10 +17,17 @@ from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.explore.budget import Share
 from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import closed_rotation
+from cycloid_mj.statics.rv_sheet import balance_rv, closed_rotation, largest_mean_force
 
 FIGURE = "te_errors_arcsec"
 """The figure of the samples."""
+
+RATED_FORCES: Mapping[str, str] = {
+    "tooth_force_n": "tooth",
+    "crank_bearing_mean_force_n": "crank bearing (10/3-power mean)",
+    "planet_mesh_force_n": "planet",
+}
+"""Figures that rank the samples of a rating, in words."""
 
 ERRORS: Mapping[str, tuple[str, ...]] = {
     "eccentricity": ("eccentric_radial",),
@@ -79,6 +86,41 @@ def draw_rv_drive(reducer: RvReducer, seed: int, number: int) -> tuple[Design, d
         deviations |= {column: zone.quantiles(rng.random(1)) for column in columns}
     errors = {f"drawn_{column}_um": MICROMETRES * float(values[0]) for column, values in deviations.items()}
     return reducer.design.but(crank_errors=_errors_of_sample(reducer, deviations, 0)), errors
+
+
+def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) -> dict[str, Array]:
+    """Compute the largest forces [N] of drives within the tolerances at the rated torque, without friction.
+
+    Sample number k is the drive of `draw_rv_drive` with the number k, from 0.
+
+    Parameters
+    ----------
+    reducer
+        Nominal reducer.
+    samples, seed
+        Number of samples, and random seed.
+    angles
+        Number of crank angles over a turn of the carrier.
+
+    Returns
+    -------
+    dict
+        Keys of figures -> forces, shape (samples,) each: the largest force of a pin, the largest 10/3-power mean of a
+        crank bearing, and the largest force of a planet.
+
+    Raises
+    ------
+    DesignError
+        As `crank_zones`.
+    RunError
+        A sample has no static equilibrium.
+    """
+    torque, rows = reducer.design.rated_torque, []
+    for number in range(samples):
+        sample = RvReducer(draw_rv_drive(reducer, seed, number)[0])
+        loads = balance_rv(sample, torque, angles)
+        rows.append([float(loads.pins.max()), largest_mean_force(loads.bearings), float(loads.flanks.max())])
+    return dict(zip(RATED_FORCES, np.array(rows).T, strict=True))
 
 
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:

@@ -1,18 +1,20 @@
 """Parts within their tolerances: the samples of a tolerance study whose loads a rating uses."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import Design
+from cycloid_mj.explore import rv_samples, tolerances
 from cycloid_mj.explore.jam import PRELOADS, find_jams
 from cycloid_mj.explore.sampling import Batch, draw_samples, has_design_file, sample_design, tolerance_zones
 from cycloid_mj.figures import compute_sampled
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
 Parts = Literal["perfect", "toleranced"]
 """Parts that are rated: as designed, or within the tolerances of the design."""
@@ -34,6 +36,8 @@ class SampleSettings:
     """Crank angles under load: at 360, the percentiles of the forces differ by less than 1 %."""
     free_angles: int = 8
     """Crank angles without load, for backlash and jams: at 90, the percentiles of the backlash differ by 0.4 %."""
+    rv_angles: int = 61
+    """Crank angles of an RV reducer under load: at 720, forces differ by 0.2 %."""
 
 
 SETTINGS = SampleSettings()
@@ -60,14 +64,9 @@ class RatedSamples:
     backlash: Array
 
 
-def has_tolerances(design: Design) -> bool:
-    """Return whether the table [tolerance] of a design varies anything that is rated by samples."""
-    return design.layout == Reducer.LAYOUT and bool(tolerance_zones(Reducer(design)))
-
-
 def default_parts(design: Design) -> Parts:
     """Return the parts that are rated unless others are chosen: toleranced if the design has tolerances."""
-    return "toleranced" if has_tolerances(design) else "perfect"
+    return "toleranced" if tolerances.has_tolerances(reducer_of(design)) else "perfect"
 
 
 def find_critical_sample(reducer: Reducer) -> int | None:
@@ -92,10 +91,11 @@ def _rank(count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those whose tooth, output pin and cam forces are critical.
+    """Draw random designs within the tolerances, and select those whose largest forces are critical.
 
-    For each kind of force, the sample at `SETTINGS.percentile` of all samples that do not jam is selected. The result
-    has these designs; for all samples, it has whether they jam, and their backlash [arcmin].
+    Forces are those of tooth, output pin and cam, or of tooth, crank bearing and planet in an RV reducer. For each kind
+    of force, the sample at `SETTINGS.percentile` of all samples that do not jam is selected. The result has these
+    designs; for all samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
 
     Raises
     ------
@@ -104,13 +104,15 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
     RunError
         No sample turns and can be written as a design.
     """
-    zones = tolerance_zones(reducer)
     name = reducer.design.name
-    if not zones:
+    if not tolerances.has_tolerances(reducer):
+        table = "crank_tolerance" if isinstance(reducer, RvReducer) else "tolerance"
         raise UsageError(
-            f"the design {name!r} has no tolerances: set at least one in the table [tolerance], or use `--parts "
-            "perfect`"
+            f"the design {name!r} has no tolerances: set at least one in the table [{table}], or use `--parts perfect`"
         )
+    if isinstance(reducer, RvReducer):
+        return _select_rv_samples(reducer)
+    zones = tolerance_zones(reducer)
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
     figures = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
     figures |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
@@ -121,17 +123,44 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    rank = _rank(usable.size)
-    sorted_samples = {key: usable[np.argsort(figures[key][usable], kind="stable")] for key in FORCES}
-    sample_by_force = {key: int(numbers[rank]) for key, numbers in sorted_samples.items()}
-    forces = ", ".join(f"{force_name} {figures[key][sample_by_force[key]]:.4g} N" for key, force_name in FORCES.items())
-    numbers = tuple(dict.fromkeys(sample_by_force.values()))
+    numbers, words = _critical_samples(figures, FORCES, usable)
     return RatedSamples(
         numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),
-        "parts within the tolerances of the design: the weakest items of the samples at the "
-        f"{SETTINGS.percentile:g} % percentile of the largest forces, {forces}, at the nominal torque without "
-        f"friction; {SETTINGS.samples} samples, of which {int(jams.sum())} jam",
+        f"{words}, of which {int(jams.sum())} jam",
         jams,
         figures["backlash_arcmin"],
+    )
+
+
+def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
+    """Return `select_rated_samples` of an RV reducer with tolerances; none of its samples jams."""
+    count = SETTINGS.samples
+    forces = rv_samples.compute_rv_forces(reducer, count, SETTINGS.seed, SETTINGS.rv_angles)
+    numbers, words = _critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
+    designs = tuple(rv_samples.draw_rv_drive(reducer, SETTINGS.seed, number)[0] for number in numbers)
+    return RatedSamples(numbers, designs, words, np.zeros(count, dtype=bool), np.full(count, math.nan))
+
+
+def _critical_samples(
+    figures: Mapping[str, Array], names: Mapping[str, str], usable: Integers
+) -> tuple[tuple[int, ...], str]:
+    """Return the numbers of the samples at the percentile of each force, without repetition, and a text on the study.
+
+    Parameters
+    ----------
+    figures
+        Forces of all samples [N] by key, shape (samples,) each.
+    names
+        Keys of the forces that rank the samples, and their names.
+    usable
+        Numbers of the samples that may be selected.
+    """
+    rank = _rank(usable.size)
+    chosen = {key: int(usable[np.argsort(figures[key][usable], kind="stable")][rank]) for key in names}
+    forces = ", ".join(f"{name} {figures[key][chosen[key]]:.4g} N" for key, name in names.items())
+    return tuple(dict.fromkeys(chosen.values())), (
+        "parts within the tolerances of the design: the weakest items of the samples at the "
+        f"{SETTINGS.percentile:g} % percentile of the largest forces, {forces}, at the nominal torque without "
+        f"friction; {SETTINGS.samples} samples"
     )

@@ -19,8 +19,9 @@ from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, KG_CM2, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.design.layouts import applies
+from cycloid_mj.explore.tolerances import has_tolerances
 from cycloid_mj.figures import figure, quantities, values_json
-from cycloid_mj.life.as_built import SETTINGS, has_tolerances
+from cycloid_mj.life.as_built import SETTINGS
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.heat import describe_cooling, describe_duty
@@ -256,6 +257,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
         heading: _note_parts(reducer, group)
         for heading, group in rv_performance_groups(reducer, life, limits, static).items()
     }
+    groups["Ratings"] += _toleranced_torque_rows(reducer, life)
     groups["Accuracy and stiffness"] += toleranced_error_rows(reducer)
     groups |= rv_further_groups(reducer)
     advance()
@@ -336,14 +338,14 @@ def _rating_rows(
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque [N m] of parts within the tolerances of the design; empty without tolerances.
 
-    They are extrapolated from the rating at the nominal torque for a `life` [h] (`rated_and_momentary_torque`).
+    They are extrapolated from the rating at the nominal torque for a `life` [h].
     """
     design = reducer.design
-    if not has_tolerances(design):
+    if not has_tolerances(reducer):
         return ()
     nominal = design.rated_torque
     rating = rate(design, constant_duty(nominal, design.drive.speed), life, parts="toleranced")
-    limits = rated_and_momentary_torque(rating.items.values(), nominal, life)
+    limits = rated_and_momentary_torque(rating.items.values(), nominal, life, reducer)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
         ("rated_torque_toleranced", "Rated torque, toleranced parts", *limits[0]),

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
-from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
+from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.life.as_built import Parts, default_parts, select_rated_samples
@@ -75,17 +75,13 @@ def rate(
     design = reducer.design
     life = life or design.service.life
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
-    if isinstance(reducer, RvReducer):
-        if parts == "toleranced":
-            raise UsageError(
-                f"{design.name}: `--parts toleranced` does not apply to an RV reducer: use `--parts perfect`"
-            )
-        rating = rate_rv(reducer, duty, life)
-        return _add_thermal_limits(rating, design, duty) if compliance else rating
     if parts == "toleranced":
         samples = select_rated_samples(reducer)
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
         return _merge_sample_ratings(design.name, ratings, samples.words)
+    if isinstance(reducer, RvReducer):
+        rating = rate_rv(reducer, duty, life)
+        return _add_thermal_limits(rating, design, duty) if compliance else rating
     return _rate_parts(reducer, duty, life, ranges, compliance, poses, stops)
 
 
@@ -203,9 +199,9 @@ def rate_for_verdict(reducer: Reducer) -> Rating:
 
     The rating of an RV reducer includes heat, which `rate_at_rated_load` does not.
     """
-    if isinstance(reducer, RvReducer):
-        return rate(reducer, compliance=True)
     parts = default_parts(reducer.design)
+    if isinstance(reducer, RvReducer):
+        return rate(reducer, compliance=True, parts=parts)
     return rate(reducer, parts=parts) if parts == "toleranced" else rate_at_rated_load(reducer)
 
 

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
+from operator import itemgetter
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
@@ -183,12 +185,13 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
 
 
 def rated_and_momentary_torque(
-    rated_items: Iterable[RatedItem], torque: float, life: float
+    rated_items: Iterable[RatedItem], torque: float, life: float, reducer: Reducer | None = None
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
     """Estimate rated and momentary torque from a rating at a single torque [N m], by `weakest_torque`.
 
     `rated_items` are the items of the rating for a `life` [h]. Its peak torque must be `PEAK_FACTOR` times its torque.
-    The rated torque is at most the momentary torque.
+    The rated torque is at most the momentary torque. `reducer` is required only for an RV reducer (`is_stop`), whose
+    safety factors at the peak torque are inversely proportional to the torque.
 
     Returns
     -------
@@ -196,9 +199,10 @@ def rated_and_momentary_torque(
         For the rated, then the momentary torque: its value [N m], and the item that limits it.
     """
     items = tuple(rated_items)
-    stops = [item for item in items if is_momentary(item.key)]
-    others = [item for item in items if item.decisive and not is_momentary(item.key)]
-    momentary = weakest_torque(stops, PEAK_FACTOR * torque, life)
+    limits_stop = is_momentary if reducer is None else partial(is_stop, reducer)
+    stops = [item for item in items if limits_stop(item.key)]
+    others = [item for item in items if item.decisive and not limits_stop(item.key)]
+    momentary = min(((PEAK_FACTOR * torque * item.margin(life), item) for item in stops), key=itemgetter(0))
     return min(weakest_torque(others, torque, life), momentary, key=lambda pair: pair[0]), momentary
 
 

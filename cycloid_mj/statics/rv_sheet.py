@@ -222,7 +222,7 @@ def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     strength_ratio = contact.strength / float(contact.pressure(force, springs.curvature).max())
     for name, loads in (("", ideal_loads), ("balanced_", balanced_loads), ("running_", running_loads)):
         yield sheet_quantity(f"crank_bearing_{name}force", float(loads.bearings.max()))
-        yield sheet_quantity(f"crank_bearing_{name}mean_force", _largest_mean(loads.bearings))
+        yield sheet_quantity(f"crank_bearing_{name}mean_force", largest_mean_force(loads.bearings))
     yield sheet_quantity("planet_mesh_force", float(running_loads.flanks.max()))
     yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(balanced_loads.carrier_turn) / ARCSECOND)
     yield sheet_quantity("te_errors", peak_to_peak(closed_rotation(reducer)) / ARCSECOND)
@@ -234,7 +234,7 @@ def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio)
 
 
-def _largest_mean(bearings: Array) -> float:
+def largest_mean_force(bearings: Array) -> float:
     """Return the largest of the means of the forces on the bearings (m, D, n) [N]."""
     return max(mean_force(force) for force in bearings.reshape(len(bearings), -1).T)
 

@@ -1,10 +1,15 @@
 """Rating of an RV reducer: the crank bearings by ISO 281."""
 
+import numpy as np
 import pytest
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.life import rate
+from cycloid_mj.explore.rv_samples import draw_rv_drive
+from cycloid_mj.life import as_built, rate
+from cycloid_mj.life.as_built import SampleSettings
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv_sheet import balance_rv
 
 RV80E = PRESETS["rv80e"]
 
@@ -31,9 +36,30 @@ def test_flanges_carry_less_than_the_discs_because_opposed_forces_cancel_in_part
     assert one["crank_tapers"].value == pytest.approx(0.5 * one["crank_needles"].value, rel=1e-6)
 
 
-def test_samples_of_an_rv_reducer_are_not_rated() -> None:
-    with pytest.raises(UsageError, match="use `--parts perfect`"):
+def test_rating_of_samples_requires_tolerances() -> None:
+    with pytest.raises(UsageError, match=r"set at least one in the table \[crank_tolerance\]"):
         rate(RV80E, parts="toleranced")
+
+
+def test_rated_samples_are_at_the_percentile_of_each_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 20 samples, the nineteenth largest of each force: forces of all samples are computed here one by one."""
+    monkeypatch.setattr(as_built, "SETTINGS", SampleSettings(samples=20))
+    design = RV80E.but(crank_tolerance={"bore_position": "uniform 6", "planet_runout": "uniform 20"})
+    reducer = RvReducer(design)
+    samples = as_built.select_rated_samples(reducer)
+    forces = []
+    for number in range(20):
+        loads = balance_rv(RvReducer(draw_rv_drive(reducer, 0, number)[0]), 784.0, 61)
+        means = np.mean(loads.bearings ** (10.0 / 3.0), axis=0) ** 0.3
+        forces.append((loads.pins.max(), means.max(), loads.flanks.max()))
+    ranks = np.argsort(np.array(forces), axis=0)
+    assert set(samples.numbers) == set(ranks[18].tolist())
+    rating, perfect = rate(reducer, parts="toleranced"), rate(RV80E)
+    assert rating.parts == "toleranced"
+    singles = [rate(sample).items for sample in samples.designs]
+    for key in ("pin_gear_pitting", "crank_needles", "sun_pitting"):
+        assert rating.items[key].life == min(items[key].life or 0.0 for items in singles)
+        assert (rating.items[key].life or 0.0) < (perfect.items[key].life or 0.0)
 
 
 def test_film_friction_adds_the_influence_of_the_lubricant() -> None:
