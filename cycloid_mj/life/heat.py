@@ -45,7 +45,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     losses = mean_losses(reducer, loadings)
     lost = sum(losses.values())
     area = cooling_area(reducer)
-    share = service.duty_share if len(loadings) == 1 and loadings[0].point.share == 1.0 else 1.0
+    share = running_share(reducer, loadings)
     temperature = housing_temperature(reducer, share * lost)
     film = heat_transfer_coefficient(reducer, temperature)
     yield RatedItem(
@@ -106,6 +106,15 @@ def rate_housing_temperature(reducer: Reducer, temperature: float, source: str, 
         f"{note}; limits: {', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
         ItemKind.HEAT,
     )
+
+
+def running_share(reducer: Reducer, loadings: Sequence[Loading]) -> float:
+    """Return the share of the time [1] by which `mean_losses` of a duty are to be multiplied: that of rests it omits.
+
+    It is ``service.duty_share`` for a constant duty, and 1 for several points, among which a duty file states its rests
+    (as `duty.add_rests`).
+    """
+    return reducer.design.service.duty_share if len(loadings) == 1 and loadings[0].point.share == 1.0 else 1.0
 
 
 def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:

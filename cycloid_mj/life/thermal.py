@@ -12,7 +12,13 @@ from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
-from cycloid_mj.life.heat import heat_limits, heat_transfer_coefficient, mean_losses, rate_housing_temperature
+from cycloid_mj.life.heat import (
+    heat_limits,
+    heat_transfer_coefficient,
+    mean_losses,
+    rate_housing_temperature,
+    running_share,
+)
 from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
@@ -501,13 +507,15 @@ def _friction_text(reducer: Reducer) -> str:
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield an item that compares the temperature difference of disc and ring with that at which the teeth jam [K].
 
-    `loadings` are the solved forces at each point of the duty. Losses and conductances are those at 20 °C, without the
-    iteration of `thermal`.
+    `loadings` are the solved forces at each point of the duty; a constant duty has the rests of ``service.duty_share``,
+    and the difference is then the mean of its cycles. Losses and conductances are those at 20 °C, without the iteration
+    of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
     rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
-    difference, limit = rises["disc"] - rises["ring"], jam_difference(reducer.design)
+    share = running_share(reducer, loadings)
+    difference, limit = share * (rises["disc"] - rises["ring"]), jam_difference(reducer.design)
     yield RatedItem(
         "jam_difference",
         "disc warmer than the ring",
@@ -517,6 +525,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
         limit / difference if difference > 0.0 else math.inf,
         None,
         "thermal network; limit: play/(alpha (E - rho)) of the teeth",
+        f"{'' if share == 1.0 else f'running for {share:.0%} of the time, mean of the cycles; '}"
         "conductances of grease, bearings and joints are assumed ([thermal]); all temperatures: `cycloid-mj thermal`",
     )
 

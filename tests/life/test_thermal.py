@@ -243,6 +243,18 @@ def test_rate_warns_of_the_jam_difference_and_takes_a_computed_film() -> None:
     assert "W/(m2 K)" in computed.items["temperature"].note
 
 
+def test_rests_of_the_service_lower_the_jam_difference_as_rests_of_a_duty() -> None:
+    """A share of 40 % in the design is the same duty as a cycle with a rest of 60 %."""
+    points = DutyPoint(36.68, PRESETS["pin"].drive.speed, 0.4), DutyPoint(0.0, 0.0, 0.6)
+    design = PRESETS["pin"].but(service={"duty_share": 0.4})
+    stated = cm.rate("pin", Duty(points, 73.36), stops=False).items["jam_difference"]
+    implied = cm.rate(design, constant_duty(36.68, PRESETS["pin"].drive.speed), stops=False).items["jam_difference"]
+    continuous = cm.rate("pin", constant_duty(36.68, PRESETS["pin"].drive.speed), stops=False).items["jam_difference"]
+    assert implied.value == pytest.approx(stated.value, rel=1e-9)
+    assert implied.value == pytest.approx(0.4 * continuous.value, rel=1e-9)
+    assert "40% of the time" in implied.note
+
+
 def test_a_rating_and_a_sheet_state_the_thermal_torque() -> None:
     """`pin` gets too hot above 25 N m: its rating at 36.68 N m states that, and the data sheet too."""
     state = thermal("pin")
