@@ -16,6 +16,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "central": (),
     "rv": (
         "analyze",
+        "animate",
         "build",
         "compare",
         "compare-bench",
@@ -53,8 +54,6 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
 REASONS: Mapping[Layout, Mapping[str, str]] = {
     "central": {},
     "rv": {
-        "animate": "its drawing with magnified gaps has a central crank and output pins: use `cycloid-mj render` for "
-        "an image, or open the log in Foxglove or Rerun",
         "calibrate": "it fits the table [springs], which an RV reducer does not have: evaluate the loops with "
         "`cycloid-mj protocol --loop`, and set cranks.needle_stiffness_n_m and cranks.taper_stiffness_n_m until the "
         "model has the same stiffness",

@@ -16,13 +16,23 @@ from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
-from cycloid_mj.design.layouts import require_supported
 from cycloid_mj.plots.movie import write_movie
 from cycloid_mj.plots.stage import AnimatedFigure, Script, create_stage, update_stage
 from cycloid_mj.plots.style import with_style
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import RvReducer, reducer_of
 from cycloid_mj.reducer.member import view_columns_from_ring, view_from_ring
-from cycloid_mj.scene import contact_forces, drawn_radii, ideal_forces, magnify_gaps, measure_gaps
+from cycloid_mj.scene import (
+    Drawing,
+    RvDrawing,
+    contact_forces,
+    draw_rv_poses,
+    drawn_radii,
+    ideal_forces,
+    magnify_gaps,
+    measure_gaps,
+)
+from cycloid_mj.scene.drawing import check_magnification
+from cycloid_mj.scene.rv_drawing import largest_rv_magnification
 
 Image = npt.NDArray[np.uint8]
 
@@ -119,14 +129,16 @@ def select_samples(
             "as 1"
         )
     motion = series(run)
-    require_supported(motion.design.name, motion.design.layout, "animate")
     if not 0 <= disc < motion.design.gear.discs:
         raise UsageError(
             f"the design {motion.design.name} has no disc {disc + 1}: choose a disc from 1 to "
             f"{motion.design.gear.discs}"
         )
     motion = motion.of_disc(disc)
-    drawn_radii(motion.reducer, magnification)
+    if isinstance(motion.reducer, RvReducer):
+        check_magnification(motion.reducer, magnification, largest_rv_magnification(motion.reducer))
+    else:
+        drawn_radii(motion.reducer, magnification)
     start = motion.one_turn.start
     swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
     turns_at = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
@@ -154,15 +166,22 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}
-    reducer, ring_columns = Reducer(view_from_ring(motion.design)), view_columns_from_ring(motion.reducer, columns)
-    poses = magnify_gaps(reducer, measure_gaps(reducer, ring_columns, motion.disc), samples.magnification)
+    reducer = reducer_of(view_from_ring(motion.design))
+    ring_columns = view_columns_from_ring(motion.reducer, columns)
+    poses: Drawing | RvDrawing
+    if isinstance(reducer, RvReducer):
+        poses = draw_rv_poses(reducer, ring_columns, motion.disc, samples.magnification)
+    else:
+        poses = magnify_gaps(reducer, measure_gaps(reducer, ring_columns, motion.disc), samples.magnification)
     script = Script(
         reducer=motion.reducer,
         drawn=poses,
         acting=contact_forces(reducer, ring_columns, poses).of_disc(motion.disc),
         ideal=ideal_forces(reducer, ring_columns, motion.disc),
     )
-    return _render_frames(script, create_stage(script, width), columns["crank_angle"], motion.time[samples.rows])
+    return _render_frames(
+        script, create_stage(script, width), motion.crank_angle[samples.rows], motion.time[samples.rows]
+    )
 
 
 def _render_frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,18 +15,21 @@ from matplotlib.transforms import Affine2D
 
 from cycloid_mj.analysis import condition
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import GEAR, OUTPUT, SHAFT
+from cycloid_mj.base.names import CRANK_BEARING, GEAR, OUTPUT, SHAFT
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.geometry.kinematics import gear_centre
-from cycloid_mj.parts import circle, gear_solid, housing_solid
+from cycloid_mj.parts import Prism, circle, gear_solid, housing_solid
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.parts.polygon import arc
+from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.plots.mechanism import MAX_ARROW, PART_STYLES
+from cycloid_mj.plots.rv_stage import closed_path, draw_circle, draw_dashed, draw_rv_parts, move_rv_parts
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.sockets import socket_half_angle
-from cycloid_mj.scene import ContactForces, Drawing, ring_outline
+from cycloid_mj.scene import ContactForces, Drawing, RvDrawing, ring_outline
+from cycloid_mj.scene.drawing import MeshDrawing, Radii
 from cycloid_mj.scene.pose import ring_places
 
 WIDTH, HEIGHT = 6.4, 8.0
@@ -36,6 +40,7 @@ FORCES = {
     "tooth": ("internal gear", VERMILION),
     "cam": ("cam", BLACK),
     "output": ("output pins", BLUE),
+    CRANK_BEARING: ("cranks", BLUE),
 }
 RING = ("pin_gear", "tooth")
 PIN, SOCKET, OTHER_DISCS = "pin", "socket", "other_discs"
@@ -82,7 +87,7 @@ class Script:
     reducer
         The reducer.
     drawn
-        Positions of all parts.
+        Positions of all parts: a `Drawing`, or an `RvDrawing` of an RV reducer.
     acting
         Contact forces.
     ideal
@@ -90,7 +95,7 @@ class Script:
     """
 
     reducer: Reducer
-    drawn: Drawing
+    drawn: Drawing | RvDrawing
     acting: ContactForces
     ideal: Array | None
 
@@ -123,8 +128,11 @@ def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
     _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
-    _move_part(stage, SHAFT, [poses.shaft[row]])
-    _move_part(stage, OUTPUT, poses.output_pins[row])
+    if isinstance(poses, RvDrawing):
+        move_rv_parts(partial(_move_part, stage), poses, row)
+    else:
+        _move_part(stage, SHAFT, [poses.shaft[row]])
+        _move_part(stage, OUTPUT, poses.output_pins[row])
     outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
     _move_part(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
     _move_part(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
@@ -158,14 +166,14 @@ def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
         stage.ideal_steps.set_data(script.ideal[row])
 
 
-def _title(reducer: Reducer, poses: Drawing) -> str:
+def _title(reducer: Reducer, poses: MeshDrawing) -> str:
     """Return the name of the design and the magnification of clearances."""
     return reducer.design.name + (
         f",  clearances magnified {poses.magnification:g} times" if poses.magnification > 1 else ""
     )
 
 
-def _view_words(poses: Drawing, reducer: Reducer) -> tuple[str, ...]:
+def _view_words(poses: MeshDrawing, reducer: Reducer) -> tuple[str, ...]:
     """Return lines of text: which of several discs is shown with its forces, and the reference frame of the view."""
     disc = (f"disc {poses.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
     return (*disc, "seen from the ring") if reducer.design.output.turns_ring else disc
@@ -203,10 +211,10 @@ def _update_ring(housing: Any, script: Script, row: int) -> None:
     ring = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, SCREEN_CHORD_ERROR)
-    housing.set_path(_closed_path([outline, hole]))
+    housing.set_path(closed_path([outline, hole]))
 
 
-def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
+def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dict[str, list[Any]]:
     """Draw the parts from back to front, each in its own coordinates, and return their artists.
 
     Dots on disc and shaft show their rotation. `poses` is the drawing of the whole animation; only its radii are used.
@@ -214,14 +222,11 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
     move together.
     """
     design = reducer.design
-    ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
+    ring, radii, disc = design.ring, poses.radii, poses.gaps.disc
     has_pins = design.ring.kind == "pin"
-    prism = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0]
-    cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])
-    valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
-    mark_radius = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
-    mark_on_disc = (0.0, mark_radius, 0.2 * output.pin_radius)
-    return {
+    prism = _disc_prism(reducer, disc)
+    mark_on_disc = (0.0, *_mark_place(reducer))
+    common: dict[str, list[Any]] = {
         SOCKET: [
             [_draw_socket(axes, radii.socket, socket_half_angle(design))]
             for _ in range(ring.has_sockets * ring.mate_count)
@@ -230,18 +235,30 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
         GEAR: [
             [
                 _draw_region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),
-                _draw_disc(axes, mark_on_disc, DARK, 3),
+                draw_circle(axes, mark_on_disc, DARK, 3),
             ]
         ],
         OTHER_DISCS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
+    }
+    if isinstance(poses, RvDrawing):
+        return common | draw_rv_parts(axes, cast(RvReducer, reducer), poses)
+    return common | _draw_central_parts(axes, reducer, poses.radii, disc)
+
+
+def _draw_central_parts(axes: Axes, reducer: Reducer, radii: Radii, disc: int) -> dict[str, list[Any]]:
+    """Draw the output pins and the crank of a reducer with a central crank, as `_draw_parts`."""
+    design = reducer.design
+    output, gear = design.output, design.gear
+    cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])
+    return {
         OUTPUT: [
-            [_draw_disc(axes, (0.0, 0.0, radii.output_pin), PART_STYLES["output"], 3)] for _ in range(output.pins)
+            [draw_circle(axes, (0.0, 0.0, radii.output_pin), PART_STYLES["output"], 3)] for _ in range(output.pins)
         ],
         SHAFT: [
             [
-                _draw_disc(axes, (float(cam_x), float(cam_y), radii.cam), PART_STYLES["cam"], 3),
-                _draw_disc(axes, (0.0, 0.0, design.shaft.radius), PART_STYLES["shaft"], 3),
-                _draw_disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
+                draw_circle(axes, (float(cam_x), float(cam_y), radii.cam), PART_STYLES["cam"], 3),
+                draw_circle(axes, (0.0, 0.0, design.shaft.radius), PART_STYLES["shaft"], 3),
+                draw_circle(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
             ]
         ],
     }
@@ -249,14 +266,24 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
 
 def _dashed_outline(axes: Axes, reducer: Reducer, disc: int) -> Any:
     """Draw the outline of the disc with the index `disc` as a dashed line, in its own coordinates; return its patch."""
-    outline = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline
-    patch_style = {
-        "facecolor": "none",
-        "edgecolor": PART_STYLES["gear"]["edgecolor"],
-        "linestyle": (0, (4, 2)),
-        "zorder": 1.6,
-    }
-    return axes.add_patch(PathPatch(_closed_path([outline]), linewidth=0.5, **patch_style))
+    return draw_dashed(axes, _disc_prism(reducer, disc).outline, PART_STYLES["gear"]["edgecolor"])
+
+
+def _disc_prism(reducer: Reducer, disc: int) -> Prism:
+    """Return the disc with an index as a prism."""
+    if isinstance(reducer, RvReducer):
+        return rv_parts(reducer)[reducer.gears[disc]].solid(SCREEN_CHORD_ERROR).prisms[0]
+    return gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0]
+
+
+def _mark_place(reducer: Reducer) -> tuple[float, float]:
+    """Return position on +y and radius [m] of the dot on a disc, between its hole or crank bore and a valley."""
+    ring, output, gear = reducer.design.ring, reducer.design.output, reducer.design.gear
+    valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
+    if isinstance(reducer, RvReducer):
+        edge = reducer.crank_radius + reducer.bore_radius
+        return 0.5 * (valley + edge), 0.2 * (valley - edge)
+    return 0.5 * (valley + output.pin_circle_radius + output.hole_radius), 0.2 * output.pin_radius
 
 
 def _draw_socket(axes: Axes, radius: float, half_angle: float) -> Any:
@@ -271,23 +298,13 @@ def _draw_pin(axes: Axes, radius: float) -> list[Any]:
     (line,) = axes.plot(
         [0.0, 0.8e3 * radius], [0.0, 0.0], color=PART_STYLES["pins"]["edgecolor"], linewidth=0.8, zorder=2.1
     )
-    return [_draw_disc(axes, (0.0, 0.0, radius), PART_STYLES["pins"], 2), line]
+    return [draw_circle(axes, (0.0, 0.0, radius), PART_STYLES["pins"], 2), line]
 
 
 def _draw_region(axes: Axes, rings: Sequence[Array], patch_style: str, order: float) -> Any:
     return axes.add_patch(
-        PathPatch(_closed_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **PART_STYLES[patch_style])
+        PathPatch(closed_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **PART_STYLES[patch_style])
     )
-
-
-def _closed_path(rings: Sequence[Array]) -> Path:
-    return Path.make_compound_path(*(Path(1e3 * np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
-
-
-def _draw_disc(axes: Axes, circle: tuple[float, float, float], patch_style: Mapping[str, Any], order: float) -> Any:
-    """Draw a filled circle of x, y and radius [m] at a drawing order, and return its patch."""
-    x, y, radius = (1e3 * length for length in circle)
-    return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **patch_style))
 
 
 def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:

@@ -121,7 +121,7 @@ def view_from_ring(design: Design) -> Design:
     """
     if not design.output.turns_ring:
         return design
-    share = member_of(design).share
+    share = 1.0 - 1.0 / design.ratio
     return design.model_copy(
         update={
             "output": design.output.model_copy(update={"member": "carrier"}),
@@ -151,12 +151,17 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     if not reducer.member.turns_ring:
         return viewed
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
+    input_angle, input_speed, input_torque = (
+        names.column(reducer.INPUT, quantity) for quantity in ("angle", "speed", "torque")
+    )
     frame_motions = {
         "output_angle": 2.0 * angle,
         "output_speed": 2.0 * speed,
-        "crank_angle": angle,
-        "crank_speed": speed,
+        input_angle: angle,
+        input_speed: speed,
     }
+    sun_x, sun_y, _ = names.planar_joints(names.SUN)
+    _turn_back(viewed, sun_x, sun_y, angle)
     for gear in reducer.gears:
         x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
         frame_motions |= {turn: angle, spin: speed}
@@ -168,8 +173,8 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
         if name.endswith(names.FORCE_X):
             _turn_back(viewed, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
     viewed |= {name: viewed[name] - frame_motion for name, frame_motion in frame_motions.items() if name in viewed}
-    if {"load_torque", "crank_torque"} <= viewed.keys():
-        viewed["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
+    if {"load_torque", input_torque} <= viewed.keys():
+        viewed["load_torque"] = -(columns["load_torque"] + columns[input_torque])
     return viewed
 
 

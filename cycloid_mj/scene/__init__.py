@@ -18,15 +18,18 @@ from cycloid_mj.scene.drawing import (
 from cycloid_mj.scene.force import ContactForces, cams, contact_forces, ideal_forces, reference_force
 from cycloid_mj.scene.messages import RATE, Scene, frame_rate
 from cycloid_mj.scene.pose import pose_columns, poses, ring_places, transform
+from cycloid_mj.scene.rv_drawing import RvDrawing, draw_rv_poses
 
 __all__ = [
     "RATE",
     "ContactForces",
     "Drawing",
+    "RvDrawing",
     "Scene",
     "Separations",
     "cams",
     "contact_forces",
+    "draw_rv_poses",
     "drawn_radii",
     "fitting_magnification",
     "frame_rate",

@@ -42,19 +42,25 @@ DRAWING = DrawingSettings()
 
 
 @dataclass(frozen=True)
-class Radii:
-    """Radii that the parts are drawn with [m]; disc and holes keep theirs."""
+class RingRadii:
+    """Radii that ring pins, sockets and sleeves are drawn with [m]; the disc keeps its profile."""
 
     pin: float
     socket: float
     sleeve_bore: float
+
+
+@dataclass(frozen=True)
+class Radii(RingRadii):
+    """Radii that the parts are drawn with [m]; disc and holes keep theirs."""
+
     cam: float
     output_pin: float
 
 
 @dataclass(frozen=True, eq=False)
-class Separations:
-    """Gaps between the parts at n times, relative to the ideal mesh at the same crank angle.
+class MeshGaps:
+    """Gaps between a disc and the ring at n times, relative to the ideal mesh at the same crank angle.
 
     Attributes
     ----------
@@ -72,8 +78,6 @@ class Separations:
         Position of each pin in its socket, or of a sleeve on its pin [m], shape (n, mates, 2); zeros for fixed pins.
     pin_angle
         Rotation of each pin [rad], shape (n, mates).
-    output_away
-        Distance between the centres of each output pin and its hole minus the eccentricity [m], shape (n, k).
     """
 
     disc: int
@@ -83,38 +87,64 @@ class Separations:
     opening: Array
     away: Array
     pin_angle: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Separations(MeshGaps):
+    """Gaps between a disc and all its mates at n times.
+
+    Attributes
+    ----------
+    output_away
+        Distance between the centres of each output pin and its hole minus the eccentricity [m], shape (n, k).
+    """
+
     output_away: Array
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing:
-    """Drawn poses at n times, in the frame of the reducer axis; x right, y up, [m] and [rad].
+class MeshDrawing:
+    """Drawn poses of disc and ring at n times, in the frame of the reducer axis; x right, y up, [m] and [rad].
 
     Attributes
     ----------
     magnification
         Scale of the gaps.
     radii
-        Radii that the parts are drawn with.
+        Radii that pins, sockets and sleeves are drawn with.
     gaps
-        Gaps between the parts.
-    gear, shaft
-        Poses, shape (n, 3).
+        Gaps between disc and ring.
+    gear
+        Pose of the disc, shape (n, 3).
     ring
         Centres of the pins, or of the lobes of an internal gear, shape (n, mates, 2).
     sockets
         Centres of the pins' sockets, shape (n, mates, 2).
+    """
+
+    magnification: float
+    radii: RingRadii
+    gaps: MeshGaps
+    gear: Array
+    ring: Array
+    sockets: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing(MeshDrawing):
+    """Drawn poses of all parts at n times.
+
+    Attributes
+    ----------
+    shaft
+        Pose of the crank, shape (n, 3).
     output_pins
         Centres of the output pins, shape (n, k, 2).
     """
 
-    magnification: float
     radii: Radii
     gaps: Separations
-    gear: Array
     shaft: Array
-    ring: Array
-    sockets: Array
     output_pins: Array
 
 
@@ -174,20 +204,30 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
         `magnification` is below 1 or beyond `largest_magnification`.
     """
     design = reducer.design
-    largest = largest_magnification(reducer)
+    check_magnification(reducer, magnification, largest_magnification(reducer))
+    excess, clearance = magnification - 1.0, design.clearance
+    return Radii(
+        **vars(_ring_radii(reducer, magnification)),
+        cam=design.gear.bore_radius - excess * clearance.cam,
+        output_pin=design.output.pin_radius - excess * clearance.output,
+    )
+
+
+def check_magnification(reducer: Reducer, magnification: float, largest: float) -> None:
+    """Raise UsageError if the magnification of a drawing is below 1 or above the `largest`."""
     if not 1.0 <= magnification <= largest:
         raise UsageError(
             f"the factor by which the drawing magnifies clearances is {magnification:g}, which is out of range for "
-            f"{design.name}: choose a value from 1 to {np.floor(largest):g}"
+            f"{reducer.design.name}: choose a value from 1 to {np.floor(largest):g}"
         )
-    excess, clearance = magnification - 1.0, design.clearance
-    ring = design.ring.pin_radius - excess * tooth_clearance(reducer)
-    return Radii(
-        pin=ring,
-        socket=ring + magnification * design.pin_play,
-        sleeve_bore=ring - design.ring.sleeve_thickness,
-        cam=design.gear.bore_radius - excess * clearance.cam,
-        output_pin=design.output.pin_radius - excess * clearance.output,
+
+
+def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
+    """Return the radii of pins, sockets and sleeves [m] in a drawing with a magnification."""
+    design = reducer.design
+    ring = design.ring.pin_radius - (magnification - 1.0) * tooth_clearance(reducer)
+    return RingRadii(
+        pin=ring, socket=ring + magnification * design.pin_play, sleeve_bore=ring - design.ring.sleeve_thickness
     )
 
 
@@ -196,24 +236,46 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 
     `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc.
     """
-    design = reducer.design
-    poses_by_part, crank, phase = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
-    tooth_profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]
+    poses_by_part = poses(reducer, columns)
+    gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
+    return Separations(
+        **vars(measure_mesh(reducer, poses_by_part, columns["crank_angle"], disc)),
+        output_away=_output_gaps(reducer, gear, poses_by_part[OUTPUT]),
+    )
+
+
+def measure_mesh(reducer: Reducer, poses_by_part: Mapping[str, Array], crank: Array, disc: int) -> MeshGaps:
+    """Compute the gaps between a disc and the ring at n samples.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    poses_by_part
+        x [m], y [m] and angle [rad] of each part by name in the frame of the ring, shape (n, 3), as of `poses`.
+    crank
+        Crank angles relative to the ring [rad], shape (n,).
+    disc
+        Index of the disc.
+    """
+    tooth_profile, phase = reducer.tooth_profile, reducer.phases[disc]
+    gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
     ideal = np.column_stack([gear_centre(tooth_profile, crank + phase), gear_rotation(tooth_profile, crank)])
     nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))
     if pin(1) in poses_by_part:
         pins = np.stack([poses_by_part[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
         pins[..., :2] -= nominal
-    return Separations(
+    return MeshGaps(
         disc=disc,
         gear=ideal,
         deviation=gear - ideal,
         crank_angle=crank,
-        opening=_trochoid_distance(tooth_profile, gear - [0.0, 0.0, phase / design.lobes], nominal + pins[..., :2]),
+        opening=_trochoid_distance(
+            tooth_profile, gear - [0.0, 0.0, phase / tooth_profile.lobes], nominal + pins[..., :2]
+        ),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
-        output_away=_output_gaps(reducer, gear, poses_by_part[OUTPUT]),
     )
 
 
@@ -232,9 +294,7 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 
     Raises the UsageError of `drawn_radii`.
     """
-    gear = gaps.gear
-    opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gear)
-    ring = ring_places(reducer) + opening
+    mesh, gear = magnify_mesh(reducer, gaps, magnification), gaps.gear
     holes = transform(gear[:, np.newaxis], output_centres(reducer))
     eccentric_direction = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
     pin_distance = reducer.design.gear.eccentricity + magnification * gaps.output_away[..., np.newaxis]
@@ -243,14 +303,28 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
         radii=drawn_radii(reducer, magnification),
         gaps=gaps,
         gear=gear,
+        ring=mesh.ring,
+        sockets=mesh.sockets,
         shaft=np.column_stack([-magnification * gaps.deviation[:, :2], gaps.crank_angle]),
-        ring=ring,
-        sockets=ring - magnification * gaps.away,
         output_pins=holes - pin_distance * eccentric_direction,
     )
 
 
-def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Drawing, frame: int) -> Array:
+def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -> MeshDrawing:
+    """Compute the drawn poses of disc and ring at n times, with the `gaps` magnified along the ideal normals."""
+    opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
+    ring = ring_places(reducer) + opening
+    return MeshDrawing(
+        magnification=magnification,
+        radii=_ring_radii(reducer, magnification),
+        gaps=gaps,
+        gear=gaps.gear,
+        ring=ring,
+        sockets=ring - magnification * gaps.away,
+    )
+
+
+def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: MeshDrawing, frame: int) -> Array:
     """Compute the outline of an internal gear in a frame of a drawing [m], shape (m, 2), displaced by magnified gaps.
 
     Parameters

@@ -3,6 +3,7 @@
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
@@ -28,12 +29,14 @@ from cycloid_mj.base.names import (
 from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.geometry.rv_loads import ideal_rv_loads
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.rv_bodies import crank_names
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import poses, ring_places, transform
+from cycloid_mj.scene.rv_drawing import RvDrawing
 
 WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
@@ -112,7 +115,7 @@ class ContactForces:
 def contact_forces(
     reducer: Reducer,
     columns: Mapping[str, Array],
-    drawing: Drawing | None = None,
+    drawing: Drawing | RvDrawing | None = None,
     kinds: Container[str] = KINDS.values(),
 ) -> ContactForces:
     """Compute force and point of action of those mating pairs whose force has columns.
@@ -179,9 +182,23 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
     design = reducer.design
     if design.ring.kind != "pin":
         return None
+    if isinstance(reducer, RvReducer):
+        return _ideal_rv_forces(reducer, columns, disc)
     disc_torque, crank_angle = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
     halves = design.ring.halves
     return np.tile(ideal_load_sharing(reducer.tooth_profile, disc_torque / halves, crank_angle).forces, (1, halves))
+
+
+def _ideal_rv_forces(reducer: RvReducer, columns: Mapping[str, Array], disc: int) -> Array:
+    """Compute the force of a disc of an RV reducer on each pin by ideal load sharing [N], shape (n, mates).
+
+    `columns` are those of the log, of which the load and the angle of the sun are used.
+    """
+    member = reducer.member
+    crank = member.against_ring(columns[f"{reducer.INPUT}_angle"])
+    torque = (-1.0 if member.turns_ring else 1.0) * member.share * columns["load_torque"][:, np.newaxis]
+    forward, backward = (ideal_rv_loads(reducer.stage, sense, crank).pins[:, disc] for sense in (1.0, -1.0))
+    return np.abs(torque) * np.where(torque > 0.0, forward, backward)
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
@@ -261,7 +278,9 @@ def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _In
     return _central_inner_parts(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
 
 
-def _inner_parts_drawn(reducer: Reducer, drawn: Drawing) -> _InnerParts:
+def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerParts:
+    if isinstance(drawn, RvDrawing):
+        return _drawn_rv_parts(cast(RvReducer, reducer), drawn)
     return _central_inner_parts(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
@@ -277,18 +296,35 @@ def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Ra
 
 def _rv_inner_parts(reducer: RvReducer, by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
     """Return the inner parts of an RV reducer; the force of a planet is at the pitch point on the line to the sun."""
-    cranks, ring_design, planet = crank_names(reducer), reducer.design.ring, reducer.planet
+    cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([by_part[name] for name in cranks], axis=1)
     bearings = [reducer.mechanism.mating(CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)]
     eccentrics = np.stack([transform(crank_poses, place) for place in bearings], axis=1)
-    sun = by_part[SUN][:, np.newaxis, :2]
-    pitch_points = sun + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (crank_poses[..., :2] - sun)
+    pitch_points = _pitch_points(reducer, by_part[SUN], crank_poses)
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
     return _InnerParts(
         ring,
         {CRANK_BEARING: eccentrics, PLANET_MESH: pitch_points[:, np.newaxis]},
         radii | {CRANK_BEARING: needle_radius, PLANET_MESH: 0.0},
+    )
+
+
+def _pitch_points(reducer: RvReducer, sun: Array, cranks: Array) -> Array:
+    """Return the pitch points of the planets [m], shape (n, k, 2), at poses of sun (n, 3) and cranks (n, k, 3)."""
+    planet, centre = reducer.planet, sun[:, np.newaxis, :2]
+    return centre + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (cranks[..., :2] - centre)
+
+
+def _drawn_rv_parts(reducer: RvReducer, drawn: RvDrawing) -> _InnerParts:
+    """Return the inner parts of a drawn RV reducer; pairs of all discs have the places of those of the drawn disc."""
+    eccentrics = np.repeat(drawn.eccentrics[:, np.newaxis], reducer.design.gear.discs, axis=1)
+    pitch_points = _pitch_points(reducer, drawn.sun, drawn.cranks)
+    radii = _ring_radii(drawn.radii.pin, drawn.radii.sleeve_bore)
+    return _InnerParts(
+        drawn.ring,
+        {CRANK_BEARING: eccentrics, PLANET_MESH: pitch_points[:, np.newaxis]},
+        radii | {CRANK_BEARING: drawn.eccentric_radius, PLANET_MESH: 0.0},
     )
 
 

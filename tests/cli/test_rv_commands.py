@@ -9,9 +9,6 @@ import pytest
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import REASONS
-from cycloid_mj.dynamics.run import model_for, simulate
-from cycloid_mj.log import write
-from cycloid_mj.reducer import reducer_of
 
 
 @pytest.fixture(autouse=True)
@@ -24,13 +21,7 @@ def test_a_command_without_support_gives_the_reason_and_another_command(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("loop.csv").write_text("torque_output_Nm,deflection_deg\n" + "\n".join(f"{k},{k}" for k in range(20)))
-    words = {
-        "animate": ("log.mcap", "film.gif"),
-        "calibrate": ("rv80e", "--loop", "loop.csv"),
-    }
-    if command == "animate":
-        short = PRESETS["rv80e"].but(drive={"ramp": 0.0, "hold": 2e-3})
-        write(simulate(short, model_for("planar", reducer_of(short))), Path("log.mcap"))
+    words = {"calibrate": ("rv80e", "--loop", "loop.csv")}
     assert main([command, *words[command], "--quiet"]) == 1
     out, error = capsys.readouterr()
     assert (out, error.count("\n")) == ("", 1)
