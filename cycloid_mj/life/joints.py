@@ -35,6 +35,7 @@ from cycloid_mj.parts.export.casing_rules import (
     insert_in,
     is_printed,
 )
+from cycloid_mj.parts.export.crank_joints import ShrinkFit, shrink_fit
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.joints import FLANGE_CLASS, LOAD, MOTOR, USUAL_CLASS, drive_joints
@@ -420,12 +421,12 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Yield items for the glued or keyed joints of the crank: the motor's shaft in its bore, and cams on the shaft.
+    """Yield items for glued, keyed or shrunk joints of the crank: the motor's shaft in its bore, cams on the shaft.
 
     `torques` are those on crank, carrier and ring at the peak torque.
     """
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
-    bore = sizes.motor_bore
+    bore, shrunk = sizes.motor_bore, shrink_fit(reducer, sizes)
     if bore:
         radius, low, high = bore
         yield _rate_glued_shaft(
@@ -434,6 +435,8 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     for joint in drive_joints(reducer, sizes):
         if joint.kind is JointKind.KEYED:
             yield _rate_key(reducer, joint, torques.crank, shaft)
+        elif shrunk and joint.kind is JointKind.PRESSED and names.SHAFT in joint.parts:
+            yield _rate_shrunk_cams(joint.name, torques.crank, shrunk)
         elif joint.kind is JointKind.GLUED and names.SHAFT in joint.parts:
             yield _rate_glued_shaft("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
 
@@ -443,6 +446,20 @@ def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, lengt
     slip_torque = 0.5 * diameter * strength.glued_force(diameter, length)
     note = f"assumed: retaining compound on {1e3 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
     return torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
+
+
+def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
+    """Return the item of cams that are shrunk on the shaft: one of them carries the whole torque [N m] (assumed)."""
+    press = shrunk.press
+    item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press, shrunk.zones, shrunk.yield_pressure)
+    largest = -fits.clearances(shrunk.zones, press.diameter)[0]
+    growth = press.growth(min(press.pressure(largest), shrunk.yield_pressure))
+    wall = 0.5 * (press.outside - press.diameter)
+    note = (
+        f"{item.note}; thinnest wall {1e3 * wall:.3g} mm; the cam grows by up to {1e6 * growth:.2g} um in diameter: "
+        "grind it smaller by as much; assumed: one cam carries the whole torque"
+    )
+    return replace(item, note=note)
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
@@ -558,25 +575,35 @@ def _rate_press_fit(
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
+    strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
+    return _press_fit_item(key_and_name, turning_torque, fit, zones, strongest)
+
+
+def _press_fit_item(
+    key_and_name: tuple[str, str], torque: float, fit: strength.PressFit, zones: str, max_pressure: float
+) -> RatedItem:
+    """Return the item of a press fit of tolerance `zones` under a torque [N m].
+
+    `key_and_name` are those of the item. At `max_pressure` [Pa], a part yields.
+    """
     least_interference, largest_interference = (
-        -clearance for clearance in reversed(fits.clearances(fit_code(zones), 2.0 * radius))
+        -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
     )
-    mean_torque, *ends = (
+    mean, *ends = (
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
     )
-    strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
     mean_pressure, least_pressure, largest_pressure = (
-        min(fit.pressure(value), strongest) for value in (mean_torque, *ends)
+        min(fit.pressure(value), max_pressure) for value in (mean, *ends)
     )
     key, name = key_and_name
     return torque_item(
         key,
         name,
-        turning_torque,
+        torque,
         fit.torque(mean_pressure),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{zones}, mean interference less smoothing {1e6 * mean_torque:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
+        f"{zones}, mean interference less smoothing {1e6 * mean:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
         f"{fit.torque(least_pressure):.3g} to {fit.torque(largest_pressure):.3g} N m over the zones; friction "
         f"{JOINTS.interface_friction:g} (assumed)",
     )

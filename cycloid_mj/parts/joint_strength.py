@@ -35,6 +35,9 @@ class JointStrengthSettings:
     """Mean depths Rz of ground pins and reamed holes [m] (ISO 8734 has Ra 0.8 um at most; Rz assumed)."""
     wall_ratio: float = 2.0
     """Outside diameter of the wall around a pressed-in pin over that of the pin (assumed)."""
+    shrink_difference: float = 278.5
+    """Largest temperature difference of hub and shaft in a shrink fit [K]: 200 °C, which case-hardened steel
+    withstands (DIN 7190-1), and dry ice at -78.5 °C."""
 
 
 JOINTS = JointStrengthSettings()
@@ -186,6 +189,16 @@ class PressFit:
         """Compute the pressure [Pa] at which the bore of the hub yields: (1 - Q^2) R_e/sqrt(3)."""
         return (1.0 - (self.diameter / self.outside) ** 2) * yield_strength / math.sqrt(3.0)
 
+    def shaft_yield_pressure(self, yield_strength: float) -> float:
+        """Compute the pressure [Pa] at which the shaft yields: 2 R_e/sqrt(3), with a bore (1 - Q^2) R_e/sqrt(3)."""
+        share = 1.0 - (self.bore / self.diameter) ** 2 if self.bore else 2.0
+        return share * yield_strength / math.sqrt(3.0)
+
+    def growth(self, pressure: float) -> float:
+        """Compute by how much the outside diameter of the hub grows [m] under a joint pressure [Pa] (Lame)."""
+        ratio, (modulus, _) = (self.diameter / self.outside) ** 2, self.hub
+        return 2.0 * pressure * ratio / (1.0 - ratio) * self.outside / modulus
+
     def force(self, pressure: float, friction: float = JOINTS.interface_friction) -> float:
         """Compute the axial force [N] that a joint pressure [Pa] transmits."""
         return friction * pressure * math.pi * self.diameter * self.length
@@ -198,6 +211,14 @@ class PressFit:
 def effective_interference(measured: float, roughness_hub: float, roughness_shaft: float) -> float:
     """Return the interference [m] that is left when the peaks of both surfaces (Rz [m]) are smoothed (DIN 7190-1)."""
     return measured - 0.8 * (roughness_hub + roughness_shaft)
+
+
+def shrink_difference(diameter: float, interference: float, expansion: float) -> float:
+    """Compute the temperature difference [K] to join a shrink fit, with a play of 0.1 % of its diameter (DIN 7190-1).
+
+    `diameter` and the largest `interference` are in [m], the linear `expansion` in [1/K].
+    """
+    return (interference + 1e-3 * diameter) / (expansion * diameter)
 
 
 @dataclass(frozen=True)

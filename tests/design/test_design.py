@@ -46,7 +46,15 @@ ASSUMED_HERE = {
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
     | {"roller_bearing", "core_radius_mm", "fillet_radius_mm", "support", "main_bearings"},
-    "shaft": {"radius_mm", "bore_radius_mm", "length_mm", "counterweight_radius_mm", "mounting", "fillet_radius_mm"}
+    "shaft": {
+        "radius_mm",
+        "bore_radius_mm",
+        "cam_joint",
+        "length_mm",
+        "counterweight_radius_mm",
+        "mounting",
+        "fillet_radius_mm",
+    }
     | {"bearing_width_mm", "bearing_offset_mm", "bearing_spacing_mm"},
     "housing": {"outer_radius_mm", "support", "bolts", "bolt_circle_radius_mm", "bolt_radius_mm"},
     "errors": {

@@ -5,13 +5,16 @@ import math
 import pytest
 from designs import cases
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import fits, resolve, stock
 from cycloid_mj.life import rate
 from cycloid_mj.life.item import ItemKind
 from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
 from cycloid_mj.life.rated import momentary_torque
+from cycloid_mj.parts.export.bearings import cam_radius
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
+from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.reducer import Reducer
 
 KEYS = {"name", "kind", "value", "unit", "limit", "safety", "life_h", "source", "note"}
@@ -124,3 +127,23 @@ def test_a_key_of_the_cams_is_rated_by_its_side_pressure() -> None:
     assert item.limit == pytest.approx(0.5 * 0.9 * softest * 12e-3 * sides)
     assert item.value == pytest.approx(2.0 * design.rated_torque / design.reduction)
     assert "joint_cams" in rate("twodisc").items, "the cams of the preset are too thin for a keyway: glued"
+
+
+def test_shrunk_cams_are_rated_by_the_thinnest_wall_of_a_cam() -> None:
+    """T = mu p pi d^2 l/2 with the Lame pressure of a ring around the shaft with its bore (DIN 7190-1)."""
+    design = resolve("twodisc", {"shaft.radius_mm": 9.0, "shaft.bore_radius_mm": 4.0, "shaft.cam_joint": "shrink"})
+    reducer = Reducer(design)
+    sizes = casing(reducer)
+    (joint,) = (one for one in drive_joints(reducer, sizes) if one.name == "cams on the shaft")
+    assert joint.kind is JointKind.PRESSED
+    assert joint.fit == "H7/s6, shrunk"
+    assert "dry ice" in "".join(assembly_order(reducer, sizes))
+    item = rate(design).items["joint_cams"]
+    assert (item.kind, item.value) == ("joint", pytest.approx(2.0 * design.rated_torque / design.reduction))
+    outside, inner = 2.0 * (cam_radius(reducer) - design.gear.eccentricity), 8e-3
+    ratios = [(large**2 + small**2) / (large**2 - small**2) for large, small in ((outside, 18e-3), (18e-3, inner))]
+    interference = 0.5 * (10e-6 + 39e-6) - 0.8 * 6e-6  # H7/s6 at 18 mm: 10 to 39 um; Rz 4 and 2 um are smoothed
+    pressure = design.material_of("shaft").youngs_modulus * interference / (18e-3 * sum(ratios))
+    assert item.limit == pytest.approx(0.15 * pressure * math.pi * 18e-3**2 * design.gear.face_width / 2.0)
+    with pytest.raises(DesignError, match="creeps in a shrink fit"):
+        casing(reducer.but(shaft_material={"name": "PETG"}))

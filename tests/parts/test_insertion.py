@@ -52,3 +52,13 @@ def test_steps_put_cams_into_gears_before_the_spacer_and_keep_pins_in():
     assert "glue the pins" in steps[5]
     free, sizes = drive("pin")
     assert "with grease" in assembly_order(free, sizes)[5]
+
+
+def test_shrunk_cams_are_on_the_shaft_before_their_gears():
+    """A hot cam is not in a bearing: cam 1, gear 1, spacer, cam 2, gear 2, each past what is there."""
+    reducer, _ = drive("twodisc")
+    shrunk = reducer.but(shaft={"cam_joint": "shrink"})
+    sizes = casing(shrunk)
+    onto_shaft = [move.parts[0] for move in assembly_moves(shrunk, sizes) if move.group == "shaft" and move.parts]
+    assert onto_shaft[:6] == ["shaft", "cam_1", "gear_1", "spacer_1", "cam_2", "gear_2"]
+    assert blockages(shrunk, sizes) == ()

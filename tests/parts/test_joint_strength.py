@@ -15,6 +15,7 @@ from cycloid_mj.parts.joint_strength import (
     friction_torque,
     head_pressure,
     pull_out_force,
+    shrink_difference,
     tilting_dowel_force,
 )
 
@@ -92,6 +93,17 @@ def test_smoothing_and_yield_of_a_press_fit() -> None:
     assert effective_interference(40e-6, 6.3e-6, 4e-6) == pytest.approx(31.76e-6)
     fit = PressFit(10e-3, 10e-3, 20e-3, (210e9, 0.3), (210e9, 0.3))
     assert fit.yield_pressure(300e6) == pytest.approx(0.75 * 300e6 / math.sqrt(3.0))
+
+
+def test_growth_yield_and_joining_temperature_of_a_shrink_fit() -> None:
+    """By hand, 60/120 mm, bore 30 mm: 2 p Q^2/(1 - Q^2) D/E = 2 x 63 x 0.25/0.75 x 120/210000 mm = 24 um."""
+    fit = PressFit(60e-3, 50e-3, 120e-3, (210e9, 0.3), (210e9, 0.3), 30e-3)
+    assert fit.growth(63e6) == pytest.approx(24e-6)
+    assert fit.shaft_yield_pressure(300e6) == pytest.approx(0.75 * 300e6 / math.sqrt(3.0))
+    solid = PressFit(60e-3, 50e-3, 120e-3, (210e9, 0.3), (210e9, 0.3))
+    assert solid.shaft_yield_pressure(300e6) == pytest.approx(2.0 * 300e6 / math.sqrt(3.0))
+    # 60 um of interference and 60 um of play on 60 mm: 120/(11e-6 x 60e3) K
+    assert shrink_difference(60e-3, 60e-6, 11e-6) == pytest.approx(181.8, abs=0.05)
 
 
 @pytest.mark.parametrize(

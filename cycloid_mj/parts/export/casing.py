@@ -230,7 +230,8 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     Raises
     ------
     DesignError
-        Motor flange, output bearing, crank or screws do not fit, or a hollow shaft ends before the hub.
+        Motor flange, output bearing, crank or screws do not fit, a hollow shaft ends before the hub, or cams of a
+        plastic are to be shrunk on.
     """
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
@@ -242,6 +243,10 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         raise DesignError(
             "a shaft with a through bore needs a bearing in the hub, which seals its far end: set "
             'shaft.mounting = "straddle", or shaft.bore_radius_mm = 0'
+        )
+    if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
+        raise DesignError(
+            'a plastic creeps in a shrink fit: set shaft.cam_joint = "key", or choose a metal (shaft_material.name)'
         )
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius

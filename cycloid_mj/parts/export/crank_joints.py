@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.design import stock
+from cycloid_mj.design import fits, stock
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
@@ -35,6 +35,7 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.keyway import KeyContour
 from cycloid_mj.parts.export.round_part import Hole, RoundPart
+from cycloid_mj.parts.joint_strength import JOINTS, PressFit, shrink_difference
 from cycloid_mj.reducer import Reducer, once
 
 KEY = "key"
@@ -45,6 +46,24 @@ KEY_ANGLES = 360
 
 GLUE_FIT = "H7/g6, retaining compound"
 """Fit of cams that are too thin for a keyway: the gap for an anaerobic compound."""
+
+
+SHRINK_FITS = "H7/u6", "H7/s6", "H7/r6", "H7/p6"
+"""Press fits of ISO 286-2 of cams on the shaft, the tightest first."""
+
+
+@dataclass(frozen=True)
+class ShrinkFit:
+    """The shrink fit of cams on the shaft: its zones, and the press fit of the thinnest wall of a cam.
+
+    `yield_pressure` [Pa] is that at which the wall or the shaft yields, `difference` [K] that of the temperatures of
+    cam and shaft to be joined.
+    """
+
+    zones: str
+    press: PressFit
+    yield_pressure: float
+    difference: float
 
 
 @dataclass(frozen=True)
@@ -69,11 +88,11 @@ def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for a single disc.
 
-    Its keyways fix the phases of the cams. The key is at the angle at which the walls of the cams over it are thickest,
-    and must leave a wall in the cams, and in the shaft over the motor's bore.
+    Its keyways fix the phases of the cams. Shrunk cams have none. The key is at the angle at which the walls of the
+    cams over it are thickest, and must leave a wall in the cams, and in the shaft over the motor's bore.
     """
     design = reducer.design
-    if design.gear.discs == 1:
+    if design.gear.discs == 1 or design.shaft.cam_joint == "shrink":
         return None
     segments, radius = crank_segments(reducer), design.shaft.radius
     cams = [segments[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
@@ -95,13 +114,39 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     return CamKey(key, float(angles[best]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
 
 
+def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
+    """Return the shrink fit of cams on the shaft; None for keyed cams or a single disc.
+
+    It is the tightest of `SHRINK_FITS` that can be joined and at which neither part yields, or the last. The hub is a
+    ring as thick as the thinnest wall of the cam (conservative).
+    """
+    design = reducer.design
+    if design.gear.discs == 1 or design.shaft.cam_joint != "shrink":
+        return None
+    steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, sizes.motor_bore
+    low = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0
+    core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
+    outside, elasticity = 2.0 * (cam_radius(reducer) - design.gear.eccentricity), (steel.youngs_modulus, steel.poisson)
+    press = PressFit(diameter, design.gear.face_width, outside, elasticity, elasticity, 2.0 * core)
+    limit = min(press.yield_pressure(steel.yield_strength), press.shaft_yield_pressure(steel.yield_strength))
+    for zones in SHRINK_FITS:
+        largest = -fits.clearances(zones, diameter)[0]
+        difference = shrink_difference(diameter, largest, steel.expansion)
+        if press.pressure(largest) <= limit and difference <= JOINTS.shrink_difference:
+            break
+    return ShrinkFit(zones, press, limit, difference)
+
+
 def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs: keyed, or glued if no key fits; none for one disc."""
+    """Yield the joint of cams and shaft of several discs: keyed, shrunk, or glued if no key fits; none for one disc."""
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if gear.discs == 1:
         return
     key, parts = cam_key(reducer, sizes), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
     name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
+    if shrunk := shrink_fit(reducer, sizes):
+        yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrunk.zones}, shrunk", *seats)
+        return
     if key is None:
         yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
         return

@@ -213,12 +213,17 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         yield from (*second_disc, Move((shaft,), DRIVE, UP))
         return
     yield Move((shaft, *_names_of_family(placements, KEY)), shaft)
+    is_shrunk = reducer.design.shaft.cam_joint == "shrink"
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
+        cam = Move((names.numbered_name(names.CAM, number),), shaft if is_shrunk else gear, DOWN)
+        if is_shrunk:
+            yield cam
         yield Move((gear,), gear)
         yield Move(tuple(item.name for item in placements if item.body == gear and item.name != gear), gear, DOWN)
-        yield Move((names.numbered_name(names.CAM, number),), gear, DOWN)
+        if not is_shrunk:
+            yield cam
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)
     yield from (Move((shaft,), DRIVE, UP), *second_disc)

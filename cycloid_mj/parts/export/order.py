@@ -29,7 +29,7 @@ from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_plastic,
 )
-from cycloid_mj.parts.export.crank_joints import KEY, cam_key
+from cycloid_mj.parts.export.crank_joints import KEY, cam_key, shrink_fit
 from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING, bearing_spacers, crank_rings
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.motor_mount import motor_screw
@@ -186,6 +186,12 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
             f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
         )
         return f"{bearing_step}{rollers} {names.GEAR} over them{second_disc_step}."
+    if shrunk := shrink_fit(reducer, sizes):
+        return (
+            f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrunk.difference:.0f} K "
+            "apart, by an oven (200 °C at most) and dry ice. When it is cold, push its gear with the bearing over it: "
+            f"cam 1, gear 1, a {names.SPACER}, cam 2, gear 2{' and so on' if design.gear.discs > 2 else ''}."
+        )
     first_step = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
     retaining_note = "" if cam_key(reducer, sizes) else " with retaining compound"
     return (
