@@ -20,7 +20,8 @@ DESIGN = """# The design file
 
 A design file is a TOML file that describes a drive. This page lists every key with its unit, its value in the preset
 `pin`, the allowed values and the source of the value. `cycloid-mj design show pin` prints them as a file. A key that
-you leave out has the value of `pin`, or of the preset that `[base] preset = "NAME"` names.
+you leave out has the value of `pin`, or of the preset that `[base] preset = "NAME"` names. With `scaled = true` in
+`[base]`, the preset is scaled to the pin circle of the file.
 
 `--set table.key=value` overrides the file for a single command. A flag such as `--load-nm` or `--speed-rpm` overrides
 both.

@@ -19,9 +19,10 @@ import pytest
 from browser import CHROMIUM, MISSING, OVERHANG, UNDRAWN, show, tab
 from cyclopts import CycloptsError
 
+from cycloid_mj.checks import check
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
-from cycloid_mj.design import resolve
+from cycloid_mj.design import loads, resolve
 from cycloid_mj.explore.budget import SobolSettings
 
 ROOT = Path(__file__).parent.parent
@@ -34,8 +35,8 @@ PAGES = {
         *sorted((ROOT / "models").rglob("*.md")),
     ]
 }
-LANGUAGES = {"sh", "console", "text", "python", "bibtex"}
-"""Languages of code blocks. ``sh`` runs as it is; others have placeholders, output or Python."""
+LANGUAGES = {"sh", "console", "text", "python", "bibtex", "toml"}
+"""Languages of code blocks. ``sh`` runs as it is, ``toml`` is a design file; others have placeholders or output."""
 
 TUTORIAL = "docs/tutorial.md"
 """The page whose commands all run in one folder, with short runs and few samples."""
@@ -166,6 +167,12 @@ def test_every_code_block_has_a_tested_language() -> None:
             assert _is_own(line) or line.startswith(FOREIGN_COMMANDS), f"{page}: {line}"
             for word in re.findall(r"\b(?:scripts|models|docs|tests)/[\w./]+", line):
                 assert (ROOT / word).exists() or word == "docs/_build", f"{page}: {line}"
+
+
+def test_the_design_files_of_the_pages_can_be_built() -> None:
+    files = [code for text in PAGES.values() for language, code in blocks(text) if language == "toml"]
+    assert files
+    assert not any(check(loads(file)).failures for file in files)
 
 
 @pytest.mark.slow

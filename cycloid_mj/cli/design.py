@@ -53,7 +53,7 @@ def show(design_options: Annotated[DesignOptions, FLAT], *, delivery: Annotated[
     """Print the complete, commented design file of a preset or a file, including changes by --set.
 
     Values that the paper (Hsieh 2014) does not state are marked as assumed. Keys that a file omits have the values of
-    the preset pin. JSON has the tables and keys of the file; --out writes the file as well.
+    the preset in [base], or of pin. JSON has the tables and keys of the file; --out writes the file as well.
     """
     design = design_options.resolve()
     text, file = dump(design, preset_reasons(design_options.design, design)), f"{design.name}.toml"
@@ -160,6 +160,7 @@ def _outcome(
         summary=[
             *(f"      {line}" for line in (_summary_lines(design, summary, rating) if summary else [])),
             f"{len(checks)} checks: {checks.counts}",
+            *(inheritance.remedy if inheritance and checks.failures else ()),
             *([inheritance.note] if inheritance and inheritance.note else []),
         ],
         frame=checks.frame,

@@ -295,7 +295,11 @@ class DesignOptions:
         from cycloid_mj.checks import require_sound
 
         design = self.resolve(values)
-        require_sound(reducer_of(design))
+        try:
+            require_sound(reducer_of(design))
+        except DesignError as error:
+            inheritance = self.inheritance()
+            raise DesignError(error.message, (*error.details, *(inheritance.remedy if inheritance else ()))) from error
         self.warn_of_inherited_motor(design)
         return design
 

@@ -18,7 +18,8 @@ from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, ou
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.progress import show_activity
 from cycloid_mj.cli.terminal import tell
-from cycloid_mj.design import PRESETS, dump, preset_reasons
+from cycloid_mj.design import PRESETS, dump, dump_short, preset_reasons
+from cycloid_mj.design.file import preset
 
 if TYPE_CHECKING:
     from cycloid_mj.parts.export.motors import MotorName
@@ -132,7 +133,14 @@ DiscsFlag = Annotated[
         metavar="N|auto", help="Number of discs, 1 to 4, or auto: two discs where one is not enough. Default: 1."
     ),
 ]
-
+ShortFlag = Annotated[
+    bool,
+    Parameter(
+        negative=(),
+        help="Write only name, number of teeth, pin circle and the values of --set; all other values are those of the "
+        "preset, with its lengths scaled to the pin circle ([base] scaled).",
+    ),
+]
 
 LayoutFlag = Annotated[
     Literal["central", "rv"],
@@ -302,22 +310,23 @@ def new(
     /,
     *,
     source: FromFlag = "",
+    short: ShortFlag = False,
     size: Annotated[SizeFlags, FLAT] = SIZE,
     set_: SetFlag = (),
     delivery: Annotated[NewDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Create NAME.toml, a complete, commented design file to edit.
 
-    It is a copy of a preset or a file (--from; default: pin), or the result of a search from requirements: ratio, outer
-    diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The search
-    varies pins, eccentricity, width, output pins, bore and shaft, and evaluates each drive by statics and the checks of
-    `cycloid-mj rate`. The data sheet of each resulting drive meets the requirements, and in its tolerance study, at
-    least 99 % of the samples turn freely and have the required backlash. NAME.toml is the drive with the lowest losses
-    among those within 2 % of the lowest mass, covers included; comments give the reason for each value. The stiffest
-    and the longest-lived drive are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the requirements,
-    the maximum torque and verified alternatives are printed, and the exit code is 1. Changes by --set apply to every
-    drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm and 25 % of the time unless set
-    otherwise.
+    It is a copy of a preset or a file (--from; default: pin), a short file to extend (--short), or the result of a
+    search from requirements: ratio, outer diameter and torque together, and optionally life, speed, length, backlash,
+    material and clearance. The search varies pins, eccentricity, width, output pins, bore and shaft, and evaluates each
+    drive by statics and the checks of `cycloid-mj rate`. The data sheet of each resulting drive meets the requirements,
+    and in its tolerance study, at least 99 % of the samples turn freely and have the required backlash. NAME.toml is
+    the drive with the lowest losses among those within 2 % of the lowest mass, covers included; comments give the
+    reason for each value. The stiffest and the longest-lived drive are NAME-stiffest.toml and NAME-longest-life.toml.
+    If no drive meets the requirements, the maximum torque and verified alternatives are printed, and the exit code is
+    1. Changes by --set apply to every drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm
+    and 25 % of the time unless set otherwise.
 
     A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. --layout
     rv searches for an RV reducer with a planetary stage and two discs. Its teeth can be assembled, and its crank
@@ -326,7 +335,9 @@ def new(
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:
-        return _copy_design(stem, source or "pin", size.discs, set_, delivery)
+        return _copy_design(stem, source or "pin", size.discs, set_, short, delivery)
+    if short:
+        raise UsageError("--short copies a preset, whereas --ratio sizes a new drive: remove one of the two flags")
     if source and not size.missing:
         raise UsageError(
             f"--from {source} copies a design, whereas --ratio sizes a new drive: remove one of the two flags"
@@ -374,15 +385,17 @@ def _file_stem(name: str) -> str:
     return stem
 
 
-def _copy_design(stem: str, source: str, discs: str, changes: tuple[str, ...], delivery: NewDelivery) -> int:
+def _copy_design(
+    stem: str, source: str, discs: str, changes: tuple[str, ...], short: bool, delivery: NewDelivery
+) -> int:
     """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code.
 
-    `stem` is the name of the copy without ending.
+    `stem` is the name of the copy without ending. With `short`, the copy of a preset lists few of its values.
 
     Raises
     ------
     UsageError
-        ``--discs`` is set, which applies to a new drive only.
+        ``--discs`` is set, which applies to a new drive only, or `short` with a file.
     """
     if discs:
         raise UsageError(
@@ -390,7 +403,11 @@ def _copy_design(stem: str, source: str, discs: str, changes: tuple[str, ...], d
             f"gear.discs={discs}"
         )
     design = load_design(source, changes, ()).but(name=stem)
-    files = {f"{stem}.toml": dump(design, preset_reasons(source, design)).encode()}
+    if short and not preset(source):
+        raise UsageError(f"--short requires a preset (--from {NAMES}), but --from is {source}: remove --short")
+    changed = {change.partition("=")[0].strip() for change in changes}
+    text = dump_short(design, source, changed) if short else dump(design, preset_reasons(source, design))
+    files = {f"{stem}.toml": text.encode()}
     return _write_designs(
         files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, delivery), delivery
     )

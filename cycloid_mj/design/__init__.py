@@ -3,7 +3,7 @@
 The package has every input of the project. Only here, mm, rpm, degrees and micrometres are converted to SI.
 """
 
-from cycloid_mj.design.file import Named, declaration_of, dump, load, loads, override, resolve, value_of
+from cycloid_mj.design.file import Named, declaration_of, dump, dump_short, load, loads, override, resolve, value_of
 from cycloid_mj.design.inheritance import Inheritance, find_inheritance
 from cycloid_mj.design.measured import Measured
 from cycloid_mj.design.model import (
@@ -69,6 +69,7 @@ __all__ = [
     "declaration_of",
     "describe_plastic_limits",
     "dump",
+    "dump_short",
     "find_inheritance",
     "load",
     "loads",

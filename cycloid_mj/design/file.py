@@ -22,6 +22,7 @@ from cycloid_mj.design.measured import read_measurements
 from cycloid_mj.design.model import Design
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.section import Section
+from cycloid_mj.design.similarity import scale_design
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_key
 from cycloid_mj.design.validation_errors import as_design_error, literal_choices
@@ -41,8 +42,10 @@ class FileLimits:
 LIMITS = FileLimits()
 
 BASE = "base"
-"""Table of a design file that names the preset whose values it keeps."""
+"""Table of a design file that names the preset whose values it keeps, and states whether these are scaled."""
 
+PIN_CIRCLE = "ring.pin_circle_radius_mm"
+"""Key of the length that is the size of a design."""
 
 DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 """A dotted key of more than 32 parts, which `tomllib` takes quadratic time to read; a design's keys have two."""
@@ -110,6 +113,7 @@ def load(path: Path) -> Design:
 def loads(text: str, source: str = "the design", folder: Path | None = None) -> Design:
     """Parse the design of a TOML text; missing keys have the values of the preset in ``[base]``, or of ``pin``.
 
+    With ``scaled = true`` in ``[base]``, the preset is scaled to the pin circle of the text (`scale_design`).
     If a text without ``[base]`` states a load but no torque of the motor, that torque follows from the load. `source`
     names the text in errors. Files of measurements are relative to the `folder`; without a folder, as for a log, they
     are not read, since the text contains their values.
@@ -128,7 +132,9 @@ def loads(text: str, source: str = "the design", folder: Path | None = None) -> 
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
     if BASE in tables:
-        return _apply_changes(_base_preset(tables.pop(BASE), source), list(_flat(tables)), source, folder)
+        base = base_design(tables, source).design
+        del tables[BASE]
+        return _apply_changes(base, list(_flat(tables)), source, folder)
     values = _read_table(Design, tables, source)
     design = _validate(Design, _expand_sparse_lists(values, source), source)
     return design if "torque" in values.get("drive", {}) else _add_motor(design, values)
@@ -143,18 +149,35 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def _base_preset(table: Any, source: str) -> Design:
-    """Return the preset that `table`, the table ``[base]`` of a file, names.
+@dataclass(frozen=True)
+class Base:
+    """The preset in ``[base]`` with its name, and the factor on its lengths [1]; None if they are not scaled."""
 
-    `source` names the file in errors. Raises DesignError if the name is unknown, or if the table has any key but
-    ``preset``.
+    name: str
+    design: Design
+    factor: float | None
+
+
+def base_design(tables: Mapping[str, Any], source: str) -> Base:
+    """Return the preset that the table ``[base]`` of a file names, scaled to the pin circle of the file if requested.
+
+    `tables` are those of the file, and `source` names it in errors. Raises DesignError if ``preset`` is not the name of
+    a preset, ``scaled`` is not true or false, or there is another key.
     """
-    name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
-    if not isinstance(name, str) or name.casefold() not in PRESETS:
+    table = tables[BASE] if isinstance(tables[BASE], Mapping) else {}
+    name, is_scaled = str(table.get("preset", "")), table.get("scaled", False)
+    if name.casefold() not in PRESETS or not isinstance(is_scaled, bool) or not table.keys() <= {"preset", "scaled"}:
         raise DesignError(
-            f'{source}: the table [base] must contain only preset = "NAME". Choose NAME from {", ".join(PRESETS)}'
+            f'{source}: the table [base] must contain only preset = "NAME" and, optionally, scaled = true or false. '
+            f"Choose NAME from {', '.join(PRESETS)}"
         )
-    return PRESETS[name.casefold()]
+    design = PRESETS[name.casefold()]
+    if not is_scaled:
+        return Base(name, design, None)
+    size, own_size = value_of(design, PIN_CIRCLE), dict(_flat(tables)).get(PIN_CIRCLE)
+    is_size = isinstance(own_size, (int, float)) and not isinstance(own_size, bool) and 0.0 < own_size < math.inf
+    factor = own_size / size if is_size else 1.0  # the validation of the file refuses any other size
+    return Base(name, scale_design(design, factor), factor)
 
 
 def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
@@ -328,6 +351,29 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
         elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
+
+
+def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -> str:
+    """Return a design file to extend by hand: number of teeth, pin circle and the keys in `changed`, with comments.
+
+    All other values are those of a preset, scaled to the pin circle.
+    """
+    values, tables = list[str](), list[str]()
+    for name, field, value in _fields(design):
+        if isinstance(value, Section):
+            paths = {f"{name}.{file_key(key, inner)}": (key, inner, item) for key, inner, item in _fields(value)}
+            lines = [
+                _line(*row) for path, row in paths.items() if path in ("ring.teeth", PIN_CIRCLE) or path in changed
+            ]
+            tables += ["", f"[{name}]", *lines] if lines else []
+        elif name == "name" or name in changed:
+            values.append(_line(name, field, value))
+    header = [
+        "# cycloid_mj design file. Keys that are left out have the values of [base]; lengths follow the pin circle.",
+        "# `cycloid-mj design show` prints all keys with their values.",
+    ]
+    base = ["", f"[{BASE}]", f"preset = {_toml(preset_name)}", "scaled = true"]
+    return "\n".join([*header, "", *values, *base, *tables]) + "\n"
 
 
 def _summary(section: type[Section]) -> str:

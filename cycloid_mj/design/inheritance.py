@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from cycloid_mj.base.overwrite_guard import note_input
-from cycloid_mj.design.file import BASE, Named, preset, resolve, value_of
+from cycloid_mj.design.file import BASE, PIN_CIRCLE, Base, Named, base_design, preset, resolve, value_of
 from cycloid_mj.design.layouts import applies
 from cycloid_mj.design.model import PARTNERS, Design
-from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.section import Section
 from cycloid_mj.design.units import file_key
 
@@ -34,6 +33,8 @@ class Inheritance:
         Name of the preset.
     is_stated
         True if the file names it in ``[base]``.
+    factor
+        Factor on the lengths of the preset [1]; None if ``[base]`` does not request that they are scaled.
     values
         Key -> value in the units of the file, of the tables that describe the drive; those that are 0, and so computed
         from others, are left out.
@@ -41,6 +42,7 @@ class Inheritance:
 
     preset: str
     is_stated: bool
+    factor: float | None
     values: Mapping[str, Any]
 
     @property
@@ -50,7 +52,20 @@ class Inheritance:
             return ""
         listed = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())
         source = "[base]" if self.is_stated else f'the default; [base] preset = "{self.preset}" states it'
-        return f"{len(self.values)} values are taken from the preset {self.preset} ({source}): {listed}"
+        scaled = "" if self.factor is None else f", with its lengths scaled by {self.factor:.4g} to the pin circle"
+        return f"{len(self.values)} values are taken from the preset {self.preset} ({source}){scaled}: {listed}"
+
+    @property
+    def remedy(self) -> tuple[str, ...]:
+        """Advice to scale the lengths if they are those of another pin circle; empty if they fit it."""
+        lengths = [key for key in self.values if key.endswith("_mm")]
+        if self.factor is not None or not lengths or PIN_CIRCLE in self.values:
+            return ()
+        return (
+            f"{len(lengths)} lengths are those of the preset {self.preset}, which has another pin circle: add "
+            f'preset = "{self.preset}" and scaled = true to the table [base] of the file to scale them with '
+            f"{PIN_CIRCLE}",
+        )
 
     @property
     def motor(self) -> tuple[str, ...]:
@@ -80,17 +95,16 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
         stated_keys |= {"drive.torque_nm", "drive.power_kw"}  # from the load
     if any(key.startswith("material.") for key in stated_keys):
         stated_keys.add("material.name")
-    base_preset = str(tables.get(BASE, {}).get("preset", "pin"))
-    source = PRESETS[base_preset.casefold()] if BASE in tables else Design()
+    base = base_design(tables, str(named)) if BASE in tables else Base("pin", Design(), None)
     design = resolve(named, changes)
     kinds = design.pair_kinds
     unused_keys = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
     values = {
         key: value
         for key in _describing_keys(design)
-        if key not in stated_keys | unused_keys and (value := value_of(source, key))
+        if key not in stated_keys | unused_keys and (value := value_of(base.design, key))
     }
-    return Inheritance(base_preset, BASE in tables, values)
+    return Inheritance(base.name, BASE in tables, base.factor, values)
 
 
 def _describing_keys(design: Design) -> list[str]:

@@ -9,7 +9,7 @@ from designs import UNLIKE, design_file
 
 from cycloid_mj.base.result import to_json_values
 from cycloid_mj.checks import summarize
-from cycloid_mj.design import PRESETS, load, override
+from cycloid_mj.design import PRESETS, load, loads, override
 from cycloid_mj.figures import FIGURES
 from cycloid_mj.life import rate
 from cycloid_mj.reducer import Reducer
@@ -139,3 +139,27 @@ def test_values_inherited_by_a_short_file_are_listed(here):
     code, out, err = told("statics", "stated.toml", "--all")
     assert (code, err) == (0, "")
     assert "taken from the preset pin ([base])" in to_json_values(out)
+
+
+def test_a_short_file_scales_its_preset(here):
+    assert told("design", "new", "my", "--from", "printed", "--short", "--set", "gear.face_width_mm=20")[0] == 0
+    text = Path("my.toml").read_text()
+    assert len(text.splitlines()) < 20
+    assert loads(text) == override(PRESETS["printed"].but(name="my"), ["gear.face_width_mm=20"])
+    Path("my.toml").write_text(text.replace("pin_circle_radius_mm = 34.0", "pin_circle_radius_mm = 68.0"))
+    assert told("design", "check", "my.toml")[0] == 0
+    code, _, err = told("design", "new", "your", "--from", "my.toml", "--short")
+    assert code == 2
+    assert "--short requires a preset" in err
+
+
+def test_lengths_that_do_not_fit_are_refused_with_the_advice_to_scale_them(here):
+    Path("large.toml").write_text("[ring]\npin_circle_radius_mm = 120.0\n")
+    code, out, _ = told("design", "check", "large.toml")
+    assert code == 1
+    assert 'add preset = "pin" and scaled = true to the table [base]' in out
+    code, _, err = told("statics", "large.toml")
+    assert code == 1
+    assert 'add preset = "pin" and scaled = true to the table [base]' in err
+    Path("large.toml").write_text('[base]\npreset = "pin"\nscaled = true\n[ring]\npin_circle_radius_mm = 120.0\n')
+    assert told("design", "check", "large.toml")[0] == 0
