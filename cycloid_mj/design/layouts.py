@@ -75,6 +75,7 @@ NOT_IN_RV = frozenset(
             for name in (
                 *("pins", "pin_radius", "pin_circle_radius", "hole_radius", "rollers", "roller_bearing"),
                 *("core_radius", "fillet_radius", "disc_thickness", "support", "main_bearings"),
+                "main_bearing_seat",
             )
         ),
         *(f"{table}.{pair}" for table in _PAIRS_OF_CRANK for pair in ("cam", "output")),

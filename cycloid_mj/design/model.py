@@ -255,6 +255,10 @@ class Output(Section):
         "bearings of the output's hub: deep_groove, two, sealed; angular_contact, a preloaded pair back to back, "
         "for several times the tilting moment and stiffness; crossed_roller, one, sealed, under a retainer",
     )
+    main_bearing_seat: Literal["hub", "disc"] = choice(
+        "hub",
+        "seat of the bearings of the output: hub, behind the output disc; disc, around it, for a short (pancake) drive",
+    )
 
     @property
     def turns_ring(self) -> bool:

@@ -45,7 +45,8 @@ ASSUMED_HERE = {
     "gear": {"disc_gap_mm", "face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
-    | {"roller_bearing", "core_radius_mm", "fillet_radius_mm", "support", "main_bearings"},
+    | {"roller_bearing", "core_radius_mm", "fillet_radius_mm", "support", "main_bearings"}
+    | {"main_bearing_seat"},
     "shaft": {
         "radius_mm",
         "bore_radius_mm",

@@ -5,6 +5,7 @@ the motor, the motor cover with its flange and a bearing of the shaft, the ring,
 of the hub, and the output flange.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -44,6 +45,7 @@ from cycloid_mj.parts.export.motor_mount import (
 from cycloid_mj.parts.export.motors import MotorFlange
 from cycloid_mj.parts.export.output_flange import (
     axial_bores,
+    choose_disc_pattern,
     choose_flange_dowels,
     choose_flange_pattern,
     pattern_angles,
@@ -100,8 +102,8 @@ class Casing:
     play, end
         Least distance of parts that move against each other, and half the width of the ring: it is wider than the discs
         by the play at both ends, so that they turn freely between the covers.
-    flange_bolt, flange_thickness, flange_screws, flange_circle
-        Screws of the output flange, its thickness, and number and circle radius of the screws.
+    flange_bolt, flange_thickness, flange_screws, flange_circle, flange_phase
+        Screws of the output flange, its thickness, and number, circle radius and first angle [rad] of the screws.
     flange_dowel, flange_dowel_circle
         Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
     hub_bore, flange_bore
@@ -137,6 +139,7 @@ class Casing:
     flange_thickness: float
     flange_screws: int
     flange_circle: float
+    flange_phase: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
     hub_bore: float
@@ -347,6 +350,7 @@ class _OutputSide(TypedDict):
     flange_thickness: float
     flange_screws: int
     flange_circle: float
+    flange_phase: float
     flange_dowel: stock.Dowel | None
     flange_dowel_circle: float
     hub_bore: float
@@ -360,22 +364,25 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc. Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
+    is_short = design.output.main_bearing_seat == "disc"
     max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
+    pin_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall  # the inner ring supports it
+    pins_end = design.output.pin_circle_radius + design.output.root_radius + pin_wall
     hub = _choose_hub_bearing(
         _hub_bearings(reducer, max_hub_radius, wall),
         min(max_hub_radius, design.ring_root_radius),
-        rim - wall,
-        seat + 2.0 * wall if straddles else 0.0,
+        math.inf if is_short else rim - wall,
+        pins_end if is_short else seat + 2.0 * wall if straddles else 0.0,
     )
-    bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
-    flange_circle, flange_screws = choose_flange_pattern(reducer, hub, bolt, wall)
-    hub_floor = design.gear.stack_width / 2.0 + AXIAL_GAP + design.output.disc_thickness + AXIAL_GAP
+    if is_short:
+        bolt, flange_circle, flange_screws = choose_disc_pattern(reducer, hub, wall)
+    else:
+        bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
+        flange_circle, flange_screws = choose_flange_pattern(reducer, hub, bolt, wall)
+    disc_start = design.gear.stack_width / 2.0 + AXIAL_GAP
+    hub_floor = disc_start + (2.0 * wall if is_short else design.output.disc_thickness + AXIAL_GAP)
     far_seat, _ = bearing_seats(reducer, crank_segments(reducer))
-    thread_end = (
-        max(far_seat[1] + RULES.collar if straddles else 0.0, hub_floor)
-        + 2.0 * wall
-        + 2.0 * RULES.engagement * bolt.thread
-    )
+    far_end = far_seat[1] + RULES.collar if straddles else 0.0
     washer = flange_washer(reducer, bolt)[1]
     thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
     retainer = retainer_of(reducer, hub, wall)
@@ -384,14 +391,24 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     pattern = flange_circle, flange_screws
     flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
     bores = axial_bores(reducer, bolt, flange_circle, flange_dowel, flange_dowel_circle, wall)
+    bearing_widths = output_bearing_count(hub) * hub.width
+    if is_short:
+        _require_seat_inside_pins(reducer, seat, straddles, wall)
+        reach = flange_screw_depth(reducer, bolt, thickness)
+        cover = ring_end(reducer) + min_grip(screws.bolt, wall) + screws.bolt.head_height
+        ends = disc_start + design.output.disc_thickness, disc_start + wall + reach, far_end + 2.0 * wall, cover
+        end, shoulder = max(ends), 2.0 * wall
+    else:
+        end, shoulder = max(far_end, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread, 0.5 * hub.width
     return {
         "hub": hub,
         "hub_floor": hub_floor,
-        "spacing": max(0.5 * hub.width, thread_end - hub_floor - output_bearing_count(hub) * hub.width),
+        "spacing": max(shoulder, end - hub_floor - bearing_widths),
         "flange_bolt": bolt,
         "flange_thickness": thickness,
         "flange_screws": flange_screws,
         "flange_circle": flange_circle,
+        "flange_phase": math.pi / design.output.pins if is_short else 0.0,
         "flange_dowel": flange_dowel,
         "flange_dowel_circle": flange_dowel_circle,
         "hub_bore": bores[0],
@@ -575,7 +592,7 @@ def _choose_hub_bearing(
     max_radius
         Largest outer radius [m].
     max_bore, min_bore
-        Largest and smallest radius of the bore [m].
+        Largest and smallest radius of the bore [m]; the largest is infinite for a bearing around the output disc.
 
     Raises
     ------
@@ -585,6 +602,12 @@ def _choose_hub_bearing(
     for bearing in reversed(bearings):
         if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing
+    if math.isinf(max_bore):
+        raise DesignError(
+            "no standard bearing with the room around it fits around the output disc: it needs a bore of at least "
+            f"{2e3 * min_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a smaller "
+            'circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
+        )
     raise DesignError(
         f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
         f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
@@ -598,10 +621,24 @@ def bearing_width_of(reducer: Reducer) -> float:
     return high - low
 
 
-def flange_screw_length(sizes: Casing) -> float:
-    """Return the length of the screws of the output's flange [m]."""
-    bolt = sizes.flange_bolt
-    return stock_screw_length(bolt, sizes.flange_thickness - bolt.head_height + RULES.engagement * bolt.thread)
+def flange_screw_length(bolt: stock.Bolt, thickness: float) -> float:
+    """Return the length of the screws of an output flange of a thickness [m]."""
+    return stock_screw_length(bolt, thickness - bolt.head_height + RULES.engagement * bolt.thread)
+
+
+def flange_screw_depth(reducer: Reducer, bolt: stock.Bolt, thickness: float) -> float:
+    """Return the depth of the threads in the hub for the screws of an output flange of a thickness [m]."""
+    return hole_depth(reducer, bolt.thread, flange_screw_length(bolt, thickness) - thickness + bolt.head_height)
+
+
+def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wall: float) -> None:
+    """Raise DesignError unless the seat of the shaft's bearing [m] in an output disc stays inside of the pins."""
+    inside = reducer.design.output.pin_circle_radius - reducer.design.output.root_radius - wall
+    if straddles and seat > inside:
+        raise DesignError(
+            f"the bearing of the shaft needs a seat of {2e3 * seat:.4g} mm in the output disc, but the pins leave "
+            f'{2e3 * inside:.4g} mm: choose a thinner shaft (shaft.radius_mm), or output.main_bearing_seat = "hub"'
+        )
 
 
 def flange_centres(sizes: Casing) -> Array:
@@ -609,12 +646,12 @@ def flange_centres(sizes: Casing) -> Array:
 
     Holes of the flange's screws (even indices) alternate with threaded holes for the load (odd indices).
     """
-    return sizes.flange_circle * unit(pattern_angles(sizes.flange_screws))
+    return sizes.flange_circle * unit(sizes.flange_phase + pattern_angles(sizes.flange_screws))
 
 
 def flange_dowel_centres(sizes: Casing) -> Array:
     """Compute the centres of the dowels of hub and flange (n, 2) [m]: one inside of each threaded hole for the load."""
-    return sizes.flange_dowel_circle * unit(pattern_angles(sizes.flange_screws)[1::2])
+    return sizes.flange_dowel_circle * unit(sizes.flange_phase + pattern_angles(sizes.flange_screws)[1::2])
 
 
 def motor_centres(sizes: Casing) -> Array:

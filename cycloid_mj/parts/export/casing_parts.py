@@ -126,6 +126,8 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
         _, length = pin_pieces(reducer)
         outline = CircleContour(ring_pin_radius(reducer))
         return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in segments)
+    if name == names.OUTPUT and reducer.design.output.main_bearing_seat == "disc":
+        return part.of(_fit_disc(sizes, segments))
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
@@ -135,6 +137,15 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     if family in (names.CAM, names.SPACER, names.SHAFT):
         return part.of(_fit_crank_segments(reducer, sizes, family, segments))
     return part
+
+
+def _fit_disc(sizes: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
+    """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder."""
+    disc, *others = segments
+    step = sizes.bearings[0][0]
+    yield replace(disc, outline=CircleContour(hub_shoulders(sizes.hub)[0]), z1=step)
+    yield replace(disc, outline=CircleContour(0.5 * sizes.hub.bore), z0=step)
+    yield from others
 
 
 def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
@@ -238,9 +249,11 @@ def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
 def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
     """Return the cylinders that the casing adds on the disc of the output: floor, shoulder of the bearings, and hub.
 
-    The floor covers the bores for the output pins.
+    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.
     """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
+    if reducer.design.output.main_bearing_seat == "disc":
+        return ((0.5 * sizes.hub.bore, floor, sizes.top),) if sizes.top > floor + SAME_LENGTH else ()
     shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, sizes.bearings[0][0]
     return (
         (sizes.rim, floor, shoulder),

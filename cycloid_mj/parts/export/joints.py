@@ -36,6 +36,7 @@ from cycloid_mj.parts.export.casing import (
     dowel_centres,
     flange_centres,
     flange_dowel_centres,
+    flange_screw_depth,
     flange_screw_length,
     motor_centres,
     output_cover_step,
@@ -288,8 +289,11 @@ def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
     bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
-    centres, length, head_face = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
-    depth = hole_depth(reducer, bolt.thread, length - sizes.flange_thickness + bolt.head_height)
+    length, depth = (
+        flange_screw_length(bolt, sizes.flange_thickness),
+        flange_screw_depth(reducer, bolt, sizes.flange_thickness),
+    )
+    centres, head_face = flange_centres(sizes)[::2], end - bolt.head_height
     bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),

@@ -11,6 +11,7 @@ from cycloid_mj.parts.export.casing_rules import (
     RULES,
     flange_washer,
     hub_shoulders,
+    in_one_piece,
     is_plastic,
     thread_radius,
 )
@@ -28,9 +29,47 @@ def choose_flange_pattern(
     return circle, next(fitting, RULES.flange_screws[-1])
 
 
+def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) -> tuple[stock.Bolt, float, int]:
+    """Choose screw, circle radius [m] and number of the flange screws between the output pins in an output disc.
+
+    It is the thickest screw that leaves walls around the holes of screws and pins, in each or in every second gap.
+
+    Raises
+    ------
+    DesignError
+        No screw in stock fits between the pins.
+    """
+    output, radius, shoulder = reducer.design.output, 0.5 * hub.bore, hub_shoulders(hub)[0]
+    pin = 0.0 if in_one_piece(reducer) else output.root_radius
+    counts = (output.pins, output.pins // 2) if output.pins % 2 == 0 and output.pins > 6 else (output.pins,)
+    for bolt in sorted(stock.bolts(), key=lambda bolt: -bolt.thread):
+        if bolt.thread > RULES.flange_thread * radius or (is_plastic(reducer) and not stock.insert_of(bolt.thread)):
+            continue
+        hole, head = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+        circle = min(radius - hole - wall, shoulder - head - wall)
+        to_pin = math.dist(
+            (circle * math.cos(math.pi / output.pins), circle * math.sin(math.pi / output.pins)),
+            (output.pin_circle_radius, 0.0),
+        )
+        for count in counts:
+            pitch = 2.0 * circle * math.sin(0.5 * math.pi / count)
+            if to_pin >= hole + pin + wall and pitch >= head + hole + wall:
+                return bolt, circle, count
+    raise DesignError(
+        f"no screw of the output flange fits between the {output.pins} output pins in a disc of "
+        f'{2e3 * radius:.4g} mm: choose fewer or thinner output pins, or output.main_bearing_seat = "hub"'
+    )
+
+
 def pattern_angles(count: int) -> Array:
     """Return the angles [rad] of screws (even indices) and threads for the load (odd indices), shape (2 count,)."""
     return math.pi * np.arange(2 * count) / count
+
+
+def _pins_inside(reducer: Reducer) -> float:
+    """Return the radius [m] of holes in the hub that stays inside of the output pins; inf for a hub behind them."""
+    output = reducer.design.output
+    return output.pin_circle_radius - output.root_radius if output.main_bearing_seat == "disc" else math.inf
 
 
 def axial_bores(
@@ -46,6 +85,7 @@ def axial_bores(
         The bore through a hollow shaft is larger.
     """
     dowel_limit = dowel_circle - 0.5 * dowel.diameter if dowel else math.inf
+    dowel_limit = min(dowel_limit, _pins_inside(reducer))
     holes = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     hub, flange = (min(circle - hole, dowel_limit) - wall for hole in holes)
     bore = reducer.design.shaft.bore_radius
@@ -84,7 +124,7 @@ def choose_flange_dowels(
     depth = min(thickness - wall, 2.0 * RULES.engagement * bolt.thread)
     for diameter in reversed(stock.dowel_diameters()):
         dowel, margin = stock.longest_dowel(diameter, 2.0 * depth), 0.5 * diameter + wall
-        circle = screw_circle - thread_radius(reducer, bolt.thread) - margin
+        circle = min(screw_circle - thread_radius(reducer, bolt.thread), _pins_inside(reducer)) - margin
         to_screw = math.hypot(screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count))
         between = circle * math.sin(math.pi / count)
         if dowel and diameter <= bolt.thread and to_screw >= counterbore + margin and between >= margin:
