@@ -82,6 +82,8 @@ def test_a_second_seal_is_counted() -> None:
     bored, solid = (seal_torques(one) for one in (hollow("twodisc"), hollow("twodisc", "shaft.bore_radius_mm=0")))
     assert bored[0] == pytest.approx(2.0 * solid[0])
     assert bored[1] == pytest.approx(solid[1])
+    fits = {line.item: line.fit for line in bill(hollow("printed"), 0.0, casing(hollow("printed")))}
+    assert fits["shaft_bearing"].endswith("both sealed (RS1)")
 
 
 def test_no_motor_is_on_the_axis() -> None:

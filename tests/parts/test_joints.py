@@ -211,7 +211,8 @@ def test_bearings_of_a_printed_crank_have_inner_rings():
     assert joint.fit == "H7"
     lines = {line.item: line for line in bill(printed, 0.0, sizes)}
     assert (lines["shaft"].material, lines["shaft"].made_or_bought) == ("PETG", "made")
-    assert lines["cam_bearing"].fit == lines["shaft_bearing"].fit == "H7 outside, light press fit on the printed crank"
+    assert lines["cam_bearing"].fit == "H7 outside, light press fit on the printed crank"
+    assert lines["shaft_bearing"].fit == f"{lines['cam_bearing'].fit}; the one next to the motor sealed (RS1)"
     assert cam_bearing(Reducer(PRESETS["printed"].but(shaft_material={"name": "PETG"}))) is None, "none of 21 mm fits"
 
 

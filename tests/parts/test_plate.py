@@ -207,7 +207,8 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 70 mm", "bearing steel")
     assert lines["pin"].fit.endswith("cut to 25 mm")
     assert lines["shaft_bearing"].size == "outside diameter 24 x bore 12 x length 6 mm"
-    assert (lines["shaft_bearing"].designation, lines["shaft_bearing"].fit) == ("61901", "H7 outside, j5 on the crank")
+    assert lines["shaft_bearing"].designation == "61901"
+    assert lines["shaft_bearing"].fit == "H7 outside, j5 on the crank; the one next to the motor sealed (RS1)"
     for name in ("output", "output_2"):
         bores = printed_parts(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
         for bore, centre in zip(bores, output_centres(Reducer(design)), strict=True):
