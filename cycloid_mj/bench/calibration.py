@@ -22,18 +22,17 @@ from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
 from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, loop_coulomb_torque, loop_figures, loop_width
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import (
-    DEFAULT,
     RUBBING,
     STANDS_FOR_RUBBING,
     Model,
+    default_keys,
     fit_parameters,
     needs_contact_friction,
 )
 from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
 from cycloid_mj.design import Design, Named, resolve
-from cycloid_mj.design.layouts import require_supported
-from cycloid_mj.design.model import NO_FRICTION
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.design.model import NO_FRICTION, StructureSprings
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.friction_path import Held, Losses
 
 
@@ -93,6 +92,12 @@ STOPPED = (
     "yet are those of the linearised model"
 )
 """Remark on a fit that was stopped."""
+
+RV_UNEXPLAINED = (
+    "bearing_stiffness represents all compliance but that of teeth and planets, also of carrier, cranks and mounting",
+    "drag is written to the design as drag.output_nm; a design of an RV reducer has neither drag_travel nor hysteresis",
+)
+"""Effects of an RV reducer that no parameter, or no key of the design, represents."""
 
 UNEXPLAINED = (
     "twist of housing, discs, shafts and mounting is not separated: structure_stiffness represents all of it",
@@ -190,6 +195,12 @@ class Calibration(Presented):
     def unidentified(self) -> tuple[str, ...]:
         """Keys of the values that the loops do not determine."""
         return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
+
+    @property
+    def unexplained(self) -> tuple[str, ...]:
+        """Effects that no parameter represents, a sentence each."""
+        is_rv = isinstance(self.fitted.model.reducer, RvReducer)
+        return (*RV_UNEXPLAINED, *UNEXPLAINED[1:]) if is_rv else UNEXPLAINED
 
     @property
     def stretches(self) -> tuple[model_selection.LoopStretch, ...]:
@@ -358,7 +369,7 @@ class Calibration(Presented):
                 for item in self.stretches
             ],
             "losses": [_variant_json(item) for item in self.variants],
-            "unexplained": list(UNEXPLAINED),
+            "unexplained": list(self.unexplained),
             "notes": list(self.notes),
         }
 
@@ -412,7 +423,7 @@ class CalibrationStopped(KeyboardInterrupt):
 def calibrate(
     design: Named,
     loops: Sequence[MeasuredLoop],
-    keys: Sequence[str] = DEFAULT,
+    keys: Sequence[str] | None = None,
     held: Held = "crank",
     crank: float = 0.0,
     progress: Progress = silent,
@@ -427,9 +438,11 @@ def calibrate(
     loops
         Loops of one drive.
     keys
-        Values to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
+        Values to fit: names of ``bench.parameters.names_of``, or keys of the design file; by default
+        ``bench.parameters.default_keys``.
     held, crank
-        Shaft that was locked ("crank" or "output"), and angle of the crank [rad].
+        Shaft that was locked ("crank" or "output"; the crank is the sun of an RV reducer), and angle of the crank
+        [rad], or of the cranks of an RV reducer relative to the ring.
     progress
         Called at each evaluation with the number of evaluations so far and the expected total.
 
@@ -447,18 +460,19 @@ def calibrate(
     CalibrationStopped
         Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
-    resolved = resolve(design)
-    require_supported(resolved.name, resolved.layout, "calibrate")
-    reducer = Reducer(resolved)
+    reducer = reducer_of(resolve(design))
+    keys = default_keys(reducer) if keys is None else keys
     if not loops:
         raise UsageError("no measured hysteresis loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
-    model = Model(reducer, Losses(drag), needs_contact_friction(keys))
+    model = Model(reducer, Losses(drag), needs_contact_friction(reducer, keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
     problem = FitProblem(model, fit_parameters(reducer, keys, loops), tuple(loops), bench, Trials())
     _require_sensitivity(problem)
-    return _fit_and_compare(replace(problem, trials=Trials(progress)), with_candidates=set(keys) == set(DEFAULT))
+    return _fit_and_compare(
+        replace(problem, trials=Trials(progress)), with_candidates=set(keys) == set(default_keys(reducer))
+    )
 
 
 def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
@@ -498,9 +512,9 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     return replace(_build_calibration(fitted), candidates=compared)
 
 
-def calibrated_name(reducer: Reducer) -> str:
+def calibrated_name(design: Design) -> str:
     """Return the name that a design has once it is calibrated."""
-    return f"{reducer.design.name}-calibrated"[:64]
+    return f"{design.name}-calibrated"[:64]
 
 
 def compare_losses(
@@ -529,6 +543,11 @@ def compare_losses(
         The model has no static equilibrium.
     """
     fitted = calibration.fitted
+    if isinstance(fitted.model.reducer, RvReducer):
+        raise UsageError(
+            "the losses of an RV reducer cannot be compared (--losses), because its loops are computed without "
+            "friction of the contacts: remove --losses"
+        )
     common = [
         "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
         for parameter in fitted.parameters
@@ -573,17 +592,29 @@ def _build_calibration(fitted: Fitted) -> Calibration:
         (i, j) for i in range(count) for j in range(i) if abs(parameter_correlations[i, j]) > LIMITS.max_correlation
     ]
     indistinguishable = tuple((keys[i], keys[j], float(parameter_correlations[i, j])) for i, j in pairs)
-    calibrated_design = fitted.calibrated_model.reducer.design
+    calibrated_design = _writable_design(fitted.calibrated_model.reducer)
     modelled_loops = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
         fitted=fitted,
-        design=calibrated_design.but(name=calibrated_name(Reducer(calibrated_design))),
+        design=calibrated_design.but(name=calibrated_name(calibrated_design)),
         estimates=estimates,
         indistinguishable=indistinguishable,
         measured=loop_figures(fitted.loops),
         modelled=loop_figures(modelled_loops),
         notes=_fit_notes(fitted),
     )
+
+
+def _writable_design(reducer: Reducer) -> Design:
+    """Return the calibrated design of a fitted reducer, without values that its layout does not have.
+
+    An RV reducer has no table ``[springs]``: its constant friction becomes ``drag.output``.
+    """
+    design = reducer.design
+    if not isinstance(reducer, RvReducer):
+        return design
+    without_springs = design.model_copy(update={"springs": StructureSprings()})
+    return without_springs.but(drag={"output": design.springs.friction})
 
 
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
@@ -666,8 +697,9 @@ def _advise_loops(
     lowest = min(fitted.loops, key=attrgetter("height"))
     coulomb, advice = loop_coulomb_torque(lowest).value, []
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
-        half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
-        angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
+        design = fitted.model.reducer.design
+        turns = design.lobes if isinstance(fitted.model.reducer, RvReducer) else design.reduction
+        angle = bench.crank / DEGREE + 180.0 / design.ring.teeth * turns
         advice.append(
             f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
         )
@@ -682,7 +714,7 @@ def _advise_loops(
             f"friction: the same loop with the {other_shaft} locked (--held {other_shaft}), where friction acts in the "
             "other direction"
         )
-    if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:
+    if {"tooth_stiffness", "structure_stiffness", "bearing_stiffness", "hysteresis_travel"} & open_keys:
         advice.append(
             f"stiffness: a loop of +-{2.0 * max_torque:.4g} N m, of which play and friction are a smaller part"
         )
@@ -750,5 +782,5 @@ def _require_sensitivity(problem: FitProblem) -> None:
     if not np.any(np.abs(problem.slopes(start, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity):
         raise UsageError(
             f"--fit {','.join(item.key for item in problem.parameters)}: none of these parameters affects the "
-            f"modelled loop. Fit parameters that do, such as {','.join(DEFAULT)}"
+            f"modelled loop. Fit parameters that do, such as {','.join(default_keys(problem.model.reducer))}"
         )

@@ -12,7 +12,7 @@ from cycloid_mj.bench.fit import Fitted, fit_loops
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import READING, loop_coulomb_torque
 from cycloid_mj.bench.overlay import LoopCondition
-from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, fit_parameters
+from cycloid_mj.bench.parameters import STANDS_FOR_RUBBING, Model, default_keys, fit_parameters
 from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
 
 WRITTEN = "hysteresis"
@@ -24,9 +24,6 @@ CANDIDATES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "load": ("constant friction and friction in proportion to the torque", ("load_friction",)),
 }
 """Models of a locked drive by their keys: meaning, and what is fitted in addition to the values that all have."""
-
-COMMON = tuple(key for key in DEFAULT if key not in STANDS_FOR_RUBBING)
-"""Values that all candidates have."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +118,9 @@ def fit_candidates(
     FitStopped
         Ctrl-C was pressed.
     """
+    common = [key for key in default_keys(model.reducer) if key not in STANDS_FOR_RUBBING]
     parameters_by_model = {
-        key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()
+        key: fit_parameters(model.reducer, (*common, *extra), loops) for key, (_, extra) in CANDIDATES.items()
     }
     problems = {
         key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in parameters_by_model.items()

@@ -15,7 +15,7 @@ from cycloid_mj.bench.loop_figures import loop_coulomb_torque
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.explore.sampling import tolerance_zones
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.friction_path import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
 
@@ -110,6 +110,9 @@ class Parameter:
 DEFAULT = ("play", "structure_stiffness", "drag", "drag_travel", "hysteresis", "hysteresis_travel")
 """Parameters that are fitted by default: a loop shows the sum of the clearances, not each of them."""
 
+RV_DEFAULT = ("play", "bearing_stiffness", *DEFAULT[2:])
+"""The same for an RV reducer, whose crank bearings cause most of the deflection."""
+
 RUBBING = ("friction", "material_loss")
 """Parameters of the friction of the contacts."""
 
@@ -120,15 +123,40 @@ NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "o
 """All parameters that are no key of the design file."""
 
 
-def needs_contact_friction(keys: Sequence[str]) -> bool:
+RV_NAMED = (*RV_DEFAULT, "load_friction", "tooth_stiffness")
+"""The same for an RV reducer."""
+
+
+def names_of(reducer: Reducer) -> tuple[str, ...]:
+    """Return the names of all parameters of a reducer that are no key of the design file."""
+    return RV_NAMED if isinstance(reducer, RvReducer) else NAMED
+
+
+def _example_key(reducer: Reducer) -> str:
+    """Return a key of the design file that can be fitted."""
+    return "planet.backlash_um" if isinstance(reducer, RvReducer) else "clearance.output_um"
+
+
+def default_keys(reducer: Reducer) -> tuple[str, ...]:
+    """Return the keys of the parameters that are fitted by default."""
+    return RV_DEFAULT if isinstance(reducer, RvReducer) else DEFAULT
+
+
+def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
     """Return whether fitting the parameters with these keys requires a model with friction in the contacts.
 
     Raises
     ------
     UsageError
-        Some keys need friction in the contacts, and others (`STANDS_FOR_RUBBING`) represent the same friction.
+        Some keys need friction in the contacts, and others (`STANDS_FOR_RUBBING`) represent the same friction; or the
+        reducer is an RV reducer, for which there is no model with friction in the contacts at a locked sun.
     """
-    contact_keys = [key for key in keys if key in RUBBING or key.startswith("friction.")]
+    contact_keys = [key for key in keys if key in RUBBING or key.partition(".")[0] == "friction"]
+    if contact_keys and isinstance(reducer, RvReducer):
+        raise UsageError(
+            f"--fit: {contact_keys[0]} cannot be fitted for an RV reducer ({reducer.design.name}), because its loops "
+            "are computed without friction of the contacts. Fit hysteresis and hysteresis_travel, or load_friction"
+        )
     wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
     if contact_keys and wind_up_keys:
         raise UsageError(
@@ -153,7 +181,8 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
     if repeated_key := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
         raise UsageError(f"--fit: {repeated_key} is listed twice. List each parameter once")
     parameters = _named_parameters(reducer, loops)
-    return tuple(parameters[key] if key in parameters else _file_parameter(reducer, key) for key in keys)
+    names = names_of(reducer)
+    return tuple(parameters[key] if key in names else _file_parameter(reducer, key) for key in keys)
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
@@ -161,13 +190,57 @@ def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mappin
 
     Start, scale and bounds of the last three follow from the measured loops.
     """
+    if isinstance(reducer, RvReducer):
+        own_parameters = _rv_parameters(reducer)
+    else:
+        own_parameters = (*_play_parameters(reducer), *_stiffness_parameters(reducer, loops))
     parameters_by_name = (
-        *_play_parameters(reducer),
-        *_stiffness_parameters(reducer, loops),
+        *own_parameters,
+        _tooth_stiffness_parameter(reducer),
         *_friction_parameters(reducer, loops),
         *_hysteresis_parameters(loops),
     )
     return {parameter.key: parameter for parameter in parameters_by_name}
+
+
+def _rv_parameters(reducer: RvReducer) -> tuple[Parameter, ...]:
+    """Return play [um] and stiffness of the crank bearings [1] of an RV reducer.
+
+    The play is that of the teeth. It represents all clearances that differ from those of the design, because a loop
+    shows only their sum.
+    """
+    clearance, kinds = reducer.design.clearance, _tooth_pairs(reducer)
+    start = MICROMETRE.from_si(getattr(clearance, reducer.design.tooth_pair) + reducer.design.pin_play)
+    stiffness = reducer.cranks.needle_stiffness, reducer.cranks.taper_stiffness
+
+    def set_bearing_stiffness(model: Model, value: float) -> Model:
+        """Return a model whose crank bearings have the stiffness of the design times a factor."""
+        cranks = {"needle_stiffness": value * stiffness[0], "taper_stiffness": value * stiffness[1]}
+        return replace(model, reducer=reducer_of(model.reducer.design.but(cranks=cranks)))
+
+    return (
+        Parameter(
+            "play",
+            "um",
+            "clearance between disc and ring, including that of pins in their seats; other clearances as in the design",
+            start,
+            max(0.3 * start, 0.1),
+            1e-3,
+            BOUNDS.max_play_um,
+            _play_setter(kinds),
+        ),
+        Parameter(
+            "bearing_stiffness",
+            "1",
+            "stiffness of the crank bearings, relative to that of the design",
+            1.0,
+            0.1,
+            1e-2,
+            20.0,
+            set_bearing_stiffness,
+            logarithmic=True,
+        ),
+    )
 
 
 def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
@@ -214,25 +287,14 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of stiffness: a factor on that of the teeth [1], and that of the structure [N m/rad].
+    """Return the parameter of the structure's stiffness [N m/rad].
 
-    The stiffness of the structure refers to the output. Its search starts from twice the largest torque divided by the
+    It refers to the output. Its search starts from twice the largest torque divided by the
     range of deflection of that loop, or from half of its largest possible value if that is lower.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)
     return (
-        Parameter(
-            "tooth_stiffness",
-            "1",
-            "stiffness of the teeth and their support, relative to that of their contacts alone",
-            1.0,
-            0.1,
-            1e-3,
-            20.0,
-            _stiffness_setter(_tooth_pairs(reducer)),
-            logarithmic=True,
-        ),
         Parameter(
             "structure_stiffness",
             "N m/rad",
@@ -244,6 +306,21 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
             _set_structure_stiffness,
             logarithmic=True,
         ),
+    )
+
+
+def _tooth_stiffness_parameter(reducer: Reducer) -> Parameter:
+    """Return the parameter of the teeth's stiffness, a factor [1]."""
+    return Parameter(
+        "tooth_stiffness",
+        "1",
+        "stiffness of the teeth and their support, relative to that of their contacts alone",
+        1.0,
+        0.1,
+        1e-3,
+        20.0,
+        _stiffness_setter(_tooth_pairs(reducer)),
+        logarithmic=True,
     )
 
 
@@ -362,7 +439,7 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
         total_clearance = sum(getattr(clearance, kind) for kind in tooth_kinds)
         change = {kind: total * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
         change |= {"output": total} if "output" in kinds else {}
-        return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
+        return replace(model, reducer=reducer_of(model.reducer.design.but(clearance=change)))
 
     return apply
 
@@ -377,7 +454,7 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     def apply(model: Model, value: float) -> Model:
         rated_reducer = model.reducer.at_rated_load
         change = {kind: value * rated_reducer.contacts[kind].stiffness for kind in kinds}
-        return replace(model, reducer=Reducer(model.reducer.design.but(stiffness=change)))
+        return replace(model, reducer=reducer_of(model.reducer.design.but(stiffness=change)))
 
     return apply
 
@@ -404,7 +481,7 @@ def _max_structure_stiffness(reducer: Reducer) -> float:
 def _set_friction(model: Model, value: float) -> Model:
     """Return a model with a coefficient of friction of all sliding pairs; rolling cams and output pins keep theirs."""
     kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
-    return replace(model, reducer=Reducer(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
+    return replace(model, reducer=reducer_of(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
 
 
 def _rolling(reducer: Reducer) -> set[str]:
@@ -416,7 +493,7 @@ def _set_drag(model: Model, value: float) -> Model:
     if not model.contact_friction:
         return _with_spring(model, "friction", value)
     design = model.reducer.design.but(drag={"output": value})
-    return replace(model, reducer=Reducer(design), losses=replace(model.losses, drag=value))
+    return replace(model, reducer=reducer_of(design), losses=replace(model.losses, drag=value))
 
 
 def _set_drag_travel(model: Model, value: float) -> Model:
@@ -429,7 +506,7 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
     """Set a value of `springs` without validation, for speed: a search stays within the bounds of the key."""
     design = model.reducer.design
     springs = design.springs.model_copy(update={name: value})
-    return replace(model, reducer=Reducer(design.model_copy(update={"springs": springs})))
+    return replace(model, reducer=reducer_of(design.model_copy(update={"springs": springs})))
 
 
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
@@ -448,15 +525,15 @@ def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     names = {file_key(item, declared): item for item, declared in section.model_fields.items()} if section else {}
     if name not in names:
         raise UsageError(
-            f"--fit: unknown parameter {key!r}. Choose from {', '.join(NAMED)}, or any numeric key of the design file, "
-            "such as clearance.output_um"
+            f"--fit: unknown parameter {key!r}. Choose from {', '.join(names_of(reducer))}, or any numeric key of the "
+            f"design file, such as {_example_key(reducer)}"
         )
     declared: FieldInfo = section.model_fields[names[name]]
     value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
         raise UsageError(
             f"--fit: {key} is {value!r}, but only keys with a single real (non-integer) value can be fitted. Choose "
-            "another key, such as clearance.output_um"
+            f"another key, such as {_example_key(reducer)}"
         )
     unit = unit_of(declared)
     start = unit.from_si(value)
@@ -467,7 +544,7 @@ def _file_parameter(reducer: Reducer, key: str) -> Parameter:
 
     def apply(model: Model, value: float) -> Model:
         try:
-            return replace(model, reducer=Reducer(override(model.reducer.design, {key: value})))
+            return replace(model, reducer=reducer_of(override(model.reducer.design, {key: value})))
         except DesignError as error:
             raise UsageError(f"--fit {key}: {error}") from error
 

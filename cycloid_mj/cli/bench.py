@@ -15,8 +15,7 @@ from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
-from cycloid_mj.design.layouts import require_supported
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
@@ -42,7 +41,8 @@ FitFlag = Annotated[
     Parameter(
         metavar="KEY,...",
         help="Comma-separated parameters to fit. Default: play (teeth and holes together), "
-        "structure_stiffness, drag, drag_travel, hysteresis, hysteresis_travel. Also mesh_play, "
+        "structure_stiffness, drag, drag_travel, hysteresis, hysteresis_travel. RV reducers: play of the teeth, "
+        "and bearing_stiffness (of the crank bearings) instead of structure_stiffness. Also mesh_play, "
         "output_play, cam_play, tooth_stiffness; instead of hysteresis: load_friction (a share of the "
         "torque), or friction (of the contacts) and material_loss; and numeric keys of the design file, "
         "e.g. clearance.output_um.",
@@ -134,19 +134,19 @@ def calibrate(
 
     from cycloid_mj.bench import calibrate as fit_model
     from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
-    from cycloid_mj.bench.parameters import DEFAULT, fit_parameters
+    from cycloid_mj.bench.parameters import default_keys, fit_parameters
     from cycloid_mj.cli.progress import count_progress
 
     if not math.isfinite(crank_deg):
         raise UsageError(
             f"--crank-deg {crank_deg:g} is not a finite number: give the crank angle in degrees, e.g. --crank-deg 0"
         )
-    keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
     design = design_options.resolve_checked()
-    require_supported(design.name, design.layout, "calibrate")
+    reducer = reducer_of(design)
+    keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else default_keys(reducer)
     loops = _read_loops(loop)
-    fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
-    name = calibrated_name(Reducer(design))
+    fit_parameters(reducer, keys, loops)  # raises for an unknown or repeated key
+    name = calibrated_name(design)
     destination = claim_destination(delivery, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)
     quiet_delivery, progress = replace(delivery, quiet=True), count_progress("calibrate", delivery.quiet)
     try:
@@ -230,7 +230,7 @@ def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]
 
     torque = max(loop.most for loop in calibration.fitted.loops)
     with show_activity("calibrate: testing the design with its checks, statics and reduce", quiet):
-        defect = _first_defect(Reducer(calibration.design), torque)
+        defect = _first_defect(reducer_of(calibration.design), torque)
     if defect is None:
         return ()
     fit, causes = calibration.fitted, []
@@ -290,7 +290,7 @@ def _calibration_outcome(
     from cycloid_mj.report.results import calibration_page
 
     name, fit = calibration.design.name, calibration.fitted
-    figures = quantities(Reducer(calibration.design))
+    figures = quantities(reducer_of(calibration.design))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
     for loop, model_angles in zip(fit.loops, fit.turns, strict=True):
         measured_angles, model = loop.deflection / DEGREE, model_angles / DEGREE

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
@@ -14,7 +14,7 @@ from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.terminal import note
-from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.parts.convex import Plain
@@ -77,8 +77,6 @@ def build(
     from cycloid_mj.parts.convex import ConvexSettings
 
     reducer = reducer_of(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
-    if plain_coacd and isinstance(reducer, RvReducer):
-        raise UsageError(f'--plain-coacd does not support layout = "rv" ({reducer.design.name}): remove --plain-coacd')
     _require_writable(out)
     claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")

@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Literal
 
-from cycloid_mj.base.errors import DesignError
-
 Layout = Literal["central", "rv"]
 
 CENTRAL: tuple[Layout, ...] = ("central",)
@@ -18,6 +16,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "analyze",
         "animate",
         "build",
+        "calibrate",
         "compare",
         "compare-bench",
         "datasheet",
@@ -50,16 +49,6 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     ),
 }
 """The only commands that support a layout; empty: all of them."""
-
-REASONS: Mapping[Layout, Mapping[str, str]] = {
-    "central": {},
-    "rv": {
-        "calibrate": "it fits the table [springs], which an RV reducer does not have: evaluate the loops with "
-        "`cycloid-mj protocol --loop`, and set cranks.needle_stiffness_n_m and cranks.taper_stiffness_n_m until the "
-        "model has the same stiffness",
-    },
-}
-"""Why other commands do not support a layout, and what to use instead."""
 
 RV_TABLES = ("planet", "cranks", "crank_errors", "crank_tolerance")
 """Tables of the design file that apply to the layout "rv" only."""
@@ -108,15 +97,8 @@ def layouts_of(command: str) -> tuple[Layout, ...]:
     return tuple(layout for layout in SUPPORTED if supports(layout, command))
 
 
-def require_supported(name: str, layout: Layout, command: str) -> None:
-    """Raise DesignError, with the reason, if a command does not support the layout of a design with a `name`."""
-    if reason := REASONS[layout].get(command):
-        raise DesignError(f'{command} does not support layout = "{layout}" ({name}), because {reason}')
-
-
 def unsupported_layout(name: str, layout: Layout) -> str:
     """Return a sentence that refuses a design of a layout where only the layout "central" is supported."""
     return (
-        f'the design {name!r} has layout = "{layout}", but this calculation is for reducers with layout = "central": '
-        "choose such a design"
+        f'the design {name!r} has layout = "{layout}", which is not supported here: use a design with a central crank'
     )

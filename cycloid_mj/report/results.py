@@ -42,8 +42,6 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
     remarks
         Sentences on why the calibrated design cannot be used, one for each reason.
     """
-    from cycloid_mj.bench.calibration import UNEXPLAINED
-
     drawing = figure[figure.index("<svg") :]
     return (
         environment()
@@ -55,7 +53,7 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
             bench=f"{calibration.fitted.bench.held} fixed",
             tables=calibration.tables(),
             texts=TextTable.of,
-            unexplained=UNEXPLAINED,
+            unexplained=calibration.unexplained,
             figure=Markup(drawing),
         )
     )

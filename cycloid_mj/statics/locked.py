@@ -20,9 +20,10 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation, njit
 from cycloid_mj.design.model import StructureSprings
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.friction_path import slip_rotations
+from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -93,8 +94,9 @@ class LockedCurve:
 def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for the curve of output rotation over torque, with the crank locked at an angle [rad].
 
-    Friction and weight are left out. The torque of the curve reaches the next power of 2 from `max_torque` [N m] in
-    both directions, so that similar torques share a solution.
+    The sun of an RV reducer is locked instead; `crank` is the angle of its cranks relative to the ring. Friction and
+    weight are left out. The torque of the curve reaches the next power of 2 from `max_torque` [N m] in both directions,
+    so that similar torques share a solution.
 
     Raises
     ------
@@ -103,6 +105,9 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
     """
     design = reducer.design
     drive = design.drive.model_copy(update={"speed": 0.0})
+    if isinstance(reducer, RvReducer):
+        without_friction = RvReducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
+        return _solve_rv_curve(without_friction, 2.0 ** math.ceil(math.log2(max_torque)), crank)
     rigid_shafts = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
     curve = _solve_contact_curve(rigid_shafts, 2.0 ** math.ceil(math.log2(max_torque)), crank)
     return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(rigid_shafts)) * curve.torque)
@@ -121,6 +126,21 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
     # from the largest torque down: solutions with barely touching contacts start from those with firm contact
     decreasing = max_torque * shares[::-1]
     sides = [loads(weightless, springs, sign * decreasing, warm_start=True).output_turn[::-1] for sign in (-1.0, 1.0)]
+    return _join_sides(max_torque, sides)
+
+
+@lru_cache(maxsize=16)
+def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> LockedCurve:
+    """Solve for torque and rotation of the output of an RV reducer, as `_solve_contact_curve`."""
+    shares = np.array(SHARES)
+    torque = reducer.share * max_torque * np.concatenate([-shares, shares])
+    turn = reducer.share * solve_rv_loads(compute_rv_springs(reducer, np.full(torque.size, crank)), torque).carrier_turn
+    return _join_sides(max_torque, np.split(turn, 2))
+
+
+def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
+    """Return the curve from the rotations [rad] under negative and positive torques, `SHARES` times `max_torque`."""
+    shares = np.array(SHARES)
     # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     # a small torque across the backlash, so that the torque is unique at every rotation

@@ -8,25 +8,11 @@ import pytest
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load
-from cycloid_mj.design.layouts import REASONS
 
 
 @pytest.fixture(autouse=True)
 def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-@pytest.mark.parametrize("command", REASONS["rv"])
-def test_a_command_without_support_gives_the_reason_and_another_command(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    Path("loop.csv").write_text("torque_output_Nm,deflection_deg\n" + "\n".join(f"{k},{k}" for k in range(20)))
-    words = {"calibrate": ("rv80e", "--loop", "loop.csv")}
-    assert main([command, *words[command], "--quiet"]) == 1
-    out, error = capsys.readouterr()
-    assert (out, error.count("\n")) == ("", 1)
-    assert f'{command} does not support layout = "rv" (rv80e), because' in error
-    assert "use `cycloid-mj" in error or "`cycloid-mj protocol --loop`" in error
 
 
 @pytest.mark.parametrize("command", ["profile", "kinematics"])

@@ -8,7 +8,8 @@ from cycloid_mj.parts.convex.decompose import coacd_pieces
 from cycloid_mj.parts.convex.measure import pieces_quality
 from cycloid_mj.parts.convex.quality import Quality
 from cycloid_mj.parts.convex.settings import METHOD, CoacdSettings
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.rv import rv_parts
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Plain:
 def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Decompose the entire cycloid disc by CoACD; takes about a minute."""
     seen = profile.sample(reducer.gear_profile, METHOD.samples, reducer.profile_offset)
+    if isinstance(reducer, RvReducer):
+        return _plain(rv_parts(reducer)[reducer.gears[0]].solid(VISUAL_CHORD_ERROR), seen, settings)
     return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
