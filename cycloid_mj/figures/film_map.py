@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design.model import HEATED
@@ -100,9 +100,14 @@ def compute_film_map(
     UsageError
         The drive has the law ``coulomb``, whose friction depends on neither speed nor temperature.
     DesignError
-        The parts jam at a temperature.
+        The parts jam at all temperatures.
     RunError
         There is no equilibrium.
+
+    Warns
+    -----
+    CycloidWarning
+        The parts jam at some of the temperatures, which the map therefore does not have.
     """
     design = reducer.design
     if not design.has_film:
@@ -110,24 +115,37 @@ def compute_film_map(
             f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
             "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
-    points, with_seals = [], state_seals(reducer)
+    points, with_seals, jams = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
     for temperature in temperatures:
-        warm_reducer = with_seals.but(thermal=dict.fromkeys(HEATED, temperature))
-        points.append(
-            MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))
-        )
-        if figure("back_driving_torque_free_nm").applies_to(reducer):
-            back_driving = back_driving_spread(warm_reducer, MAP.samples)
-            points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
-        for speed in (share * design.drive.speed for share in shares):
-            turning_reducer = warm_reducer.but(drive={"speed": speed})
-            no_load = no_load_spread(turning_reducer, MAP.samples)
-            points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
-            for torque in (share * design.rated_torque for share in shares):
-                loaded_reducer = turning_reducer.but(load={"torque": torque})
-                spread = sampled_efficiency(loaded_reducer, torque, MAP.samples)
-                points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
+        try:
+            points += _points_at(with_seals.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares)
+        except DesignError as error:
+            jams[temperature] = error
+    if not points:
+        raise next(iter(jams.values()))
+    warn(design.name, tuple(f"--map has no values at {item:g} °C, because {error}" for item, error in jams.items()))
     return tuple(points)
+
+
+def _points_at(warm_reducer: Reducer, temperature: float, shares: Sequence[float]) -> list[MapPoint]:
+    """Return the points of a map at a temperature [°C], that of all parts of `warm_reducer`, and `shares` of the load.
+
+    Raises the errors of `compute_film_map`.
+    """
+    design = warm_reducer.design
+    points = [MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))]
+    if figure("back_driving_torque_free_nm").applies_to(warm_reducer):
+        back_driving = back_driving_spread(warm_reducer, MAP.samples)
+        points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
+    for speed in (share * design.drive.speed for share in shares):
+        turning_reducer = warm_reducer.but(drive={"speed": speed})
+        no_load = no_load_spread(turning_reducer, MAP.samples)
+        points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
+        for torque in (share * design.rated_torque for share in shares):
+            loaded_reducer = turning_reducer.but(load={"torque": torque})
+            spread = sampled_efficiency(loaded_reducer, torque, MAP.samples)
+            points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
+    return points
 
 
 def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:

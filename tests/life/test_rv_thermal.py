@@ -97,6 +97,20 @@ def test_runs_with_temperatures_by_part_agree_with_statics(temperatures: dict[st
     assert (point.powers.efficiency < cold.efficiency) == (play < 0.0)
 
 
+@pytest.mark.slow
+def test_free_pins_of_warm_discs_differ_from_statics_only_where_two_discs_share_a_pin() -> None:
+    """Runs have one socket spring per pin, statics one per disc; with one disc, or stiff sockets, both agree."""
+    differences = {}
+    variants = {"two": {}, "one": {"gear": {"discs": 1}}, "stiff": {"stiffness": {"pin_socket": 6e10}}}
+    for name, changes in variants.items():
+        reducer = steady_design(RvReducer(RV80E.but(thermal={"disc": 40.0}, load={"torque": 78.4}, **changes)))
+        point = run_forward(reducer, 78.4, reducer.design.drive.speed, 40, "planar")  # a turn of the cranks
+        differences[name] = 100.0 * (point.powers.efficiency - rv_powers(reducer, 78.4).efficiency)
+    assert differences["two"] == pytest.approx(2.5, abs=0.3)
+    assert abs(differences["one"]) < 0.2
+    assert abs(differences["stiff"]) < 0.3
+
+
 def test_losses_at_20_degrees_are_those_of_statics_and_a_hot_disc_adds_friction_of_its_teeth() -> None:
     reducer, point = RvReducer(RV80E), DutyPoint(784.0, RV80E.drive.speed, 1.0)
     capacities = heat_capacities(reducer)

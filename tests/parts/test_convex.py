@@ -236,7 +236,7 @@ def test_plain_coacd_fills_the_valleys(name: str, depth: float) -> None:
     """By nearly the whole depth, two eccentricities: this is why flanks are sliced. At 0.05 too, in a minute."""
     found = plain_gear(reducer_of(PRESETS[name]), CoacdSettings(threshold=0.3)).quality
     assert found.max_overfill > 0.75 * depth
-    assert found.max_underfill < 1e-5
+    assert found.max_underfill < 0.01 * depth
     assert found.volume_error > 0.05
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
 from cycloid_mj.design import resolve
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.figures import quantity, values_json
@@ -202,6 +202,16 @@ def test_map_covers_torque_speed_and_temperature() -> None:
     idle = {(p.temperature, p.speed): p.spread.value for p in points if p.quantity == "no-load torque"}
     assert sorted(idle.values()) == [idle[key] for key in sorted(idle, key=lambda key: (-key[0], key[1]))]
     assert sum(len(table.rows) for table in map_tables(points)) == len(points)
+
+
+def test_a_map_omits_temperatures_at_which_the_parts_jam() -> None:
+    """The plastic bore of `printed` closes on its steel cam at 0 °C."""
+    printed = Reducer(resolve("printed", ["friction.law=film"]))
+    with pytest.warns(CycloidWarning, match="no values at 0 °C, because the parts jam"):
+        points = compute_film_map(printed, shares=(1.0,), temperatures=(0.0, 20.0))
+    assert {point.temperature for point in points} == {20.0}
+    with pytest.raises(DesignError, match="the parts jam"):
+        compute_film_map(printed, shares=(1.0,), temperatures=(0.0,))
 
 
 def test_map_requires_the_law_film() -> None:
