@@ -207,15 +207,19 @@ def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str
 
 
 def shaft_bearing_fit(reducer: Reducer) -> str:
-    """Return the fit of the bearings of the crank, and which are sealed; drawn cups have no seals.
+    """Return the fit of the bearings of the crank; a size out of stock gets the fit of a bearing with rings."""
+    bearing = shaft_bearing(reducer)
+    if bearing:
+        return bearing_fit(reducer, bearing, names.HOUSING)
+    return f"H7 outside, {'j5' if 2.0 * reducer.design.shaft.radius <= LIGHT_BORE else 'k5'} on the crank"
 
-    A size out of stock gets the fit of a bearing with rings. The seal of a ball bearing is that of the shaft, of which
-    the losses include one, or two of a hollow shaft.
+
+def shaft_seal(reducer: Reducer) -> str:
+    """Return which ball bearings of the crank are sealed, as a clause; empty for drawn cups, which have no seals.
+
+    These are the seals that the losses include: one of a solid shaft, two of a hollow one.
     """
     bearing = shaft_bearing(reducer)
-    fit = f"H7 outside, {'j5' if 2.0 * reducer.design.shaft.radius <= LIGHT_BORE else 'k5'} on the crank"
-    if bearing:
-        fit = bearing_fit(reducer, bearing, names.HOUSING)
-        if not stock.has_inner_ring(bearing):
-            return fit
-    return f"{fit}; {'both' if reducer.design.shaft.bore_radius else 'the one next to the motor'} sealed (RS1)"
+    if bearing and not stock.has_inner_ring(bearing):
+        return ""
+    return f"{'both' if reducer.design.shaft.bore_radius else 'the one next to the motor'} sealed (RS1)"

@@ -33,6 +33,7 @@ from cycloid_mj.parts.export.bearings import (
     press_fit,
     shaft_bearing,
     shaft_bearing_fit,
+    shaft_seal,
     sleeve_pin_length,
 )
 from cycloid_mj.parts.export.bearings import (
@@ -437,7 +438,8 @@ def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
             diameters = ("outside diameter", gear.bore_radius), ("bore", cam_seat or full_cam_seat(reducer))
             line = _round_line(CAM_BEARING, gear.discs, diameters, gear.face_width)
             yield replace(line, fit="rollers in the bore of the disc")
-    stock_bearing, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
+    stock_bearing, seal = shaft_bearing(reducer), shaft_seal(reducer)
+    fit = "; ".join(filter(None, (shaft_bearing_fit(reducer), seal)))
     if stock_bearing:
         yield _stock_bearing_line(SHAFT_BEARING, SHAFT_BEARINGS, stock_bearing, fit)
     else:
