@@ -154,7 +154,8 @@ def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes:
 @pytest.mark.slow
 def test_every_marked_check_exists() -> None:
     names = {one.name for design in DESIGNS.values() for one in check(design)}
-    names |= {one.name for one in check(UNDERCUT)}
+    hollow = PRESETS["pin"].but(shaft={"bore_radius": 3e-3})
+    names |= {one.name for design in (UNDERCUT, hollow) for one in check(design)}
     assert MARKED_PARTS.keys() - names <= {"pin_in_socket", "sleeve"}, "no check has that name"
 
 

@@ -111,6 +111,15 @@ def test_axe_finds_nothing_on_a_page(name: str, browser: Tab, tmp_path: Path) ->
             assert not violations(browser), f"{width} px, {scheme}"
 
 
+@pytest.mark.slow
+def test_a_long_word_in_a_note_does_not_widen_a_page(browser: Tab, tmp_path: Path) -> None:
+    """Notes of comparisons list keys of the design file, such as output_material.youngs_modulus_mpa."""
+    file = tmp_path / "page.html"
+    file.write_text(outcome_page(Outcome(title="compare", notes=["key_" * 20], result={})), encoding="utf-8")
+    show(browser, file, 320)
+    assert browser.run("document.documentElement.scrollWidth") == 320
+
+
 def test_pictures_of_a_page_have_a_text_and_large_ones_are_pixels() -> None:
     small, large = (lambda form: form.encode()), (lambda form: form.encode() * (MAX_SVG_BYTES if form == "svg" else 1))
     page = outcome_page(
