@@ -602,6 +602,11 @@ class ContactLaw(Section):
     cam_rollers: int = quantity(
         20, "number of rollers of the cam bearing, which share its load (Stribeck)", ge=3, le=1000
     )
+    needles: Literal["lumped", "each"] = choice(
+        "lumped",
+        "crank bearings. lumped: a spring between eccentric and bore; each: a spring for each needle, in a cage that "
+        "rolls",
+    )
     damping_ratio: float = quantity(
         0.5, "damping of a contact as a share of critical damping (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
     )
@@ -1137,6 +1142,7 @@ class Design(Section, Presented):
         """Raise ValueError for values of parts that the layout of the reducer does not have."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
+            set_keys += [key for key, is_default in _unused_keys(self) if not is_default and key.startswith("contact.")]
             remedy = 'remove it, or set layout = "rv"'
         else:
             set_keys = [key for key, is_default in _unused_keys(self) if not is_default]

@@ -184,6 +184,17 @@ class RvReducer(Reducer):
         return self.cranks.needle_clearance + self.cranks.taper_clearance
 
     @property
+    def separate_needles(self) -> int:
+        """Number of needles of an eccentric that are springs of their own; 0: the bearing is a single spring."""
+        return self.cranks.needles if self.design.contact.needles == "each" else 0
+
+    @property
+    def cage_ratio(self) -> float:
+        """Turns of the cage of needles per turn of their eccentric, both relative to the disc, by rolling."""
+        inner = self.cranks.eccentric_radius
+        return inner / (inner + self.bore_radius)
+
+    @property
     def mesh_stiffness(self) -> float:
         """Stiffness of a planet mesh along its line of action [N/m]."""
         from cycloid_mj.geometry.rv import mesh_stiffness
@@ -253,7 +264,7 @@ class RvReducer(Reducer):
     @property
     def for_slices(self) -> Self:
         """Reducer for a model in stock MuJoCo: as that of a central crank, with a sun that is centred by bearings."""
-        return super().for_slices.but(planet={"sun_support": "fixed"})
+        return super().for_slices.but(planet={"sun_support": "fixed"}, contact={"needles": "lumped"})
 
     @property
     def orbit_speed(self) -> float:

@@ -230,6 +230,14 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
     return Mating(names.PLANET_MESH, planets, sun_teeth, teeth)
 
 
+def needle_share(needles: int) -> float:
+    """Return the stiffness of each of Z needles over that of a bearing without clearance.
+
+    The needles on one half of the bearing carry the load; the sum of the squared cosines of their angles is Z/4.
+    """
+    return 4.0 / needles
+
+
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Compute positions and speeds of the joints at an angle [rad] and speed [rad/s] of the sun, in the ideal motion.
 

@@ -4,8 +4,9 @@ The frame is that of the ring. The unknowns z [m] at a crank angle are the displ
 discs, R psi of the carrier, R chi of each of the n cranks, and x and y of the sun; R is the radius of the circle of
 crank axes, rotations are counter-clockwise departures from the ideal motion. The sun does not turn, and
 moves only if it floats. Pins are unilateral springs with the gaps of `reducer.gaps`, for curved flanks of discs that
-turn. Planet teeth are unilateral springs, to first order in z. A crank bearing is a spring between
-two circles: needles and taper in series, with the sum of their clearances. A semismooth Newton method with Armijo's
+turn. Planet teeth are unilateral springs, to first order in z. A crank bearing is a spring between two circles: needles
+and taper in series, with the sum of their clearances. With ``contact.needles = "each"``, it is a unilateral spring for
+each needle, with this clearance and a share of the taper's compliance. A semismooth Newton method with Armijo's
 line search minimises the energy of all springs at all crank angles at once.
 
 Weight and inertia are left out, and friction too, unless `RvFriction` is added.
@@ -22,7 +23,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.contact import tooth_stiffness
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
-from cycloid_mj.reducer.rv_bodies import expanded
+from cycloid_mj.reducer.rv_bodies import expanded, needle_share
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,8 @@ class RvSprings:
         (m, D, n, 2, u).
     bearing_stiffness, bearing_clearance
         Stiffness [N/m] and clearance [m] of the bearings of a crank under one disc; a negative clearance is a preload.
+    needles
+        Directions of the separate needles of each eccentric [1], shape (m, Z, 2); Z is 0 for a lumped bearing.
     lever
         R [m].
     """
@@ -107,6 +110,7 @@ class RvSprings:
     offset_slope: Array
     bearing_stiffness: float
     bearing_clearance: float
+    needles: Array
     lever: float
 
     @property
@@ -251,6 +255,7 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         offset_slope=offset_slope,
         bearing_stiffness=reducer.bearing_stiffness,
         bearing_clearance=reducer.bearing_clearance,
+        needles=_needle_directions(reducer, crank),
         lever=reducer.lever,
     )
 
@@ -286,6 +291,18 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
             slope[:, disc, number, :, carrier + 1 + number] = crank_rate[:, disc]
     slope[..., carrier] = carrier_rate[:, np.newaxis]
     return crank_misfits(reducer, crank), slope
+
+
+def _needle_directions(reducer: RvReducer, crank: Array) -> Array:
+    """Return the directions of the separate needles of an eccentric [1], shape (m, Z, 2), equal for all eccentrics.
+
+    The cage rolls with the crank in the disc. A needle is on +y at the crank angle 0. `crank` are crank angles against
+    the ring [rad], shape (m,).
+    """
+    count = reducer.separate_needles
+    disc = -crank / reducer.design.lobes
+    angle = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / max(count, 1)
+    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
 
 
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
@@ -567,6 +584,8 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
     """
     stiffness, clearance = springs.bearing_stiffness, springs.bearing_clearance
     offsets = springs.offset + np.einsum("mdnju,mu->mdnj", springs.offset_slope, displacements)
+    if springs.needles.shape[1]:
+        return _needle_forces(springs, offsets)
     distance = np.maximum(np.linalg.norm(offsets, axis=-1), np.finfo(float).tiny)
     near, far = np.maximum(distance - clearance, 0.0), np.maximum(-distance - clearance, 0.0)
     directions = offsets / distance[..., np.newaxis]
@@ -578,6 +597,21 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
         ..., np.newaxis, np.newaxis
     ] * (np.eye(2) - projection)
     return magnitude[..., np.newaxis] * directions, 0.5 * stiffness * (near**2 + far**2), tangent
+
+
+def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Array]:
+    """Return forces, energy and stiffness of bearings with separate needles, as `_bearing_forces`.
+
+    `offsets` are the displacements of the eccentrics in their bores [m], shape (m, D, n, 2). Each needle is a spring
+    along its direction, which closes once the displacement exceeds the clearance.
+    """
+    directions = springs.needles
+    stiffness = needle_share(directions.shape[1]) * springs.bearing_stiffness
+    depth = np.maximum(np.einsum("mdnj,mzj->mdnz", offsets, directions) - springs.bearing_clearance, 0.0)
+    forces = stiffness * np.einsum("mdnz,mzj->mdnj", depth, directions)
+    products = directions[..., :, np.newaxis] * directions[..., np.newaxis, :]
+    tangent = stiffness * np.einsum("mdnz,mzij->mdnij", depth > 0.0, products)
+    return forces, 0.5 * stiffness * np.sum(depth**2, axis=-1), tangent
 
 
 def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Array, Array]:

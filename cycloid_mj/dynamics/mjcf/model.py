@@ -12,6 +12,7 @@ import mujoco
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import significant
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.forces import drag_rows
@@ -96,11 +97,16 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     Raises
     ------
     DesignError
-        A part of the design is not feasible.
+        A part of the design is not feasible, or ``contact.needles`` is "each".
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     reducer = reducer_of(resolve(design))
+    if isinstance(reducer, RvReducer) and reducer.separate_needles:
+        raise DesignError(
+            f'{reducer.design.name}: contact.needles = "each" is supported by statics and the planar solver, not by '
+            'MuJoCo: use --solver planar, or set contact.needles = "lumped"'
+        )
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))

@@ -98,7 +98,7 @@ def allocate_contacts(system: System) -> Contacts:
     discs, teeth = len(system.offset), len(system.place)
     per_tooth = MAX_TOUCHES if system.lobes else 1
     max_contacts = discs * teeth * per_tooth + 2 * teeth * system.free + len(system.cams) * (1 + len(system.studs))
-    max_contacts += 2 * (discs + 1) * system.cranks
+    max_contacts += system.bearing_contacts + 2 * system.cranks
     return np.zeros(max_contacts, dtype=CONTACT)
 
 

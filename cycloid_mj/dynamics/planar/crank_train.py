@@ -1,7 +1,8 @@
 """Contacts of the cranks of an RV reducer: their bearings in the discs, and their planets on the sun.
 
 A bearing is needles and taper in series, as in ``statics.rv``: a spring between the eccentric and its bore, with the
-sum of both clearances. A preloaded bearing has a second contact on the far side, which opens under a larger load. The
+sum of both clearances. A preloaded bearing has a second contact on the far side, which opens under a larger load. With
+``contact.needles = "each"``, a bearing has a contact for each needle, and its friction is that of their resultant. The
 friction of needles and taper acts at the eccentric. A planet has two flanks on the sun, see
 ``reducer.rv_bodies.PlanetMesh``.
 
@@ -23,8 +24,10 @@ from cycloid_mj.dynamics.planar.contacts import (
     Contacts,
     MatingSurfaces,
     disc_pose,
+    friction_state,
     linearise_law,
     njit,
+    relative_speeds,
     set_film_friction,
     shaft_pose,
 )
@@ -55,6 +58,9 @@ class CrankTrain(NamedTuple):
         Radius of the eccentrics, and radial clearance of the bearings; negative: preload [m].
     meshes
         Values of `MeshNumbers` for each planet, shape (n, 10).
+    needles, cage_ratio
+        Number of separate needles of an eccentric, or 0, whose law is then that of a needle; and turns of their cage
+        per turn of the eccentric, both relative to the disc.
     """
 
     axes: Array
@@ -65,6 +71,8 @@ class CrankTrain(NamedTuple):
     eccentric_radius: float
     clearance: float
     meshes: Array
+    needles: int
+    cage_ratio: float
 
 
 @njit
@@ -88,6 +96,13 @@ def find_crank_contacts(
             ex, ey = outwards(shaft_pose(q, crank), train.eccentrics[disc, i, 0], train.eccentrics[disc, i, 1])
             bx, by = outwards(pose, train.bores[disc, i, 0], train.bores[disc, i, 1])
             dx, dy = ax + ex - pose.x - bx, ay + ey - pose.y - by
+            if train.needles:
+                arms = BearingArms(ax, ay, ex, ey, bx, by, train.eccentric_radius)
+                cage = q[3 * disc + 2] + train.cage_ratio * (q[crank] - q[3 * disc + 2])
+                count = _find_needle_contacts(
+                    system, train, contacts, count, mating, crank, arms, (dx, dy), cage, v, half_step
+                )
+                continue
             distance = math.sqrt(dx * dx + dy * dy)
             # at rest in the middle any direction will do: the bearing is equally stiff in all
             nx, ny = (dx / distance, dy / distance) if distance > MIN_DISTANCE else (1.0, 0.0)
@@ -96,7 +111,7 @@ def find_crank_contacts(
                     continue
                 contact = contacts[count]
                 _start_contact(contact, mating, crank, side * nx, side * ny, train.clearance - side * distance)
-                _set_bearing_arms(contact, ax, ay, ex, ey, bx, by, train.eccentric_radius)
+                _set_bearing_arms(contact, BearingArms(ax, ay, ex, ey, bx, by, train.eccentric_radius))
                 contact.geometric_stiffness = half_step * side / max(distance, MIN_DISTANCE)
                 linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
                 set_film_friction(system, contact, _BEARING, 1.0, v)
@@ -104,6 +119,74 @@ def find_crank_contacts(
     for i in range(cranks):
         mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier)
         count = _find_planet_contacts(system, train, contacts, count, mating, first_crank + i, i, q, v, half_step)
+    return count
+
+
+class BearingArms(NamedTuple):
+    """Vectors of a crank bearing [m] in the frame of the foundation.
+
+    (ax, ay) leads from the reducer's axis to that of the crank, (ex, ey) from there to the eccentric, and (bx, by) from
+    the disc's centre to the bore. Friction acts at the `radius` [m] of the eccentric.
+    """
+
+    ax: float
+    ay: float
+    ex: float
+    ey: float
+    bx: float
+    by: float
+    radius: float
+
+
+@njit
+def _find_needle_contacts(
+    system: System,
+    train: CrankTrain,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    crank: int,
+    arms: BearingArms,
+    displacement: tuple[float, float],
+    cage: float,
+    v: Array,
+    half_step: float,
+) -> int:
+    """Write a contact for each needle of a crank bearing; return the new number of contacts.
+
+    The friction of a bearing acts on the resultant of its needles, so that the coefficient of each is reduced by the
+    ratio of the resultant to the sum of their forces.
+
+    Parameters
+    ----------
+    crank
+        Index of the crank's rotation in q.
+    arms
+        Lever arms of the bearing.
+    displacement
+        Displacement of the eccentric in its bore [m].
+    cage
+        Angle of the cage [rad].
+    """
+    dx, dy = displacement
+    spacing = 2.0 * math.pi / train.needles
+    total, resultant_x, resultant_y = 0.0, 0.0, 0.0
+    for needle in range(train.needles):
+        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        depth = max(dx * nx + dy * ny - train.clearance, 0.0)
+        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
+    share = math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+    for needle in range(train.needles):
+        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        contact = contacts[count]
+        _start_contact(contact, mating, crank, nx, ny, train.clearance - dx * nx - dy * ny)
+        _set_bearing_arms(contact, arms)
+        linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
+        set_film_friction(system, contact, _BEARING, 1.0, v)
+        contact.friction *= share
+        if contact.normal_force > 0.0:
+            contact.state = friction_state(contact, relative_speeds(contact, v)[1])
+        count += 1
     return count
 
 
@@ -118,15 +201,10 @@ def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: flo
 
 
 @njit
-def _set_bearing_arms(
-    contact: Contact, ax: float, ay: float, ex: float, ey: float, bx: float, by: float, radius: float
-) -> None:
-    """Set the lever arms [m] of a crank bearing.
-
-    The vector (ax, ay) [m] leads from the reducer's axis to that of the crank, (ex, ey) from there to the eccentric,
-    and (bx, by) from the disc's centre to the bore. Friction acts at the `radius` [m] of the eccentric.
-    """
+def _set_bearing_arms(contact: Contact, arms: BearingArms) -> None:
+    """Set the lever arms [m] of a contact of a crank bearing along its normal and tangent."""
     nx, ny = contact.nx, contact.ny
+    ax, ay, ex, ey, bx, by, radius = arms
     contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny
     contact.disc_tangent = contact.disc_centre + radius
     contact.shaft_normal, contact.shaft_centre = ay * nx - ax * ny, -ax * nx - ay * ny

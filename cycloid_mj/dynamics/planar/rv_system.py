@@ -11,6 +11,7 @@ from cycloid_mj.dynamics.planar.crank_train import CrankTrain
 from cycloid_mj.dynamics.planar.system import System, drags_and_servos, law_record, teeth_and_ring
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.rv_bodies import needle_share
 
 FIXED_SUN_STIFFNESS = 1e10
 """Stiffness of the bearings of a sun that is not floating [N/m]: its displacement under a kilonewton is 0.1 um."""
@@ -41,6 +42,7 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         bodies=discs + 1,
         shafts=np.array([output_unknown, sun_unknown]),
         cranks=cranks,
+        bearing_contacts=discs * cranks * max(2, reducer.separate_needles),
         floating=is_floating,
         support=np.array([] if is_floating else fixed_support),
         holes=np.zeros((0, 0, 2)),
@@ -64,15 +66,21 @@ def make_crank_train(reducer: RvReducer) -> CrankTrain:
     mechanism, mesh = reducer.mechanism, reducer.planet_mesh
     bearings = [mechanism.mating(names.CRANK_BEARING, disc) for disc in range(len(mechanism.discs))]
     laws = stiffest(laws_of_discs(reducer))
+    bearing_law = law_record(laws[names.CRANK_BEARING])
+    if reducer.separate_needles:
+        for field in ("stiffness", "damping", "creep", "impact", "impact_damping"):
+            bearing_law[field] *= needle_share(reducer.separate_needles)
     return CrankTrain(
         axes=np.array([mechanism.body(name).place for name in bearings[0].by.bodies]),
         eccentrics=np.array([bearing.by.place for bearing in bearings]),
         bores=np.array([bearing.on.place for bearing in bearings]),
         runouts=mechanism.mating(names.PLANET_MESH).by.place,
-        laws=np.concatenate([law_record(laws[kind]) for kind in (names.CRANK_BEARING, names.PLANET_MESH)]),
+        laws=np.concatenate([bearing_law, law_record(laws[names.PLANET_MESH])]),
         eccentric_radius=reducer.cranks.eccentric_radius,
         clearance=reducer.bearing_clearance,
         meshes=np.array([mesh_numbers(mesh, planet) for planet in range(reducer.cranks.count)]),
+        needles=reducer.separate_needles,
+        cage_ratio=reducer.cage_ratio,
     )
 
 

@@ -50,6 +50,8 @@ class System(NamedTuple):
         Index of the unknowns of output and input: the crank, or the sun, shape (2,).
     cranks
         Number of cranks of an RV reducer, whose rotations are the last unknowns but those of pins; else 0.
+    bearing_contacts
+        Largest number of contacts of crank bearings.
     floating
         Whether there is a sun that moves along x and y.
     support
@@ -97,6 +99,7 @@ class System(NamedTuple):
     bodies: int
     shafts: Integers
     cranks: int
+    bearing_contacts: int
     floating: bool
     support: Array
     teeth: Teeth
@@ -152,6 +155,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         bodies=len(discs),
         shafts=np.array([3 * len(discs), 3 * len(discs) + 1]),
         cranks=0,
+        bearing_contacts=0,
         floating=False,
         support=np.zeros(0),
         holes=np.array([mating.on.place for mating in output]),
