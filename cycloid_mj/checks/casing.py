@@ -14,12 +14,26 @@ from cycloid_mj.reducer.sockets import is_drawn
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely.
 
-    Yields nothing for a design without solids of its parts (`is_drawn`), or without fitting covers (`casing_or_none`).
+    Yields nothing for a design without solids of its parts (`is_drawn`), or without fitting covers (`casing_or_none`)
+    unless the design has a key that only the drive around the mechanism uses.
     """
-    if not is_drawn(reducer.design):
+    design = reducer.design
+    if not is_drawn(design):
         return
-    sizes, _ = casing_or_none(reducer)
+    sizes, reason = casing_or_none(reducer)
     if sizes is None:
+        shaft = design.shaft
+        if shaft.bore_radius or shaft.cam_joint != "key" or design.output.main_bearing_seat != "hub":
+            yield Check(
+                name="joints",
+                passed=False,
+                got="not possible",
+                limit="possible",
+                why="a through bore, shrunk cams or bearings around the output disc need covers that fit",
+                remedy=reason,
+                severity="warning",
+                key="drive with covers",
+            )
         return
     violations = tuple(describe_violations(reducer, sizes))
     play = f"{MILLIMETRES * sizes.play:g} mm"

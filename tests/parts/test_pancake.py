@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.contour import circle_of
@@ -77,6 +78,10 @@ def test_the_screws_of_the_flange_are_between_the_pins(name: str) -> None:
 
 
 def test_designs_without_room_are_refused() -> None:
+    checks = check(override(PRESETS["twodisc"], ["output.main_bearing_seat=disc"]))
+    (warning,) = [one for one in checks if one.name == "joints"]
+    assert not warning.passed
+    assert "smaller circle of output pins" in warning.remedy
     with pytest.raises(DesignError, match=r"fits around the output disc.*smaller circle of output pins"):
         casing(drive("twodisc", "disc", "output.pin_circle_radius_mm=34"))
     with pytest.raises(DesignError, match=r"seat of .* mm in the output disc, but the pins leave"):
