@@ -36,8 +36,9 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     an incline), mechanism (gaps and forces of the static model), backlash, sharing (load
     sharing of the teeth), cam (load on the cam), published (published results), energy
     (energy balance), steps (shorter time steps), mirror (reversed rotation), gravity (effect
-    of the weight), witness (MuJoCo against the planar solver). A row has quantity, our
-    value, reference, source, error, bound and result. Failed rows are always printed, all
+    of the weight), witness (MuJoCo against the planar solver), rv (an RV reducer by statics
+    and both solvers). A row has quantity, our value, reference, source, error, bound and
+    result. Failed rows are always printed, all
     rows only with --all. The result "stated" means that the row has no bound for its error;
     a note explains the error. The exit code is 1 if a row fails. The validation takes some
     minutes on two cores.

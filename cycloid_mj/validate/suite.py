@@ -18,6 +18,7 @@ from cycloid_mj.validate import (
     incline,
     mechanism,
     published,
+    rv,
     shakedown,
     sharing,
     steps,
@@ -30,7 +31,7 @@ from cycloid_mj.validate.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
 STEP_NAMES = (
     *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
     *("published", "energy", "steps", "mirror", "gravity"),
-    "witness",
+    *("witness", "rv"),
 )
 """Names of the steps, from simple to complex."""
 
@@ -64,6 +65,7 @@ def _parts() -> Iterator[ValidationPart]:
     yield ValidationPart("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
     yield ValidationPart("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
     yield ValidationPart("witness", witness.rows, (6.0, 6.0))
+    yield ValidationPart("rv", rv.rows, (3.0, 30.0))
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,0 +1,146 @@
+"""Validation step "rv": the RV reducer `rv80e` by statics and both solvers, against closed forms and each other.
+
+The statics of an RV reducer (``statics.rv``), the planar solver and MuJoCo share geometry and contact stiffness, but
+neither equations nor solution method. The closed forms are those of ideal sharing and of rigid parts
+(``geometry.rv_loads``).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.powers import mean_powers
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.statistics import peak_to_peak
+from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.base.validation import ValidationRow, absolute, relative
+from cycloid_mj.design import PRESETS
+from cycloid_mj.dynamics.run import Solver, model_for, simulate
+from cycloid_mj.geometry.rv_loads import mean_force
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_film import running_friction
+from cycloid_mj.statics.rv_sheet import balance_rv, closed_rotation, ideal_rv, torque_on_carrier
+from cycloid_mj.statics.sheet import shaft_powers
+
+
+@dataclass(frozen=True)
+class RvConditions:
+    """Conditions of the runs, and the part error of the error map.
+
+    Attributes
+    ----------
+    settled, hold
+        Times [s] at which the evaluation of a run begins and ends: a third of a turn of the cranks.
+    short_settled, short_hold, rise
+        The same for runs in MuJoCo, and the time over which their load rises.
+    error
+        Displacement of a crank bore [m].
+    error_angles
+        Crank angles over a turn of the carrier at which rotations are compared.
+    """
+
+    settled: float = 0.03
+    hold: float = 0.066
+    short_settled: float = 0.006
+    short_hold: float = 0.012
+    rise: float = 0.004
+    error: float = 1e-5
+    error_angles: int = 241
+
+
+CONDITIONS = RvConditions()
+
+
+def rows(quick: bool) -> list[ValidationRow]:
+    """Return the rows of this step; runs in MuJoCo are left out if it is to be quick."""
+    reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}))
+    run_rows = _run_rows(reducer, "planar", CONDITIONS.settled, CONDITIONS.hold)
+    if not quick:
+        run_rows += _run_rows(reducer, "mujoco", CONDITIONS.short_settled, CONDITIONS.short_hold)
+    return [*_static_rows(reducer), *run_rows]
+
+
+def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
+    """Compare forces of stiff crank bearings with ideal sharing, and the effect of an error with its closed form."""
+    torque = reducer.design.load.torque
+    stiff = RvReducer(reducer.design.but(cranks=dict.fromkeys(("needle_stiffness", "taper_stiffness"), 2e11)))
+    spring_mean, ideal_mean = (
+        max(mean_force(force) for force in loads.bearings.reshape(len(loads.bearings), -1).T)
+        for loads in (balance_rv(stiff, torque), ideal_rv(reducer, torque))
+    )
+    displaced = RvReducer(reducer.design.but(crank_errors={"bore_x": (CONDITIONS.error, *([0.0] * 5))}))
+    perfect, wrong = (balance_rv(item, torque, CONDITIONS.error_angles).carrier_turn for item in (reducer, displaced))
+    return [
+        relative(
+            "mean force of a crank bearing, rv80e with bearings a thousand times as stiff",
+            spring_mean,
+            ideal_mean,
+            "N",
+            "ideal sharing, 10/3-power mean over a turn of the carrier",
+            bound=1.0,
+        ),
+        relative(
+            "p-p rotation by a crank bore displaced by 10 um, rv80e",
+            ARCSECONDS * peak_to_peak(wrong - perfect),
+            ARCSECONDS * peak_to_peak(closed_rotation(displaced)),
+            "arcsec",
+            "Yang et al. 2021, Eq. 30, rigid parts",
+            bound=3.0,
+        ),
+    ]
+
+
+def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -> list[ValidationRow]:
+    """Compare ratio, wind-up, crank bearing forces and efficiency of a run with statics at its crank angles."""
+    drive, load = {"ramp": 0.0, "hold": hold}, {"rise": CONDITIONS.rise} if solver == "mujoco" else {}
+    reducer = RvReducer(reducer.design.but(drive=drive, load=load))
+    run = simulate(reducer.design, model_for(solver, reducer))
+    run = run.select(run.time > settled)
+    static = _static_loads(reducer, run)
+    wind_up = run["output_angle"] - reducer.member.output_angle(run["sun_angle"])
+    forces = np.linalg.norm(run.forces(names.CRANK_BEARING), axis=2)
+    case, source = f"rv80e, {solver}", "statics with friction at the same crank angles"
+    ratio = peak_to_peak(run["sun_angle"]) / peak_to_peak(run["output_angle"])
+    return [
+        relative(f"ratio, {case}", ratio, reducer.design.ratio, "1", "numbers of teeth", bound=0.01),
+        relative(
+            f"mean wind-up, {case}",
+            ARCSECONDS * abs(float(wind_up.mean())),
+            ARCSECONDS * abs(float(static.carrier_turn.mean())),
+            "arcsec",
+            source,
+            bound=0.15,
+        ),
+        relative(
+            f"mean crank bearing force, {case}",
+            float(forces.mean()),
+            float(static.bearings.mean()),
+            "N",
+            source,
+            bound=0.15,
+        ),
+        absolute(
+            f"efficiency, {case}",
+            100.0 * mean_powers(run).efficiency,
+            100.0 * shaft_powers(reducer, reducer.design.load.torque).efficiency,
+            "%",
+            "statics with friction, mean over a turn of the carrier",
+            bound=0.3,
+        ),
+    ]
+
+
+def _static_loads(reducer: RvReducer, run: Run) -> RvLoads:
+    """Solve for the static balance with friction at the crank angles of a run."""
+    springs = compute_rv_springs(reducer, _mesh_angles(reducer, run))
+    torque = torque_on_carrier(reducer, reducer.design.load.torque)
+    return solve_rv_loads(springs, torque, running_friction(reducer, springs.crank, float(np.sign(torque))))
+
+
+def _mesh_angles(reducer: RvReducer, run: Run) -> Array:
+    """Return the crank angles of a run relative to the ring [rad]."""
+    ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
+    return reducer.member.mesh_angle(run["sun_angle"], ring)
