@@ -95,7 +95,11 @@ def _path_rows(phase: str, path: PathFindings, velocity: VelocityFindings) -> It
 
 
 def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
-    """Yield the rows of number, penetration [um] and force [N] of the contacts, and of the forces of the cranks."""
+    """Yield the rows of contacts: their mean number, and the largest penetration [um] and force [N] of one contact.
+
+    Of an RV reducer there are also rows of the cranks: the largest force of a crank on a disc, and the largest of their
+    mean forces [N]. The mean is that of roller bearings, with the exponent 10/3.
+    """
     contact = findings.contact_summary
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)
     yield _format_row("penetration, largest", "um", contact.max_penetration_um)

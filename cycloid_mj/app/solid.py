@@ -79,10 +79,11 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 def _component_json(component: PlacedPart, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
+    `phases` are the angles of the discs on the crank [rad] by the name of their body, `step` is the assembly step of
+    the component from 1 (0: none), and `shift` is its shift along the axis in the exploded view [m]. In the result,
     ``at`` is its position x, y, z [mm], for a disc and its bearing relative to the disc's centre. ``angle`` is its
     rotation [rad]. ``moves`` is what it moves with: "disc", "crank" or "output", or "" if it is fixed. ``phase`` is the
-    angle of its disc on the crank [rad]. ``step`` is its assembly step from 1, or 0 if there is none. ``apart`` is its
-    shift along the axis in the exploded view [mm]; the argument `shift` is in metres.
+    angle of its disc on the crank [rad], 0 for other components. ``apart`` is `shift` in mm.
     """
     x, y, z = component.origin
     on_disc = component.body in phases

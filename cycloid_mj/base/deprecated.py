@@ -37,6 +37,8 @@ def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Re
     """
 
     def accept_old_name(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+        """Return the function with the former name of the argument accepted as well."""
+
         @wraps(function)
         def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
             if old in kwargs:

@@ -310,7 +310,12 @@ class Calibration(Presented):
         return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
-        """Return a table of the deviation of the fitted deflection [deg] in each section of each loop, a row each."""
+        """Return a table of the deviation of the loops from the fitted model, with a row for each section of each loop.
+
+        A loop has up to six sections, which differ in sense and range of the torque (`compare_stretches`). Columns are
+        loop, section, range of torque [N m], mean and rms of the measured minus the modelled deflection [deg], and this
+        rms relative to the loop's height, the range of its deflection.
+        """
         deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
         for stretch in self.stretches:
@@ -618,11 +623,12 @@ def _writable_design(reducer: Reducer) -> Design:
 
 
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
-    """Return the fitted value of the parameter with an index, its intervals, and whether the loops determine it.
+    """Return the estimate of the parameter with an index: value, two 95 % intervals, and whether it is identified.
 
-    The loops do not determine the value if it or its interval is at a bound of the search, if the prior contributes
-    more to it than the loops (`LIMITS.max_prior_share`), or if the interval is wider than the value. The interval from
-    noise alone, without the error of the model, is NaN for a value at a bound.
+    `Estimate.ci95` includes the assumed error of the model. `Estimate.noise95` is from the noise of the measurement
+    alone; it is NaN for a value at a bound of the search. The value is not identified if it or an end of `ci95` is at a
+    bound, if the prior contributes at least the share `LIMITS.max_prior_share` to it, or if `ci95` is at least as wide
+    as the value.
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))

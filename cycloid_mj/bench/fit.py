@@ -237,26 +237,31 @@ def _continue_search(
     offset_gain: float,
     interval_searches: dict[str, int],
 ) -> Array:
-    """Continue the search from the best solution; restart it whenever a search for an interval reaches a lower cost.
+    """Continue the search from the best solution, and compute the intervals of the fitted values.
+
+    The intervals are those of profile likelihood (`widen_intervals`). If the search for one of them reaches a lower
+    cost, both are repeated from there, with at most `PROFILE.max_restarts` searches in all.
 
     Parameters
     ----------
     problem
         The least-squares problem.
     solutions
-        Cost and scaled values (`bench.search`) of the searches so far, the best first; the new searches are added.
+        Cost and scaled values (`bench.search`) of the searches so far, sorted by cost. Those of the new searches are
+        appended in the order in which they end.
     fits
-        Fits with their intervals; those of this search are added.
+        List to which the fit of each new search is appended, with its intervals.
     offset_gain
         Bayesian information criterion without torque offsets minus that with them; stored in the fits.
     interval_searches
-        Expected number of searches for the intervals by kind (`TYPICAL_STEPS`), for the progress. If empty, no
-        intervals by profile likelihood are computed.
+        Expected number of searches for the intervals by kind (`TYPICAL_STEPS`), for the progress. If empty, the
+        intervals of the fits are those of the linearised model.
 
     Returns
     -------
     Array
-        Scaled values of the last search, shape (v,).
+        Scaled values from which intervals were last computed, shape (v,); if a search for them still reached a lower
+        cost at the last repetition, the values of that search.
     """
     best, *other_solutions = solutions
     scaled_values = best[1]

@@ -238,9 +238,10 @@ def _fit_loading_line(
 
 
 def _line_stiffness(line: _Line | None) -> LoopFigure:
-    """Return the inverse slope of a loading line [N m/rad] with its 95 % interval.
+    """Return the stiffness [N m/rad] by a loading line, the inverse of its slope [rad/(N m)], with its 95 % interval.
 
-    All are NaN without a line, or if its slope is not positive.
+    All are NaN without a line, or if its slope is not positive. The upper end is infinite if the interval of the slope
+    includes 0.
     """
     if line is None or line.slope <= 0.0:
         return NO_FIGURE

@@ -212,7 +212,10 @@ def _compute_rating(reducer: Reducer) -> "Rating | None":
 
 
 def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]:
-    """Convert the summary of a design to JSON values in the units of the design file."""
+    """Convert the summary of a design to JSON values; keys end in their units.
+
+    `rating` adds the weakest item under the key ``weakest_item``, which is None if the design could not be rated.
+    """
     return {
         "ratio": summary.ratio,
         "outer_diameter_mm": 1e3 * summary.outer_diameter,

@@ -283,11 +283,15 @@ def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
 
 
 def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
-    """Yield a warning for each kind of pair whose added mass MuJoCo's minimum impedance increases noticeably.
+    """Yield a warning for each kind of contact whose added mass MuJoCo's minimum impedance increases noticeably.
 
-    It applies to models with exact profiles, and is evaluated at the first pair of each kind.
+    The added mass is the inverse 1/R [kg] of MuJoCo's regularisation R of a contact: the contact acts as if it had this
+    mass. MuJoCo limits its impedance to `MIN_IMPEDANCE`, and so the added mass to a share of the mass of both bodies.
+    The first pair of mating surfaces of each kind is evaluated. Only models with contacts of exact profiles are
+    evaluated, not those with contacts of meshes.
     """
     model = compiled.model
+    # only geoms of exact profiles have user data; `pair.on` and `pair.by` are the geoms of a pair
     pair_by_kind = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
     for kind, pair in pair_by_kind.items():
         law = compiled.laws[kind]

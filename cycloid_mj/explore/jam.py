@@ -49,11 +49,12 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
 
 
 def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples in which a kind of part is preloaded, by its name ("a tooth", "the cam").
+    """Compute the share of samples [1] in which a kind of part is preloaded, by its name ("a tooth", "the cam").
 
-    Shares of 0 are left out. The key "no balance" has the share of samples without a static equilibrium. `figures` are
-    the figures of the samples by key, shape (samples,) each; without the contact forces in `PRELOADS`, the result is
-    empty.
+    A part is preloaded if its largest contact force without a load exceeds `JAM.share` times that under the nominal
+    torque. The key "no balance" has the share of samples without a static equilibrium. Shares of 0 are left out.
+    `figures` are the figures of the samples by key, shape (samples,) each; without the forces in `PRELOADS`, the result
+    is empty.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}

@@ -130,7 +130,14 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
 
 
 def read_table(path: Path) -> Points:
-    """Read points from a CSV file whose header has keys of the design file; raise UsageError as `list_rows`."""
+    """Read points from a CSV file with keys of the design file in its header, and a row of values for each point.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be read, a column is repeated, a row has too many or too few values, there are no rows or too
+        many, or the design file has no such key or cannot have such a value.
+    """
     try:
         with note_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]

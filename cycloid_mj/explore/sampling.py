@@ -261,8 +261,13 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
     """Return the sample with the index `row` as a design with all its errors and clearances, and without tolerances.
 
-    An internal gear has no errors of single lobes, so those are dropped. `name` is shortened to 64 characters. Raise
-    DesignError where a design cannot have the values, such as a clearance of 0.
+    If the ring is an internal gear instead of single pins, the errors of single pins are dropped, because its design
+    file has no such errors. `name` becomes the name of the design, shortened to 64 characters.
+
+    Raises
+    ------
+    DesignError
+        A design cannot have the values of the sample, such as a clearance of 0.
     """
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     if reducer.design.ring.kind != "pin":

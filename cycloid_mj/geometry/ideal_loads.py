@@ -85,9 +85,10 @@ def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: np
 def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
     """Share a torque on the gear among its contacts with an internal gear, and compute the eccentric's reaction.
 
-    The arrays contain first the contacts with the N arcs, in the order of `envelope.arc_contacts`, then those with the
-    curve Sigma that joins the arcs, in the order of `envelope.sigma_contacts`. All contacts are equally stiff. `torque`
-    [N m] acts on the gear; it and `crank_angle` [rad] are counter-clockwise.
+    The arrays have shape (n,). They contain first the contacts with the N arcs, in the order of
+    `envelope.arc_contacts`, then those with the flanks Sigma between the arcs, in the order of
+    `envelope.sigma_contacts`. All contacts are equally stiff. `torque` [N m] acts on the gear; it and `crank_angle`
+    [rad] are counter-clockwise.
     """
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
     arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))

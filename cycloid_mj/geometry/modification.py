@@ -25,13 +25,13 @@ class FlankEnds:
     Attributes
     ----------
     tip
-        Distance of its end from the tip's parameter t [rad].
+        Parameter t of the tip minus that of the end at the tip [rad], not negative.
     tip_radius
-        Distance of the tip's corner from the gear's centre [m].
+        Distance of the end at the tip from the gear's centre [m].
     valley
-        Distance of its end beyond the valley's parameter t [rad].
+        Parameter t of the valley minus that of the end at the valley [rad], not negative.
     valley_radius
-        Distance of the valley's corner from the gear's centre [m].
+        Distance of the end at the valley from the gear's centre [m].
     """
 
     tip: float
@@ -66,8 +66,9 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
     """Compute where the flanks end that are rotated by `rotation` >= 0 [rad] towards the middle of their lobe.
 
     The profile is at `offset` [m] from its trochoid. A rotated flank ends where it crosses the centre lines of tip and
-    valley. For each of the two ends, the result has its distance from the gear's centre, and its parameter t relative
-    to that of tip or valley.
+    valley. For each of the two ends, first at the tip and then at the valley, the result has two values: the parameter
+    t [rad] of the tip or valley minus that of the end, which is not negative, and the distance of the end from the
+    gear's centre [m].
 
     Raises
     ------
@@ -94,8 +95,8 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
         middles - half_pitch,
         middles,
     )
-    radius, mirrored_parameter = _Polar(gear, t, offset).radius, middles - t
-    return FlankEnds(float(mirrored_parameter[0]), float(radius[0]), float(mirrored_parameter[1]), float(radius[1]))
+    radius, difference = _Polar(gear, t, offset).radius, middles - t
+    return FlankEnds(float(difference[0]), float(radius[0]), float(difference[1]), float(radius[1]))
 
 
 def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:

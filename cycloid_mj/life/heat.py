@@ -131,9 +131,17 @@ def still_air_coefficient(
 ) -> float:
     """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
 
-    By ISO/TR 14179-2 it is 18 (H/0.1)^-0.1 ((T_w - T_a)/T_a)^0.3 + 0.23e-6 eps ((T_w + T_a)/2)^3 with the `height` H of
-    the housing [m], its `emissivity` eps [1], and the temperatures T_w of the wall and T_a of the air in kelvin. The
-    arguments are in [°C].
+    By ISO/TR 14179-2 it is 18 (H/0.1)^-0.1 ((T_w - T_a)/T_a)^0.3 + 0.23e-6 eps ((T_w + T_a)/2)^3, with T_w and T_a in
+    kelvin. A wall that is colder than the air has no convection.
+
+    Parameters
+    ----------
+    height
+        Height H of the housing [m].
+    wall_temperature, ambient_temperature
+        Temperatures T_w of the outer wall of the housing and T_a of the air [°C].
+    emissivity
+        Emissivity eps of the wall [1].
     """
     hot, cold = wall_temperature + FREEZING_POINT, ambient_temperature + FREEZING_POINT
     convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3

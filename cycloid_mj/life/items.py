@@ -158,7 +158,8 @@ def _rate_all_items(
     Returns
     -------
     tuple
-        The items, and the largest numerical work of the static equilibria of the duty's points (see `Loading.work`).
+        The items; and the numerical work of the duty's point with the slowest static equilibria, the mean number of
+        assemblies of the equations per crank angle (`Loading.work`).
 
     Raises
     ------

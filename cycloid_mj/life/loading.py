@@ -96,7 +96,7 @@ class Loading:
     wind_up
         Turn of the disc by the load, without clearances [rad]; NaN where it was not solved for.
     work
-        Numerical work of the equilibria, see `Loads`.
+        Numerical work of the equilibria: mean number of assemblies of the equations per crank angle, as `Loads.work`.
     """
 
     point: DutyPoint

@@ -120,12 +120,15 @@ def _extrapolate_torque_limit(
 ) -> tuple[float, RatedItem | None]:
     """Rate the reducer at a torque [N m], and extrapolate its torque limit from the weakest item (`weakest_torque`).
 
-    The other parameters are those of `rated_torque`.
+    `speed` is that of the crank [rad/s], `life` the required life [h], and `crank_angles` the number of crank angles of
+    the rating. Only items for whose key `limits_torque` returns True are considered. `with_stops` includes emergency
+    stops. `parts` is "perfect" for the parts as designed, or "toleranced" for samples within the tolerances.
 
     Returns
     -------
     tuple
-        The limit [N m] and the item that sets it; (0, None) if there is no static equilibrium.
+        The limit [N m] and the item that sets it; (0, None) if the rating fails, for example because there is no static
+        equilibrium at this torque.
     """
     try:
         items = rate(

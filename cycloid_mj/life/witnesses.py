@@ -60,9 +60,11 @@ KPSI = 1e3 * POUND / INCH**2
 
 
 def bearing_rows(quick: bool) -> list[ValidationRow]:
-    """Compare ratings of catalogue needle cages, and the cam bearing of a two-disc drive, with published values.
+    """Compare capacities of needle cages, and force and life of a cam bearing, with published values.
 
-    Returns a row of `cycloid-mj validate` for each; `quick` has no effect.
+    Returns rows of `cycloid-mj validate` for the dynamic capacity C [N] of each cage in `CAGES`, computed from its
+    catalogued static capacity; and, for the cam bearing of a published drive, for the mean force [N], and the life [h]
+    at the speed of the crank and at the speed of the crank relative to the disc. `quick` has no effect.
     """
     rows = [relative(f"C of {cage}", cage.rating(), cage.dynamic, "N", CATALOGUE, 5.0) for cage in CAGES]
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)

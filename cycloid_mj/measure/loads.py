@@ -382,6 +382,7 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
+    """Return curves of the contact forces of each kind, of the force of each cam on its disc, and along the ring."""
     single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
     cams = [
         curve

@@ -110,6 +110,7 @@ def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Ca
 
 
 def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
+    """Return the causes of a reducer with a central crank: mesh, ring, holes with output pins, and eccentricity."""
     design = reducer.design
     lobes, pins, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
     mesh_signal: Place = "gear"
@@ -141,6 +142,7 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
 
 
 def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
+    """Return the causes of an RV reducer: mesh, ring, cranks, and mesh of the planets; all show in the output."""
     lobes, teeth, (_, base) = reducer.design.lobes, cast(RvReducer, reducer).planet.planet_teeth, base_orders(reducer)
     return (
         *_ring_causes(reducer, "output", "elasticity, modification"),

@@ -116,6 +116,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def _rv_unbalance(reducer: RvReducer) -> Unbalance:
+    """Compute `unbalance` of an RV reducer: static unbalance of the discs, and couple unbalance of discs and cranks."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
     directions, crank = unit(-np.array(reducer.phases)), masses[CRANK]
     moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
@@ -167,16 +168,22 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
 
 
 def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
+    """Compute `reaction` of an RV reducer under `gravity` (2,) [m/s2].
+
+    `Reaction.output` is the force of the carrier on its bearings: the contact forces on the cranks and planets, plus
+    the weights of cranks and loaded body. `Reaction.crank` is the force of the sun on its bearings, which is 0 if the
+    sun floats.
+    """
     mechanism, masses = reducer.mechanism, moving_masses(reducer)
-    carried = [body for body in mechanism.bodies if body.carrier == OUTPUT]
-    on_cranks = [stem for body in carried for stem in mechanism.against(body.name)]
-    on_output = sum(masses[body.part].mass for body in carried) + masses[mechanism.turning].mass
+    cranks = [body for body in mechanism.bodies if body.carrier == OUTPUT]
+    pairs_on_cranks = [pair for body in cranks for pair in mechanism.against(body.name)]
+    carrier_mass = sum(masses[body.part].mass for body in cranks) + masses[mechanism.turning].mass
     # the force of a planet on the sun is logged; the bearings of a floating sun carry nothing
     on_sun = run.forces(PLANET_MESH).sum(axis=1) + masses[SUN].mass * gravity
     return Reaction(
         ring=-_sum_forces(run, mechanism.against(HOUSING)),
         crank=on_sun * (reducer.planet.sun_support == "fixed"),
-        output=-_sum_forces(run, on_cranks) + on_output * gravity,
+        output=-_sum_forces(run, pairs_on_cranks) + carrier_mass * gravity,
     )
 
 

@@ -246,10 +246,10 @@ def _equal_input(
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input that scales the clearances of some `kinds` of pairs by a common factor.
+    """Return the input with the `name` that scales the clearances of some `kinds` of pairs by a common factor.
 
-    `factors` are the factors on the design's clearances at both ends of the range. The value of the input in tables is
-    the sum of the clearances [um].
+    `factors` are the factors on the design's clearances at the lower and the upper end of the range; each clearance is
+    limited to `INPUTS.max_clearance`. As ends of the range, tables state the sum of these clearances [um].
     """
     low, high = (
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}

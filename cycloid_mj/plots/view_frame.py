@@ -107,10 +107,24 @@ class ViewFrame:
 
 
 def frame_views(axes: Axes, reducer: Reducer, ends: tuple[float, float], gap: float) -> ViewFrame:
-    """Set the limits of `axes` for both views of a reducer, and return their frame.
+    """Set limits and equal scales of `axes` for the front view of a reducer and, to its right, the section.
 
-    `ends` are the ends of the reducer along z [m], and `gap` is the distance of the section from the housing in the
-    front view, in spacings of dimension lines.
+    Parameters
+    ----------
+    axes
+        Axes of the drawing, whose frame and ticks are hidden.
+    reducer
+        The reducer.
+    ends
+        Lower and upper end of the reducer along z [m].
+    gap
+        Distance between the housing in the front view and the section, in spacings of dimension lines: multiples of
+        `LINE_SPACING` times the outer radius.
+
+    Returns
+    -------
+    ViewFrame
+        Frame of both views [mm], with methods to draw them.
     """
     near, far = (MILLIMETRES * end for end in ends)
     outer = MILLIMETRES * reducer.design.housing.outer_radius

@@ -226,9 +226,11 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
 
 
 def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Yield the resonance frequency [Hz] of a reduced joint with a heavy inertia under nominal torque, crank locked.
+    """Yield the resonance frequency [Hz] of a reduced joint under nominal torque at a locked crank, and its reference.
 
-    Its reference is sqrt(k/J)/(2 pi), with the slope k of the full model's wind-up, `play`, and the inertia J.
+    The joint is simulated with a load of ten times its reflected inertia. The reference is sqrt(k/J)/(2 pi). The
+    stiffness k [N m/rad] is the slope of the wind-up curve of the full model (`Play.stiffness`), and J [kg m2] is the
+    inertia of load and output.
     """
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))

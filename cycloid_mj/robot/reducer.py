@@ -214,7 +214,11 @@ class ReducedJoint(Presented):
         (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
 
         def stops(deviation: float) -> tuple[float, float]:
-            """Compute the positions of the lower and the upper stop [rad] for an output at the deviation L [rad]."""
+            """Return the deviations L at the lower and the upper stop [rad], under the load at the output's deviation.
+
+            `deviation` is L [rad], the output's angle minus its ideal angle. It determines the torque, and so the
+            transmission errors that move both stops.
+            """
             share_below, share_above = (
                 np.interp(-deviation, lower_deviation, shares),
                 np.interp(deviation, upper_deviation, shares),

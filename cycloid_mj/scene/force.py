@@ -268,6 +268,7 @@ class _InnerParts:
 
 
 def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
+    """Return the inner parts at the measured poses of the bodies, by the name of the body."""
     nominal = ring_places(reducer)
     ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
     if pin(1) in by_part:

@@ -85,15 +85,27 @@ class Reactions:
 
 
 def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to the contact forces `contact_loads` of all discs, at the angles of `springs`.
+    """Compute the forces of the D discs on shaft, output and ring, and the bearing reactions, at m crank angles.
 
-    Weight and unbalance of shaft and output are left out. `Reactions` states the content and the shapes of the result.
+    Weight and unbalance of shaft and output are left out.
+
+    Parameters
+    ----------
+    reducer, springs
+        The reducer, and its contact springs at the m crank angles.
+    contact_loads
+        Contact forces of these springs.
+
+    Returns
+    -------
+    Reactions
+        Forces of the discs (m, D, 2) [N], and reactions of the bearings (m, 2) [N].
     """
 
     def sum_by_disc(forces: Array, directions: Array) -> Array:
-        """Sum the reactions to the normal forces on each disc [N], (m, D, 2).
+        """Compute the force by which each disc reacts to the normal forces on it [N], shape (m, D, 2).
 
-        `forces` (m, D n) [N] act on the discs along `directions` (m, D n, 2).
+        `forces` (m, D n) [N] act on the discs along the unit vectors `directions` (m, D n, 2).
         """
         reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
         return np.asarray(-reactions.sum(axis=2))

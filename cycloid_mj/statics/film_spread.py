@@ -182,10 +182,19 @@ RAISED_FRICTION = 1.1
 
 
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
-    """Compute the relative growth of the contact forces divided by that of all friction coefficients [1].
+    """Compute how fast the contact forces grow with friction: their relative growth over that of the coefficients [1].
 
-    The growth is a mean over the contacts, weighted by their friction losses. `contact_loads` is the equilibrium under
-    `torque` [N m], the torque of the contacts on the output including the drag of seals.
+    A second equilibrium is solved with all friction coefficients times `RAISED_FRICTION`, and both friction losses are
+    compared (`loss_growth`). The growth is therefore a mean over the contacts, weighted by their losses.
+
+    Parameters
+    ----------
+    reducer, springs
+        The reducer with the friction law ``film``, and its contact springs.
+    torque
+        Torque on the output by the contacts [N m], the sum of load and drag of seals.
+    contact_loads
+        Equilibrium of the springs under this torque, with its friction coefficients.
     """
     assert contact_loads.friction is not None
     raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))

@@ -108,10 +108,24 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
 
 
 def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Solve for the balance with friction in the direction of rotation of the design, whichever shaft drives.
+    """Solve for the static equilibrium with friction of a reducer that rotates in the direction of its design.
 
-    `torque` [N m], not 0, acts on the output: it brakes the drive if positive, and drives it if negative. `count` is
-    the number of crank angles over a turn of the carrier. Raises as `solve_rv_loads`.
+    Unlike in `balance_running`, friction has this direction at either sign of the torque.
+
+    Parameters
+    ----------
+    reducer
+        The reducer; the sign of ``drive.speed_rpm`` is its direction of rotation.
+    torque
+        Torque on the output [N m], not 0. If it is positive, it brakes the output and the sun drives; if it is
+        negative, the output drives the sun.
+    count
+        Number of crank angles over a turn of the carrier, those of `carrier_turn_angles`.
+
+    Raises
+    ------
+    RunError
+        The Newton method or the iteration of friction does not converge.
     """
     if torque > 0.0:
         return balance_running(reducer, torque, count)

@@ -260,8 +260,12 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     Returns
     -------
     Effects
-        Its arrays have a row for each crank angle and a column for each contact, teeth first. Errors are the position
-        of the pin or hole in x and y, the pin circle, the flank rotation, the eccentricity and the wave amplitudes.
+        Five arrays, with k crank angles and n contacts, first those of the teeth, then those of the output pins.
+        `distance` and `shift` (k, n, 4) are the derivatives of the gaps along the normals, and of the displacements
+        along the tangents, by position of pin or hole in x and in y [1], pin circle [1] and flank rotation [m/rad].
+        `cam_position` (k, D, 2) [1] is the derivative of the D cams' positions by the eccentricity. `turned` (k, 2) has
+        cosine and sine of the crank angle. `waves` (k, n, 1 + 2 orders) has in its first column the change of the gaps
+        by `common_waves` [m], and in the others the derivative of the gaps by each cosine and each sine amplitude [1].
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)

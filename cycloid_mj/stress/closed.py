@@ -30,8 +30,9 @@ class LineStress:
 def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
     """Compute Hertz's peak pressure and largest von Mises stress [Pa] of the m contacts of a part at k crank angles.
 
-    Both have the shape (k, m). If a contact is conformal at its largest force, its stresses are NaN at every angle,
-    since the value at a smaller force would appear to be its largest.
+    Both have the shape (k, m). They are 0 without a force, and NaN where the contact is too conformal for Hertz's
+    theory. If a contact is conformal at the angle of its largest `loads.pressure`, its stresses are NaN at every angle,
+    since the largest of the other values would appear to be its maximum.
     """
     worst = np.argmax(loads.pressure, axis=0)
     is_valid = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]

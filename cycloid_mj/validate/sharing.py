@@ -69,7 +69,7 @@ def patch_rows(quick: bool) -> list[ValidationRow]:
 
     Neighbouring contact lines form one contact area (patch) and share a spring.
     """
-    note = "an arc and a root line with less than a deflection of gap between them share one spring"
+    note = "an arc and a flank line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
     return [_ideal_row(NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick)]
 
@@ -208,39 +208,46 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh at a crank angle [rad]: arcs, then root lines of an internal gear.
+    """Compute the contacts of the ideal mesh at a crank angle [rad]: with the ring pins, or with an internal gear.
+
+    Those with an internal gear are first the contacts with the arcs of its lobes, then those with the flanks Sigma
+    between the arcs (`envelope`).
 
     Returns
     -------
     tuple of Array
-        For each contact: the index of the ring lobe, shape (n,); the unit normal of the ring, which points into its
-        bore, towards the disc, (n, 2); and the parameter B of the contact on the profile of the lobe [rad], (n,).
+        For each contact: the index of the pin, or of the lobe to which the arc or flank belongs, shape (n,); the unit
+        normal of the ring, which points into its bore, towards the disc, (n, 2); and the phase B [rad] of the contact
+        on pin, arc or flank, (n,).
     """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
         return arc_contacts.lobe, arc_contacts.normals, arc_contacts.B
-    root_contacts = envelope.sigma_contacts(gear, crank)
-    lobes = np.concatenate([arc_contacts.lobe, _lobe_of_roots(gear, root_contacts)])
+    flank_contacts = envelope.sigma_contacts(gear, crank)
+    lobes = np.concatenate([arc_contacts.lobe, _lobes_of_flanks(gear, flank_contacts)])
     return (
         lobes,
-        np.concatenate([arc_contacts.normals, root_contacts.normals]),
-        np.concatenate([arc_contacts.B, root_contacts.B]),
+        np.concatenate([arc_contacts.normals, flank_contacts.normals]),
+        np.concatenate([arc_contacts.B, flank_contacts.B]),
     )
 
 
-def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
-    """Return the ring lobe of each root contact; the half beyond B = pi belongs to the next, counter-clockwise."""
-    return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
+def _lobes_of_flanks(gear: CycloidGear, contacts: envelope.RingContacts) -> Integers:
+    """Return the index of the ring lobe to which the flank Sigma of each contact belongs, shape (n,).
+
+    Flanks beyond B = pi belong to the lobe counter-clockwise of that in `contacts`.
+    """
+    return (contacts.lobe - np.greater(contacts.B, np.pi)) % gear.ring_teeth
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """Compute the weight [1] of each contact line of the ideal internal gear at a crank angle [rad], shape (n,).
 
     The weight is the stiffness of the line divided by that of a line with a spring of its own. Arcs come first, then
-    root lines. A root line and the arc of its lobe have the weight (1 + s)/2 each. s is the gap half-way between both
-    lines divided by the deflection under ``contact.working_force``, at most 1. If an arc is next to two root lines, its
-    weight is the product of both values.
+    lines on the flanks between them. A line on a flank and the arc of its lobe have the weight (1 + s)/2 each. s is the
+    gap half-way between both lines divided by the deflection under ``contact.working_force``, at most 1. If an arc is
+    next to two lines on flanks, its weight is the product of both values.
     """
     design = reducer.design
     gear = tooth_profile(design)
@@ -249,7 +256,7 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     deflection = design.contact.working_force / design.contact.stiffness
     mid_phases = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - min_phase, min_phase)) / 2
     arc_weights, root_weights = np.ones(gear.ring_teeth), np.empty(roots.B.size)
-    for index, (root, lobe) in enumerate(zip(roots.lobe, _lobe_of_roots(gear, roots), strict=True)):
+    for index, (root, lobe) in enumerate(zip(roots.lobe, _lobes_of_flanks(gear, roots), strict=True)):
         mid_point = offset_root(gear, int(root), mid_phases[index : index + 1])
         mid_gap = trochoid_distance(gear, pose.to_gear(mid_point))[0][0]
         root_weights[index] = (1.0 + min(1.0, mid_gap / deflection)) / 2.0

@@ -53,9 +53,9 @@ def _share_patches(
 ) -> Array:
     """Return the stiffness of each contact line [N/m], shape (n,), less for lines that form one contact area (patch).
 
-    A root line and the arc of its lobe form a patch if the gap half-way between them exceeds the larger of their own
-    gaps by less than the deflection of the teeth under their working force (`Contact.force`). The smaller this excess,
-    the closer is the sum of their stiffnesses to that of a single line.
+    A line on a flank Sigma and that on the arc of its lobe form a patch if the gap half-way between them exceeds the
+    larger of their own gaps by less than the deflection of the teeth under their working force (`Contact.force`). The
+    smaller this excess, the closer is the sum of their stiffnesses to that of a single line.
 
     Parameters
     ----------

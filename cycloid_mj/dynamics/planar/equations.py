@@ -259,11 +259,23 @@ class Tangent(NamedTuple):
 def _lever_arms(
     contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
-    """Return the `LeverArms` of a body: the effect of a contact on its unknowns x, y and rotation, and vice versa.
+    """Return the `LeverArms` of one of the two bodies of a contact, by its unknowns x, y and rotation.
 
-    `sign` is 1 or -1, the sign of the body's motion in the relative speed of the contact. Per rotation of the body [m],
-    the contact point moves by `normal` along the normal and by `tangent` along the tangent, and the centre of a round
-    surface by `centre` along the tangent. `sliding` is the friction per normal force [1] of a sliding contact.
+    They convert the contact force to generalised forces on the body, and the speeds of the body to speeds of the
+    contact: along the normal (nx, ny) and along the tangent (-ny, nx).
+
+    Parameters
+    ----------
+    contact
+        The contact, for its unit normal.
+    sign
+        Sign with which the motion of the body counts in the relative speed of both bodies, 1 or -1.
+    normal, tangent
+        Displacement of the contact point along normal and tangent per rotation of the body [m].
+    centre
+        Displacement of the centre of the round surface along the tangent per rotation of the body [m].
+    sliding
+        Friction per normal force [1] of a sliding contact; 0 if the contact sticks.
     """
     nx, ny = contact.nx, contact.ny
     normal_arms, tangent_arms = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)

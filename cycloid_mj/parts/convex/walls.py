@@ -8,9 +8,10 @@ from cycloid_mj.reducer import Reducer, RvReducer
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness [m] of the slices of a disc.
+    """Compute how deep [m] the convex slices of a disc extend from its flanks, bore and holes into the material.
 
-    It is the pin radius times `settings.depth`, or the thinnest wall times `METHOD.wall_share` if that is less.
+    The depth is in the plane of the disc. It is the pin radius times `settings.depth`, or the thinnest wall of the disc
+    times `METHOD.wall_share` if that is less.
     """
     design = reducer.design
     valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
@@ -30,9 +31,10 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness [m] of the slices of the ring.
+    """Compute how deep [m] the convex slices of the ring extend from its flanks or sockets into the material.
 
-    It is the pin radius times `settings.depth`, or the thinnest wall times `METHOD.wall_share` if that is less.
+    The depth is in the plane of the ring. It is the pin radius times `settings.depth`, or the thinnest wall of the ring
+    times `METHOD.wall_share` if that is less.
     """
     design = reducer.design
     ring = design.ring

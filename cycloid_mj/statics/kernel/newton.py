@@ -82,12 +82,33 @@ def newton(
 ) -> float:
     """Solve for the displacements of static equilibrium at a crank angle by a semismooth Newton method.
 
-    `z` (u,) [m] contains start values, which are replaced by the solution. `tolerance` [N] is the residual norm of a
-    solution. `damping` [1/N] is the stiffness added to the tangent, divided by the stiffness of the cam and the
-    residual norm. With `warm_start`, contacts that carried a force count as closed in the first step (warm-started
-    active set). With `use_backtracking`, steps are shortened until the energy falls (Armijo); only without friction.
-    `system` is overwritten. The other arguments are those of `assemble`. Returns the residual norm, the largest
-    residual force [N].
+    Parameters
+    ----------
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Start values of the displacements (u,) [m], which are replaced by the solution.
+    stiffness_factor, friction
+        Factors on all stiffnesses and on the friction [1]: 1 and 1 for the equilibrium, other values on the way to it.
+    use_foot_points
+        Whether the foot point of every tooth is computed, instead of the third-order expansion.
+    tolerance
+        Residual norm of a solution [N].
+    damping
+        Stiffness added to the tangent, divided by the stiffness of the cam and the residual norm [1/N].
+    warm_start
+        Whether contacts that carried a force count as closed in the first step (warm-started active set). Without
+        friction, a step along which the energy then rises steeply is changed to the minimum of the quadratic model.
+    use_backtracking
+        Whether steps are halved until the energy falls (Armijo), along descent directions; only without friction.
+    system
+        Residual, tangent and workspace, which are overwritten.
+
+    Returns
+    -------
+    float
+        Largest residual force [N] when it was last evaluated: at the solution, or above `tolerance` if the method
+        fails. If it fails by the number of steps, `z` is one step further.
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size

@@ -137,7 +137,11 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate residual, tangent and workspace, which serve one crank angle after the other."""
+    """Allocate a `System` for the solution of the springs' equilibria, at one crank angle after the other.
+
+    All its arrays are 0 except `arm` (1,) [1]: the largest displacement of a contact, along and across its normal, per
+    displacement by rotation of its disc or of the output, at the first crank angle.
+    """
     unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
