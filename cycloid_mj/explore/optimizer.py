@@ -22,7 +22,8 @@ from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, define_problem, evaluate_point
 from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.search import CMA, REQUIREMENT, Point, search_minimum
-from cycloid_mj.explore.tolerances import TooManyJams, has_tolerances, tolerance
+from cycloid_mj.explore.tolerance_zones import has_tolerances
+from cycloid_mj.explore.tolerances import TooManyJams, tolerance
 from cycloid_mj.explore.verify import verify_design
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import Sheet, sheet

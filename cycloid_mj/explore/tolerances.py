@@ -1,11 +1,11 @@
 """Monte Carlo study of a design within its tolerances: distributions, yield, jams, and an error budget."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from statistics import NormalDist
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
-from cycloid_mj.design.layouts import Layout
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore import rv_samples, sampling
 from cycloid_mj.explore.budget import (
@@ -299,18 +298,6 @@ class StudyInterrupted(KeyboardInterrupt):
     def __init__(self, stop: KeyboardInterrupt, tolerances: Tolerances) -> None:
         super().__init__(*stop.args)
         self.tolerances = tolerances
-
-
-ZONES: Mapping[Layout, Callable[[Reducer], Mapping[str, Zone]]] = {
-    "central": sampling.tolerance_zones,
-    "rv": lambda reducer: rv_samples.crank_zones(cast(RvReducer, reducer)),
-}
-"""Function of each layout that returns the nonzero tolerances of a reducer, by key."""
-
-
-def has_tolerances(reducer: Reducer) -> bool:
-    """Return whether a design has tolerances that a study can vary."""
-    return bool(ZONES[reducer.LAYOUT](reducer))
 
 
 class TooManyJams(RunError):

@@ -10,9 +10,10 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import Design
-from cycloid_mj.explore import rv_samples, tolerances
+from cycloid_mj.explore import rv_samples
 from cycloid_mj.explore.jam import PRELOADS, find_jams
 from cycloid_mj.explore.sampling import Batch, draw_samples, has_design_file, sample_design, tolerance_zones
+from cycloid_mj.explore.tolerance_zones import has_tolerances
 from cycloid_mj.figures import compute_sampled
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
@@ -66,7 +67,7 @@ class RatedSamples:
 
 def default_parts(design: Design) -> Parts:
     """Return the parts that are rated unless others are chosen: toleranced if the design has tolerances."""
-    return "toleranced" if tolerances.has_tolerances(reducer_of(design)) else "perfect"
+    return "toleranced" if has_tolerances(reducer_of(design)) else "perfect"
 
 
 def find_critical_sample(reducer: Reducer) -> int | None:
@@ -105,7 +106,7 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
         No sample turns and can be written as a design.
     """
     name = reducer.design.name
-    if not tolerances.has_tolerances(reducer):
+    if not has_tolerances(reducer):
         table = "crank_tolerance" if isinstance(reducer, RvReducer) else "tolerance"
         raise UsageError(
             f"the design {name!r} has no tolerances: set at least one in the table [{table}], or use `--parts perfect`"

@@ -19,7 +19,7 @@ from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, KG_CM2, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.design.layouts import applies
-from cycloid_mj.explore.tolerances import has_tolerances
+from cycloid_mj.explore.tolerance_zones import has_tolerances
 from cycloid_mj.figures import figure, quantities, values_json
 from cycloid_mj.life.as_built import SETTINGS
 from cycloid_mj.life.bearings import bearing_losses
