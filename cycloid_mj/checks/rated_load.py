@@ -87,7 +87,7 @@ class RatedLoad:
 
 @once
 def rated_load(reducer: Reducer) -> RatedLoad:
-    """Return the static loads of a sound design at its nominal torque; errors as `loads`."""
+    """Return the static loads of a sound design at its nominal torque; raise RunError without an equilibrium."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
     return RatedLoad(reducer, torque, springs, loads(reducer, springs, torque, warm_start=True))

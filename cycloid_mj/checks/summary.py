@@ -61,7 +61,13 @@ class Summary:
 
 
 def summarize(reducer: Reducer) -> Summary:
-    """Summarize a design that can be built: ratio, loads, pressures and sizes; raises as `rated_load`."""
+    """Summarize a design that can be built: ratio, loads, pressures and sizes.
+
+    Raises
+    ------
+    RunError
+        There is no static equilibrium at the nominal torque.
+    """
     design = reducer.design
     state = rated_load(reducer)
     turning_reducer = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})

@@ -82,7 +82,7 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
     Parameters
     ----------
     named
-        Preset, file or design as for `resolve`; a file must be readable and valid.
+        A design, the name of a preset, or the path of a design file, which must be readable and valid.
     changes
         Texts ``table.key=value`` of the command line.
     """

@@ -153,7 +153,7 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
 
 
 def log_columns(model: Model, reducer: Reducer) -> Groups:
-    """Return the units of the log's columns, as a dict of columns for each topic."""
+    """Return the unit of each column of the log: topic -> name of the column -> unit."""
     kinds = sorted(model.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {

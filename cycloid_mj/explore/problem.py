@@ -138,8 +138,9 @@ def define_problem(
 ) -> Problem:
     """Return the optimisation problem of a reducer, with variables, objectives, limits and linked keys.
 
-    The arguments are those of `optimize`: ranges of keys, figures to `minimize` and `maximize`, limits on figures,
-    whether warnings of checks reject a point (`strict`), and keys that `follow` others.
+    `vary` maps keys of the design file to ranges or lists of values. `minimize` and `maximize` are keys of figures,
+    `limits` are limits on figures. `strict` is whether warnings of checks reject a point, too. `follow` are formulas of
+    keys that depend on others. `optimize` states their forms.
 
     Raises
     ------

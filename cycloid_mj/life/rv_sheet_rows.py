@@ -68,7 +68,10 @@ class RvTorqueLimits:
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
     """Compute rated and momentary torque of an RV reducer, for a life [h] at the design's speed.
 
-    Raises as `rated_torque`.
+    Raises
+    ------
+    DesignError
+        There is no rated torque for that life.
     """
     speed = reducer.design.drive.speed
     lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (None, is_bearing_life))

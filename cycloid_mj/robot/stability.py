@@ -137,9 +137,9 @@ class StepTrial:
 
 
 def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
-    """Try all levels, integrators and inertias (`INERTIAS`) at the time steps `STUDY.steps`.
+    """Return a trial simulation of a joint for each level, integrator, load inertia (`INERTIAS`) and time step.
 
-    If the shortest of these is not accurate, `STUDY.finer_steps` are tried as well.
+    The time steps are `STUDY.steps`. If the shortest of these is not accurate, `STUDY.finer_steps` are tried as well.
     """
     trials: list[StepTrial] = []
     for level, integrator in itertools.product(LEVELS, INTEGRATORS):

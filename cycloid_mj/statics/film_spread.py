@@ -275,7 +275,10 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
     """Compute the efficiency [%] and its interval when the output drives with a `torque` [N m].
 
-    Raises as `balance.powers`.
+    Raises
+    ------
+    RunError
+        There is no equilibrium, for example because friction jams the reducer.
     """
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, -torque)

@@ -229,7 +229,12 @@ class RvLoads:
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Contact stiffness is that of the reducer `at_rated_load`. Raises as ``springs.springs_of``.
+    Contact stiffness is that of the reducer `at_rated_load`.
+
+    Raises
+    ------
+    ContactError
+        The working force flattens a pin beyond the range of a line contact.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)

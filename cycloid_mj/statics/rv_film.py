@@ -125,7 +125,10 @@ def bearing_friction(reducer: RvReducer) -> tuple[float, float]:
 
 
 def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
-    """Return the friction of an RV reducer with the law ``film``; arguments are those of `compute_rv_friction`."""
+    """Return the friction of an RV reducer with the law ``film`` at crank angles against the ring [rad], shape (m,).
+
+    The cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
+    """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
     contacts = build_film_contacts(reducer, crank, teeth, teeth.kind.size, sense * ideal_motion(reducer, crank))
@@ -134,7 +137,10 @@ def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvF
 
 
 def running_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RunningFriction:
-    """Return the friction of turning cranks by the law of the design; arguments are those of `compute_rv_friction`."""
+    """Return the friction by the law of the design at crank angles against the ring [rad], shape (m,).
+
+    The cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
+    """
     return (build_rv_film if reducer.design.has_film else compute_rv_friction)(reducer, crank, sense)
 
 

@@ -91,7 +91,12 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the balance without friction at `count` crank angles over a turn of the carrier.
 
-    `torque` is the torque on the output [N m], not 0. Raises as `solve_rv_loads`.
+    `torque` is the torque on the output [N m], not 0.
+
+    Raises
+    ------
+    RunError
+        The Newton method does not converge.
     """
     return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
 
@@ -101,7 +106,12 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     """Solve for the balance of the running drive with friction at `count` crank angles over a turn of the carrier.
 
     `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque brakes a drive that runs in
-    reverse. Raises as `solve_rv_loads`.
+    reverse.
+
+    Raises
+    ------
+    RunError
+        The Newton method or the iteration of friction does not converge.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
     return solve_rv_loads(springs, on_carrier, friction_over_turn(reducer, float(np.sign(torque)), count))
@@ -324,7 +334,11 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
 
     `load` is the torque on the output [N m]. Powers are means over `RvSheetSettings.rotation_angles` crank angles. The
     result is that of `film_spread.lost_powers`: the power of the design [W], and of each sample [W], shape (samples,).
-    Raises as `solve_rv_loads`.
+
+    Raises
+    ------
+    RunError
+        The Newton method or the iteration of friction does not converge.
     """
     count = SETTINGS.rotation_angles
     losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)

@@ -558,7 +558,12 @@ def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, 
     """Compute the efficiency [%] and its interval when the crank drives against an output torque [N m].
 
     `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
-    film law [W], such as the bearings of shaft and output. Raises as `balance.powers`.
+    film law [W], such as the bearings of shaft and output.
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium, for example because friction jams the reducer.
     """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = sampled_losses(reducer, torque, samples)

@@ -83,9 +83,12 @@ The largest stress, the largest contact pressure, and the smallest safety factor
 
 
 def part_figure(reducer: Reducer, kind: str, name: str) -> float:
-    """Compute one of `FIGURES_OF_PARTS` for the parts of a kind, from a run of one turn.
+    """Compute one of `FIGURES_OF_PARTS`, by its `name`, for the parts of a kind, from a run of one turn.
 
-    Raises as `stress_study`.
+    Raises
+    ------
+    CycloidError
+        The run failed, a part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
     parts = [part for part in part_names(reducer) if names.family(part) == kind]
     return FIGURES_OF_PARTS[name]([_study_part(reducer, part) for part in parts])

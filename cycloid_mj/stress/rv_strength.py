@@ -101,7 +101,12 @@ class RvStrength:
 def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
     """Compute the largest stresses of the cranks and of sun and planets over a turn, under the load of the design.
 
-    `angles` [rad], shape (k,), are those of the cranks relative to the carrier. Raises as `balance_turn`.
+    `angles` [rad], shape (k,), are those of the cranks relative to the carrier.
+
+    Raises
+    ------
+    RunError
+        No static equilibrium exists.
     """
     springs, loads = balance_turn(reducer, angles)
     needles = needle_contact(reducer, loads.bearings, 1.0 / reducer.cranks.eccentric_radius)

@@ -108,7 +108,13 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     A spring has the sum of the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion
     that `statics.structure` computes. The compliance of the contacts is subtracted from that of the carrier, since
     statics includes it. `mounts` are the seats of output pins and crank from a drawing; each limit of their modulus
-    needs another simulation. Raises as `stress.figures.wind_up_by_part`.
+    needs another simulation.
+
+    Raises
+    ------
+    CycloidError
+        The run failed, a part does not mesh, a package of the extra ``fem`` is missing, or the mounts do not fit the
+        design.
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()

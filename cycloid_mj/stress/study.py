@@ -289,7 +289,8 @@ def _solve_part(
     """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by corner distance.
 
     `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The stress range is None for
-    parts other than `RANGE_PARTS`. The last result is that of `field.vary_corner_distance`.
+    parts other than `RANGE_PARTS`. The last result has pairs of the distance from sharp corners [m] and the largest
+    bulk stress beyond it [Pa], at the crank angle of the largest bulk stress; it is empty for parts without corners.
     """
     part = assemble_part(reducer, grid, loads)
     has_range = names.family(grid.part) in RANGE_PARTS

@@ -29,12 +29,20 @@ def run_on_cluster(
 ) -> Iterator[tuple[int, R]]:
     """Apply the function `work` to each item on a Dask cluster; yield the results in the order of completion.
 
-    `scheduler` is the address of the cluster; other parameters and errors are those of `Engine.stream`.
+    `scheduler` is the address of the cluster. `on_lost` returns the result for an item whose workers died, from its
+    index and the cause in words.
 
     Yields
     ------
     tuple
         Index of the item, and result.
+
+    Raises
+    ------
+    RunError
+        Workers died and there is no `on_lost`, have other versions of the packages, or cannot be reached.
+    UsageError
+        The address is invalid, or Dask is not installed.
     """
     with _connect_client(scheduler) as client, _connect(scheduler):
         from distributed import KilledWorker, as_completed

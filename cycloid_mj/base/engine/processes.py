@@ -25,13 +25,18 @@ def run_in_processes(
 ) -> Iterator[tuple[int, R]]:
     """Apply the function `work` to each item in processes of this machine; yield results in the order of completion.
 
-    An item whose process died `TRIES` times is tried once more alone. `workers` is the number of processes; other
-    parameters and errors are those of `Engine.stream`.
+    An item whose process died `TRIES` times is tried once more alone. `workers` is the number of processes. `on_lost`
+    returns the result for an item whose process died then, too, from its index and the cause in words.
 
     Yields
     ------
     tuple
         Index of the item, and result.
+
+    Raises
+    ------
+    RunError
+        Such a process died, and there is no `on_lost`.
     """
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 

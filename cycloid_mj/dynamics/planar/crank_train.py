@@ -81,8 +81,10 @@ def find_crank_contacts(
 ) -> int:
     """Write the contacts of all cranks after `count` others, and return the new number of contacts.
 
-    `train` are the cranks; the other arguments are those of ``contacts.find_contacts``. Pairs are numbered after those
-    of teeth and seats: first the bearing of each disc and crank, then the mesh of each planet.
+    `train` are the cranks of the reducer `system`. `q` and `v` are positions [m], [rad] and speeds [m/s], [rad/s] of
+    all unknowns, and `half_step` is half of the time step [s]. The array `contacts` is filled from the index `count`.
+    Pairs are numbered after those of teeth and seats: first the bearing of each disc and crank, then the mesh of each
+    planet.
     """
     discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
     carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks

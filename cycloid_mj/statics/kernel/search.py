@@ -280,9 +280,9 @@ def _grow_clearances(
 ) -> float:
     """Solve without friction for increasing clearances, from none to the full; return the last residual norm [N].
 
-    Each step is a descent of the energy. The arguments are those of `solve_scaled`: `k` is the index of the crank
-    angle, `load` (u,) [N] the generalised load. `z` (u,) [m] ends at the solution, and `clearance` (n,) [m] is
-    workspace.
+    Each step is a descent of the energy until the residual norm is at most `tolerance` [N]. `k` is the index of the
+    crank angle, `load` (u,) [N] the generalised load. `z` (u,) [m] has start values and ends at the solution.
+    `clearance` (n,) [m] and `system` are workspace.
     """
     norm, count = math.inf, _SEARCH.clearance_steps
     for step in range(count + 1):
