@@ -18,7 +18,7 @@ from cycloid_mj.statics.samples import identical_samples
 class JamCriteria:
     """Criteria of a jammed sample, and extent of the search for its cause."""
 
-    share: float = 0.01
+    preload_share: float = 0.01
     """A sample jams where a preload is more than this share of the same pair's largest force under the nominal torque,
     or where it has no balance at all."""
     max_examined: int = 6
@@ -44,22 +44,22 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
 
     Samples without a static balance have NaN as forces, and count as jammed.
     """
-    is_free = [figures[preload] <= JAM.share * figures[loaded] for preload, loaded in PRELOADS.items()]
+    is_free = [figures[preload] <= JAM.preload_share * figures[loaded] for preload, loaded in PRELOADS.items()]
     return np.asarray(~np.all(is_free, axis=0))
 
 
 def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
     """Compute the share of samples [1] in which a kind of part is preloaded, by its name ("a tooth", "the cam").
 
-    A part is preloaded if its largest contact force without a load exceeds `JAM.share` times that under the nominal
-    torque. The key "no balance" has the share of samples without a static equilibrium. Shares of 0 are left out.
+    A part is preloaded if its largest contact force without a load exceeds `JAM.preload_share` times that under the
+    nominal torque. The key "no balance" has the share of samples without a static equilibrium. Shares of 0 are omitted.
     `figures` are the figures of the samples by key, shape (samples,) each; without the forces in `PRELOADS`, the result
     is empty.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}
     counts = {
-        PRELOADED_PARTS[preload_key]: float(np.mean(figures[preload_key] > JAM.share * figures[loaded_key]))
+        PRELOADED_PARTS[preload_key]: float(np.mean(figures[preload_key] > JAM.preload_share * figures[loaded_key]))
         for preload_key, loaded_key in PRELOADS.items()
     }
     failed_share = float(np.mean(~np.isfinite(figures["preload_n"])))

@@ -87,9 +87,9 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
     torques = []
-    for factors, count, diameter, share in _bearing_torque_terms(reducer):
+    for factors, count, diameter, speed_ratio in _bearing_torque_terms(reducer):
         mean, low, high = 0.5 * sum(factors), *factors
-        unit = count * share * idle_torque(1.0, diameter, share * abs(speed), viscosity)
+        unit = count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
         torques.append((mean * unit, low * unit, high * unit))
     preload = _preload_torque(reducer, crank_speed)
     bearings, low, high = (preload + sum(column) for column in zip(*torques, strict=True))
@@ -111,8 +111,8 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
         if design.has_film and bearing.key == "cam_bearing":
             continue
         kind, count, diameter = _bearing_size(reducer, bearing)
-        share = bearing.speed(reducer, design.drive.speed) / abs(design.drive.speed)
-        yield BEARING_FACTORS[kind], count, diameter, share
+        speed_ratio = bearing.speed(reducer, design.drive.speed) / abs(design.drive.speed)
+        yield BEARING_FACTORS[kind], count, diameter, speed_ratio
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:

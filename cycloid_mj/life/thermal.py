@@ -201,11 +201,11 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
             has_converged = True
             break
-        share = 1.0
-        while share >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
-            share *= 0.5
+        step = 1.0
+        while step >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
+            step *= 0.5
             temperatures = {part: 0.5 * (previous[part] + value) for part, value in temperatures.items()}
-        if share < settings.smallest_step:
+        if step < settings.smallest_step:
             break
     final = {part: ambient + rise for part, rise in rises.items()}
     return _Steady(final, losses, network, has_converged, cold or by_point, by_point, previous["disc"])

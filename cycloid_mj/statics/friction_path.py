@@ -142,7 +142,16 @@ def follow_torque_path(
 
 
 def _solve_path(springs: Springs, rubbing: Rubbing, torque: Array, max_rotation: float) -> tuple[float, Array, Array]:
-    """Solve the equilibria along a torque path [N m] from rest, as far as they exist.
+    """Solve the equilibria along a torque path from rest, as far as they exist.
+
+    Parameters
+    ----------
+    springs, rubbing
+        Contact springs at one crank angle without friction, and the friction elements.
+    torque
+        Torques on the output in the order of the path [N m], shape (torques,).
+    max_rotation
+        Rotation of the output [rad] above which a step of the path is halved, with a row for each part; inf: none.
 
     Returns
     -------

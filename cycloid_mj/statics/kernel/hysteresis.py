@@ -377,8 +377,8 @@ def _solve_tresca(
     for iteration in range(_HYSTERESIS.tresca_iterations):
         if increment.work[0] - work_before > _HYSTERESIS.tresca_work:
             break
-        share = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
-        _update_limits(rubbing, increment, new if iteration else old, share)
+        relaxation = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
+        _update_limits(rubbing, increment, new if iteration else old, relaxation)
         inner_norm, energy = _assemble_step(springs, rubbing, TRUE, increment, old, new)
         for _ in range(_HYSTERESIS.tresca_iterations):
             if inner_norm <= 0.1 * tolerance:
