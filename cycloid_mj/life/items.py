@@ -96,7 +96,9 @@ def _rate_parts(
 ) -> Rating:
     """Rate the parts of one reducer over a duty for a required life [h], without samples within the tolerances.
 
-    `ranges`, `compliance`, `poses` and `stops` are those of `rate`.
+    `ranges` are stress ranges of disc or ring from a finite-element study, by name of the part. `compliance` is whether
+    to compute the cam load for several stiffnesses of its bearing, too, and the torque at steady temperatures. `poses`
+    is the number of crank angles, and `stops` is whether to rate emergency stops and joints.
     """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)

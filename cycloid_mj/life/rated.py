@@ -80,7 +80,7 @@ def rated_torque(
     with_stops
         Whether emergency stops are rated, for a `limits_torque` that includes them.
     parts
-        Parts that are rated, as in `rate`.
+        "perfect" to rate the parts as designed, "toleranced" to rate samples within the tolerances of the design.
 
     Raises
     ------

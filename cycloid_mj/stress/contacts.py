@@ -350,7 +350,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
     """Compute Hertz's pressure [Pa] and half width [m] of the most loaded needle between an eccentric and a disc.
 
     `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
-    eccentric, or the negative curvature of the bore. The third result tells whether Hertz's theory is valid.
+    eccentric, or the negative curvature of the bore. The third result is whether Hertz's theory is valid.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
     load = force * STRIBECK / cranks.needles

@@ -203,8 +203,10 @@ def _continue(
     """Solve for displacements at the crank angle `k` (index), by Newton's method or continuation (`SearchSettings`).
 
     `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
-    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. `warm_start` and `system` are
-    arguments of `newton`. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
+    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With
+    `warm_start`, contacts that carried a force in `system` count as closed in the first step of Newton's method.
+    `system` is overwritten. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times
+    `scale`.
     """
     has_friction = springs.rubbing.shape[0] > 0
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
