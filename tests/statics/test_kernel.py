@@ -37,6 +37,7 @@ from cycloid_mj.statics.kernel import (
 from cycloid_mj.statics.kernel.continuation import allocate_path, augmented_residual, solve_by_arclength
 from cycloid_mj.statics.kernel.system import allocate_system
 from cycloid_mj.statics.samples import identical_samples, solve_samples
+from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.validate.displaced import exact_gaps, slip_force
 
 CRANK = 1.9
@@ -281,6 +282,22 @@ def test_the_forces_of_a_balance_turn_no_part() -> None:
         of_disc = contacts.disc == disc
         turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[2] for i in np.flatnonzero(of_disc)])
         assert abs(turn) < 1e-6 * load.max()
+
+
+def test_an_unloaded_drive_with_large_clearances_needs_few_assemblies() -> None:
+    clearances = {"pin_gear": 1e-4, "output": 1e-4, "cam": 1e-4}
+    drive = {"speed": 1e-6}
+    weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
+    changed = PRESETS["pin"].but(ring={"pins": "fixed"}, clearance=clearances, drive=drive, environment=weightless)
+    reducer, count = Reducer(changed), 61
+    springs = springs_of(reducer, turn_evenly(reducer, count), friction=False)
+    contacts = springs.contacts
+    z, force = np.zeros((count, 4)), np.zeros(contacts.distance.shape)
+    z[:, :2] = contacts.cam_position[:, 0]
+    load = springs.load(reducer.share * 1e-4 * changed.rated_torque)
+    result = balance(contacts, load, z, force, True)
+    assert result.force <= RESIDUAL_RTOL
+    assert result.work < 45 * count  # 37 per angle
 
 
 def test_the_friction_of_a_cam_turns_its_own_disc() -> None:

@@ -19,7 +19,9 @@ class SearchSettings(NamedTuple):
     The continuation begins with springs so soft that all contacts are closed in spite of the clearances: their energy
     is convex, and Newton's method finds its minimum. Friction is then increased and the springs are hardened. Steps are
     halved until Newton's method converges at their end. If such a path ends, because parts snap across their
-    clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards.
+    clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards. Without
+    friction, all steps are descents of the energy, and the first path begins with slightly softer springs at the start
+    values of Newton's method.
 
     Attributes
     ----------
@@ -65,6 +67,14 @@ _SCHEDULES = (
 Deflection of the soft springs at the beginning, in clearances; largest step, as a share of the path; and whether the
 springs are hardened before friction is increased.
 """
+
+_FRICTIONLESS_SCHEDULES = (
+    (0.02, 0.5, True),
+    (1.0, 0.5, True),
+    (10.0, 0.125, True),
+    (1.0, 0.03, True),
+)
+"""As `_SCHEDULES`, without friction; the first one begins at the start values of Newton's method."""
 
 PARAMETER_ORDERS = (1.0, -1.0, 0.0)
 """Orders of friction and clearance on the paths of `solve_by_arclength`, followed until one reaches equilibrium.
@@ -209,8 +219,10 @@ def _continue(
     `scale`.
     """
     has_friction = springs.rubbing.shape[0] > 0
+    schedules = _SCHEDULES if has_friction else _FRICTIONLESS_SCHEDULES
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
     attempt, descends, tolerance, smallest_norm = -1, FALSE, RESIDUAL_RTOL * scale, math.inf
+    copy(z, system.guess)
     while True:
         damping = _SEARCH.damping / scale if attempt >= 0 and friction < 1.0 else 0.0
         use_foot_points = attempt >= _SEARCH.exact_schedule
@@ -232,23 +244,22 @@ def _continue(
             copy(system.back, z)
         if not step >= _SEARCH.min_step:
             attempt += 1
-            if attempt == len(_SCHEDULES):
+            if attempt == len(schedules):
                 break
-            copy(start, z)
-            copy(start, system.back)
+            copy(start if has_friction or attempt else system.guess, z)
+            copy(z, system.back)
             target, step, parameter = 0.0, 0.0, 0.0
-            min_factor = min(1.0, scale / _soft_force(springs, k, _SCHEDULES[attempt][0]))
+            min_factor = min(1.0, scale / _soft_force(springs, k, schedules[attempt][0]))
         else:
             target = min(parameter + step, 1.0 if parameter < 1.0 else 2.0)
-        _, max_step, hardens_first = _SCHEDULES[attempt]
-        if not has_friction and not hardens_first and 0.0 < target <= 1.0:
-            target = min(1.0 + step, 2.0)
+        _, max_step, hardens_first = schedules[attempt]
         first_share, second_share = min(target, 1.0), max(target - 1.0, 0.0)
         friction, hardening = (second_share, first_share) if hardens_first else (first_share, second_share)
         factor, descends = (
             min_factor ** (1.0 - hardening),
             target == 0.0 or (hardens_first and friction == 0.0),
         )
+        friction = friction if has_friction else 1.0
     return smallest_norm
 
 

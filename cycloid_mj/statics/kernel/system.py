@@ -64,9 +64,10 @@ class System(NamedTuple):
     """Residual forces (u,) [N] and tangent stiffness (u, u) [N/m] of the equilibrium, and workspace of its solution.
 
     `pressed` (n,) [N] are the forces of the springs, `warm` (n,) marks the warm-started active set, and `assembled`
-    (1,) counts the assemblies. The Newton `step` (u,) begins at `start` (u,); `back` (u,) is the last solution of a
-    continuation and `begun` (u,) its origin. The neighbour list was built at the displacements `seen` (u,) [m], where
-    each contact was open by at least the `margin` (n,) [m]; `arm` (1,) [1] bounds the lever arms of the rotations.
+    (1,) counts the assemblies. The Newton `step` (u,) begins at `start` (u,). If Newton's method fails from its start
+    values `guess` (u,), a continuation begins at them or at `begun` (u,), and `back` (u,) is its last solution. The
+    neighbour list was built at the displacements `seen` (u,) [m], where each contact was open by at least the `margin`
+    (n,) [m]; `arm` (1,) [1] bounds the lever arms of the rotations.
     `row` (n, 5) has normal gradient and stiffness of each contact; `vectors` (u, u) are for `modified_newton_step`, and
     `pin` for one output pin after the other.
     """
@@ -84,6 +85,7 @@ class System(NamedTuple):
     margin: Array
     arm: Array
     begun: Array
+    guess: Array
     vectors: Array
     pin: _PinSystem
 
@@ -160,6 +162,7 @@ def allocate_system(springs: KernelSprings) -> System:
         np.zeros(unknowns),
         np.zeros(springs.disc.size),
         arm,
+        np.zeros(unknowns),
         np.zeros(unknowns),
         np.zeros((unknowns, unknowns)),
         _PinSystem(
