@@ -12,6 +12,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
+from cycloid_mj.checks.teeth import TEETH
 from cycloid_mj.design import PRESETS, Design, Material, override, stock
 from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES
@@ -131,6 +132,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     columns += [shaft_static, count.astype(float), _round_down(middle), stud, core, needle_dynamic, disc_thickness]
     sizes = np.rec.fromarrays(columns, dtype=SIZES_DTYPE)
     valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= widest)
+    valid &= pin + requirement.usual_clearance < (math.sin(math.pi / teeth) - 0.5 * TEETH.min_wall_share) * circle
     return points[valid], sizes[valid]
 
 
@@ -397,7 +399,8 @@ def _cores(
         reach = stock.stock_pin_lengths(2.0 * size, between[rows] + 2.0 * usual, max_count=1)
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
-        disc[rows], reaches[rows] = thickness, near
+        in_stock = [stock.single_pin(2.0 * size, length) is not None for length in reach.tolist()]
+        disc[rows], reaches[rows] = thickness, near & in_stock
     return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, reaches
 
 

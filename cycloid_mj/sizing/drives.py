@@ -41,8 +41,9 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
         first = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
         on_progress(Answer(requirement, (first,)))
         return Answer(solution.requirement, (first, *_other_drives(solution, solution.best)))
+    longer, refused = refused.remedies, replace(refused, remedies=())
     on_progress(refused)
-    for remedy in remedies(requirement, refused.most, pool):
+    for remedy in remedies(requirement, refused.most, pool, longer):
         refused = replace(refused, remedies=(*refused.remedies, remedy))
         on_progress(refused)
     return refused
@@ -64,8 +65,8 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
     strong = [
         row
         for row, rated in pool.rated.items()
-        if rated and rated.items and rated.figures["mass"] > first.figures["mass"]
-        if pool.bias[row] * rated.capacity >= requirement.torque
+        if rated and rated.figures["mass"] > first.figures["mass"]
+        if pool.bias[row] * rated.capacity >= requirement.torque and rated.figures["length"] <= requirement.length
     ]
     merits: list[tuple[str, Callable[[Rated | None], float]]] = [
         ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),
@@ -87,8 +88,6 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
     """Return a rated drive in the form shown to users, with its figures and the reason for each value.
 
-    A metal drive gets preloaded output bearings, unless it then fails its tolerance study.
-
     Parameters
     ----------
     solution
@@ -98,7 +97,6 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
     title, why
         Title, such as "lightest", and a sentence on why the drive is shown.
     """
-    rated = solution.pool.with_preloaded_bearings(rated)
     reducer = rated.reducer
     figures = _figures(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:

@@ -11,7 +11,14 @@ from cycloid_mj.life.heat import COOLING
 from cycloid_mj.sizing.answer import FeasibleChange
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
 from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
-from cycloid_mj.sizing.solve import find_drive, finer_requirements, is_feasible, pools_of
+from cycloid_mj.sizing.solve import (
+    LENGTH_WORDS,
+    find_drive,
+    finer_requirements,
+    is_feasible,
+    least_length,
+    pools_of,
+)
 
 STEP = 1.04
 """Factor between values that are tried; with their rounding, a remedy is at most 5 % above the smallest."""
@@ -24,18 +31,17 @@ MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 4, 5, 4
 """Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
 remedies; a diameter is among them."""
 
-LENGTH_WORDS = "a length of {:.4g} mm"
-"""Words of a change of the length [mm]."""
-
 Changes = Sequence[FeasibleChange]
 """Changes of the same kind, the smallest first."""
 
 
-def remedies(requirement: Requirement, most: float, pool: Pool | None) -> Iterator[FeasibleChange]:
+def remedies(
+    requirement: Requirement, most: float, pool: Pool | None, longer: Changes = ()
+) -> Iterator[FeasibleChange]:
     """Yield single changes that make a requirement feasible; where there are none, combined changes.
 
     `most` is the largest torque that was found for it [N m], in a `pool` whose ratings predict by how much a change
-    increases this torque.
+    increases this torque. `longer` are feasible changes of the length.
     """
     if not pool:  # no drive of this size exists: that of the next larger size predicts others
         larger = (change.requirement for change in _diameters(requirement)[3::4])
@@ -44,7 +50,9 @@ def remedies(requirement: Requirement, most: float, pool: Pool | None) -> Iterat
     if not pool:
         return
     search = _RemedySearch(requirement, most, pool)
-    single = itertools.chain.from_iterable(map(search.smallest, _single_changes(requirement)))
+    single = itertools.chain(
+        itertools.chain.from_iterable(map(search.smallest, _single_changes(requirement))), iter(longer)
+    )
     count = 0
     for remedy in itertools.chain(itertools.islice(single, MAX_REMEDIES - 1), search.smallest(_diameters(requirement))):
         count += 1
@@ -55,7 +63,7 @@ def remedies(requirement: Requirement, most: float, pool: Pool | None) -> Iterat
             yield remedy
     if not count:
         combined = itertools.chain.from_iterable(map(search.smallest, _combined(requirement)))
-        yield from (search.shortened(remedy) for remedy in itertools.islice(combined, 1))
+        yield from (_shortened(remedy, requirement.length) for remedy in itertools.islice(combined, 1))
 
 
 class _RemedySearch:
@@ -109,14 +117,15 @@ class _RemedySearch:
         feasible = (change for change in changes[high : high + MAX_VERIFICATIONS] if is_feasible(change.requirement))
         yield from itertools.islice(feasible, 1)
 
-    def shortened(self, remedy: FeasibleChange) -> FeasibleChange:
-        """Return a remedy with a changed length with the smallest feasible length instead."""
-        longest = remedy.requirement.length
-        if longest == self.requirement.length:
-            return remedy
-        words = remedy.words.replace(LENGTH_WORDS.format(MILLIMETRES * longest), LENGTH_WORDS)
-        series = _series(remedy.requirement.but(length=self.requirement.length), "length", longest, 1e-3, words)
-        return next(self.smallest(series), remedy)
+
+def _shortened(remedy: FeasibleChange, required: float) -> FeasibleChange:
+    """Return a remedy that exceeds the `required` length [m] with the smallest feasible length instead."""
+    changed = remedy.requirement
+    length = least_length(pools_of(changed)) if changed.length > required else math.inf
+    if not length < changed.length:
+        return remedy
+    longest, least = (LENGTH_WORDS.format(MILLIMETRES * value) for value in (changed.length, length))
+    return FeasibleChange(remedy.words.replace(longest, least), changed.but(length=length))
 
 
 def _series(requirement: Requirement, key: str, end: float, unit: float, words: str) -> Changes:
@@ -133,8 +142,8 @@ def _series(requirement: Requirement, key: str, end: float, unit: float, words: 
 def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     """Yield series of changes of a single value, each series from the smallest change to the largest.
 
-    The values are life, duty (share of the time under load), speed, cooling, material, discs, clearance, backlash and
-    length, in this order. With a duty file, life, duty and speed do not change.
+    The values are life, duty (share of the time under load), speed, cooling, material, discs, clearance and backlash,
+    in this order. With a duty file, life, duty and speed do not change.
     """
     if not requirement.duty:
         yield _series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
@@ -150,7 +159,6 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     words = "clearances of {:.3g} um"
     yield [FeasibleChange(words.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in tighter]
     yield _series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
-    yield _series(requirement, "length", 2.0 * requirement.diameter, 1e-3, LENGTH_WORDS)
 
 
 def _diameters(requirement: Requirement) -> Changes:

@@ -1,15 +1,19 @@
 """Drives for a requirement over its numbers of discs and clearances, or the maximum torque and its limit."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import Answer
+from cycloid_mj.sizing.answer import Answer, FeasibleChange
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of, strongest
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of, shortest, strongest
+
+LENGTH_WORDS = "a length of {:.4g} mm"
+"""Words of a change of the length [mm]."""
 
 MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced: 1.5 s of CPU each."""
@@ -35,8 +39,8 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     -------
     tuple
         Three values. If the requirement is feasible: the best drive with its pool, an answer without drives yet, and
-        None. Otherwise: None; the answer with the largest torque and what limits it; and the pool of the drive with
-        this torque, or None if there are no candidates.
+        None. Otherwise: None; the answer with the largest torque, what limits it, and the smallest feasible length as a
+        remedy; and the pool of the drive with this torque, or None if there are no candidates.
     """
     failed: list[Pool] = []
     for pool in pools_of(requirement):
@@ -46,25 +50,49 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         failed.append(pool)
     if not failed:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
+    longer = _longer(requirement, failed)
     pool = max(failed, key=lambda pool: pool.promise)
     drive = pool.best(strongest(pool.requirement))
     if not (drive and drive.passed):
-        return None, Answer(requirement, (), 0.0, _limit(pool, drive)), pool
+        return None, Answer(requirement, (), 0.0, _limit(pool, drive), longer), pool
     drive = pool.nearer_to_capacity(drive)
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
-    return None, Answer(requirement, (), drive.torque, _limit(pool, drive)), pool
+    return None, Answer(requirement, (), drive.torque, _limit(pool, drive), longer), pool
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool that carries the required torque within the limits; None if there is none.
 
-    With `study`, it must pass its tolerance study; otherwise its rating is sufficient.
+    With `study`, it must pass its tolerance study; otherwise its rating is sufficient. If the length is limited, the
+    shortest drive is searched until one is short enough. The limit does not enter the search otherwise, so that a drive
+    which is found at one limit is found at all larger ones.
     """
     requirement = pool.requirement
-    goal = -requirement.torque
-    drive = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
-    return drive if drive and drive.capacity >= requirement.torque and (drive.passed or not study) else None
+    goal, free = -requirement.torque, requirement.but(length=math.inf)
+    drive = pool.best(strongest(free), goal, only_goal=True, study=study, max_ratings=max_ratings)
+    if drive and drive.figures["length"] > requirement.length:
+        drive = pool.best(shortest(requirement), -1.0 / requirement.length, study=study, max_ratings=max_ratings)
+    carries = drive and drive.capacity >= requirement.torque and (drive.passed or not study)
+    return drive if drive and carries and drive.figures["length"] <= requirement.length else None
+
+
+def _longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[FeasibleChange, ...]:
+    """Return the change of a limited length to the smallest one at which a drive of some pools passes, if any."""
+    length = least_length(pools) if requirement.length < math.inf else math.inf
+    if not requirement.length < length < math.inf:
+        return ()
+    return (FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length)),)
+
+
+def least_length(pools: Iterable[Pool]) -> float:
+    """Return the smallest length of drives of some pools that carry the torque within their tolerances [m], or inf.
+
+    The length is rounded up.
+    """
+    drives = [pool.best(shortest(pool.requirement), max_ratings=SETTINGS.few_ratings) for pool in pools]
+    lengths = (drive.figures["length"] for drive in drives if drive and drive.passed)
+    return min((math.ceil(1e4 * length) / 1e4 for length in lengths), default=math.inf)
 
 
 def is_feasible(requirement: Requirement) -> bool:
@@ -86,7 +114,7 @@ def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[P
         while pool:
             yield pool
             finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
-            pools = [other for other in finer if other]
+            pools = [replace(other, biases={}) for other in finer if other]
             promising = (other for other in pools if other.promise >= SETTINGS.likely * fixed.torque)
             pool = next(promising, pools[-1] if pools else None)
 
@@ -109,7 +137,7 @@ def _limit(pool: Pool, drive: Rated | None) -> str:
         return "its teeth skip under any load, or no drive can be balanced"
     if drive.figures["length"] > requirement.length:
         return (
-            f"no drive is shorter than {MILLIMETRES * drive.figures['length']:.3g} mm ({length_parts(drive.reducer)})"
+            f"no drive is shorter than {MILLIMETRES * drive.figures['length']:.4g} mm ({length_parts(drive.reducer)})"
         )
     if drive.figures.get("backlash", 0.0) > requirement.backlash:
         return (

@@ -30,7 +30,7 @@ from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
-from cycloid_mj.sizing.candidates import DIMENSIONS, decode, with_preloaded_bearings
+from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode, with_preloaded_bearings
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.estimate import capacity
 from cycloid_mj.sizing.requirement import Requirement, required
@@ -391,6 +391,26 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
     assert other is None or other.best.capacity <= 1.1 * refused.most
 
 
+@pytest.mark.parametrize("asked", [Requirement(119, 0.4, 600.0, discs=1), Requirement(39, 0.09, 15.0)], ids=str)
+def test_most_candidates_can_be_built(asked: Requirement) -> None:
+    """At 400 mm none of the strongest could: their pins are not in stock, or their sockets meet."""
+    pool = pool_of(asked)
+    assert pool
+    strongest_first = capacity(pool.guess).argsort()[::-1]
+    built = [build_drive(asked, pool.sizes[row], asked.torque) for row in strongest_first[:40:2]]
+    assert sum(drive is not None for drive in built) >= 8
+
+
+@pytest.mark.slow
+def test_refusals_at_any_length_name_the_same_smallest_length() -> None:
+    asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
+    refusals = [solve(asked.but(length=length))[1] for length in (0.05, 0.054)]
+    (least,) = {remedy.requirement.length for refused in refusals for remedy in refused.remedies}
+    found, *_ = solve(asked.but(length=least))
+    assert found
+    assert found.best.figures["length"] <= least
+
+
 @pytest.mark.slow
 def test_a_shorter_length_limit_that_a_drive_meets_finds_a_drive() -> None:
     """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
@@ -450,7 +470,7 @@ def test_a_study_after_one_at_too_much_torque_is_slightly_below_its_capacity(mon
     """After a study at 26.7 N m with a capacity of 24.9 N m, the next was at 22.4 N m."""
     pool = pool_of(SMALL.but(torque=40.0))
     assert pool
-    rated = Rated(candidate(SMALL), 26.7, {}, 24.94, study={"yield_percent": 100.0})
+    rated = Rated(candidate(SMALL), 26.7, {"length": 0.05}, 24.94, study={"yield_percent": 100.0})
     pool.rated[0] = rated
     torques = []
 
