@@ -405,11 +405,16 @@ def _cores(
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
-    """Build the drive of a candidate, loaded by a torque [N m]; return None if it cannot be built or assembled."""
+    """Build the drive of a candidate, loaded by a torque [N m]; return None if it cannot be built or assembled.
+
+    A metal drive gets preloaded output bearings if they fit.
+    """
     try:
         reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
     except CycloidError:
         return None
+    if preloaded := with_preloaded_bearings(requirement, reducer):
+        return preloaded
     return reducer if _is_buildable(requirement, reducer) else None
 
 

@@ -66,7 +66,8 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
         row
         for row, rated in pool.rated.items()
         if rated and rated.figures["mass"] > first.figures["mass"]
-        if pool.bias[row] * rated.capacity >= requirement.torque and rated.figures["length"] <= requirement.length
+        if pool.study_factors["other"][row] * rated.capacity >= requirement.torque
+        and rated.figures["length"] <= requirement.length
     ]
     merits: list[tuple[str, Callable[[Rated | None], float]]] = [
         ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),

@@ -27,7 +27,7 @@ MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED, MAX_BACKLASH = 3.0, 100.0, 0.05, 3
 """Largest diameter [m], shortest life [h], smallest share of the time, slowest crank [rad/s] and largest backlash
 [arcmin] of a remedy."""
 
-MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 4, 5, 4
+MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 6, 5, 4
 """Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
 remedies; a diameter is among them."""
 
@@ -89,8 +89,8 @@ class _RemedySearch:
         """Yield the smallest feasible change, if one is found.
 
         It is searched by its index in `changes`. Predicted torques lead to a first index: it is doubled until the
-        torque suffices, then bisected. From there ratings decide, in steps that double (galloping search). A complete
-        search verifies the result, as for a new requirement.
+        torque suffices, then bisected. From there ratings decide, in steps that double (galloping search). Complete
+        searches, as for a new requirement, verify the result, again in steps that double.
         """
         count = len(changes)
 
@@ -114,8 +114,9 @@ class _RemedySearch:
                 low, probe = probe, min(probe + 2**number, high - 1)
             if high - low == 1:
                 break
-        feasible = (change for change in changes[high : high + MAX_VERIFICATIONS] if is_feasible(change.requirement))
-        yield from itertools.islice(feasible, 1)
+        verified = [high + 2**number - 1 for number in range(MAX_VERIFICATIONS)]
+        likely = (changes[index] for index in verified if index < count)
+        yield from itertools.islice((change for change in likely if is_feasible(change.requirement)), 1)
 
 
 def _shortened(remedy: FeasibleChange, required: float) -> FeasibleChange:

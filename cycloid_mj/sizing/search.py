@@ -28,7 +28,6 @@ from cycloid_mj.sizing.candidates import (
     casing_of,
     decode,
     design_of,
-    with_preloaded_bearings,
 )
 from cycloid_mj.sizing.estimate import FIGURES, Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
@@ -278,7 +277,7 @@ class Pool:
 
     `guess` are the estimates of all candidates. `rated` has None where a candidate cannot be built or balanced, or
     jams. By the point of a rated candidate, `corrections` has the logarithms of its figures over their estimates, and
-    `biases` that of its capacity by a tolerance study over that by one sample.
+    `biases` those of its capacity and its backlash by a tolerance study over those by one sample.
     """
 
     requirement: Requirement
@@ -286,7 +285,7 @@ class Pool:
     sizes: Sizes
     guess: Estimate
     corrections: dict[Point, Figures] = field(default_factory=dict)
-    biases: dict[Point, float] = field(default_factory=dict)
+    biases: dict[Point, tuple[float, float]] = field(default_factory=dict)
     rated: dict[int, Rated | None] = field(default_factory=dict)
 
     @classmethod
@@ -316,18 +315,22 @@ class Pool:
 
     @property
     def corrected(self) -> Estimate:
-        """The estimates, corrected by the ratings nearby, and capacities by a tolerance study."""
-        records, bias = [*self.corrections.values()], self.bias
+        """The estimates, corrected by the ratings nearby; capacities and backlash are those of a tolerance study."""
+        records = [*self.corrections.values()]
         values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
         factors = dict(zip(self.guess, np.exp(_interpolate(self.points, self.corrections, values)).T, strict=True))
-        factors |= {key: bias * factor for key, factor in factors.items() if key not in FIGURES}
-        return {key: factors[key] * guess for key, guess in self.guess.items()}
+        studied = self.study_factors
+        return {key: studied.get(key, 1.0) * factors[key] * guess for key, guess in self.guess.items()}
 
     @property
-    def bias(self) -> Array:
-        """Expected ratios of capacities by a tolerance study to those by one sample."""
-        values = np.reshape([*self.biases.values()], (-1, 1))
-        return np.asarray(np.exp(_interpolate(self.points, self.biases, values)[:, 0]))
+    def study_factors(self) -> Mapping[str, Array]:
+        """Expected ratios of torque limits and backlash by a tolerance study to those by one sample, by key.
+
+        Figures that a study does not change are left out.
+        """
+        values = np.reshape([*self.biases.values()], (-1, 2))
+        torque, backlash = np.exp(_interpolate(self.points, self.biases, values)).T
+        return {key: torque for key in self.guess if key not in FIGURES} | {"backlash": backlash}
 
     @property
     def promise(self) -> float:
@@ -416,23 +419,27 @@ class Pool:
     def study(self, row: int) -> Rated | None:
         """Rate the candidate `row` with its tolerance study, and store and return the result.
 
-        The torque is the required one, or the largest that the candidate is expected to carry. If an earlier study has
-        shown that its torque was too large, the next torque follows from a secant step with the slope 1/3: when the
+        The torque is the required one, or the largest that the candidate is expected to carry. If a study shows that
+        such a torque was too large, it is repeated once at a torque by a secant step with the slope 1/3: when the
         torque is reduced, a capacity limited by pitting falls by a third to a half of the reduction, because fewer
         teeth are in contact, and a capacity limited by bearings is constant. The result is None if too many samples
         jam.
         """
-        drive = self.rated[row]
+        drive, required = self.rated[row], self.requirement.torque
         if not drive:
             return None
-        expected = 1.5 * drive.capacity - 0.5 * drive.torque if drive.study else float(self.bias[row]) * drive.capacity
-        lower = floor_digits(SETTINGS.study_share * max(expected, 0.5 * drive.capacity))
-        torque = self.requirement.torque if expected >= self.requirement.torque else lower
-        full = self._study_at(drive.reducer, torque, preloads=True)
-        if full and full.capacity >= self.requirement.torque > torque:
-            full = self._study_at(full.reducer, self.requirement.torque)
+        expected = float(self.study_factors["other"][row]) * drive.capacity
+        if drive.study:
+            expected = _secant(drive)
+        torque = required if expected >= required else floor_digits(SETTINGS.study_share * expected)
+        full = self._study_at(drive.reducer, torque)
+        if full and torque < required <= full.capacity:
+            full = self._study_at(drive.reducer, required)
+        elif full and full.capacity < torque < required:
+            full = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant(full)))
         if full and not drive.study:
-            self.biases[tuple(self.points[row])] = math.log(full.capacity / drive.capacity)
+            backlash = full.figures["backlash"] / drive.figures.get("backlash", full.figures["backlash"])
+            self.biases[tuple(self.points[row])] = math.log(full.capacity / drive.capacity), math.log(backlash)
         self.rated[row] = full
         return full
 
@@ -442,18 +449,13 @@ class Pool:
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
 
-    def _study_at(self, reducer: Reducer, torque: float, preloads: bool = False) -> Rated | None:
+    def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
         """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study to the result.
 
-        If the drive `preloads` its output bearings, preloaded ones replace them, unless it then fails. The backlash
-        becomes the 99th percentile of the study, and `passed` says whether the drive carries the torque and enough
-        samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
+        The backlash becomes the 99th percentile of the study, and `passed` says whether the drive carries the torque
+        and enough samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
         `SETTINGS.min_yield`).
         """
-        preloaded = with_preloaded_bearings(self.requirement, reducer) if preloads else None
-        full = self._study_at(preloaded, torque) if preloaded else None
-        if full and full.passed and full.figures["length"] <= self.requirement.length:
-            return full
         full = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
         if not full or study["turning_percent"] < SETTINGS.min_yield:
@@ -474,13 +476,15 @@ class Pool:
         """
         known = np.zeros(len(self.points), bool)
         known[list(self.rated)] = True
-        errors, likely, bias = np.full(len(self.points), SETTINGS.margin), self.corrected, self.bias
+        errors, likely, studied = np.full(len(self.points), SETTINGS.margin), self.corrected, self.study_factors
         if self.corrections:
             errors *= np.minimum(cdist(self.points, list(self.corrections)).min(axis=1) / SETTINGS.reach, 1.0)
         figures = {key: values * (1.0 - errors if key in FIGURES else 1.0 + errors) for key, values in likely.items()}
         for row, drive in self.rated.items():
             for key, value in drive.known(self.guess).items() if drive else dict.fromkeys(figures, math.nan).items():
-                figures[key][row] = value * (1.0 if key in FIGURES or (drive and drive.study) else bias[row])
+                figures[key][row] = value * (
+                    studied[key][row] if key in studied and not (drive and drive.study) else 1.0
+                )
         values = objective(figures)
         return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
 
@@ -511,6 +515,14 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
     weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.reach**-4
     middle = np.median(np.concatenate([np.zeros((2, values.shape[1])), values]), axis=0)
     return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
+
+
+def _secant(drive: Rated) -> float:
+    """Return the torque [N m] at which a drive that was rated at too large a torque is expected to equal its capacity.
+
+    It is at least half of the capacity.
+    """
+    return max(1.5 * drive.capacity - 0.5 * drive.torque, 0.5 * drive.capacity)
 
 
 def floor_digits(value: float) -> float:
