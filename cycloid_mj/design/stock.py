@@ -408,6 +408,12 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     return None
 
 
+def is_dowel(diameter: float, length: float) -> bool:
+    """Return whether a dowel with a diameter [m] and a length [m] is in stock, so that it need not be cut."""
+    found = pins(diameter, length)
+    return found is not None and found[1] == 1 and abs(found[0].length - length) < ROUNDING
+
+
 def single_pin(diameter: float, length: float) -> Dowel | None:
     """Return the pin in stock with a diameter [m] that fills a length [m] in one piece; None if there is none.
 

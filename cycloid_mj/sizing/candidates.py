@@ -399,7 +399,7 @@ def _cores(
         reach = stock.stock_pin_lengths(2.0 * size, between[rows] + 2.0 * usual, max_count=1)
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
-        in_stock = [stock.single_pin(2.0 * size, length) is not None for length in reach.tolist()]
+        in_stock = [stock.is_dowel(2.0 * size, length) for length in reach.tolist()]
         disc[rows], reaches[rows] = thickness, near & in_stock
     return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, reaches
 

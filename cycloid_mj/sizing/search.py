@@ -90,7 +90,7 @@ class SearchSettings:
     strong: int = 60
     studies: int = 4
     likely: float = 0.7
-    margin: float = 0.08
+    margin: float = 0.25
     reach: float = 0.3
     gain: float = 0.03
     mass_tolerance: float = 0.02

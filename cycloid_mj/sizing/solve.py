@@ -114,7 +114,7 @@ def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[P
         while pool:
             yield pool
             finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
-            pools = [replace(other, biases={}) for other in finer if other]
+            pools = [replace(other, corrections={}, biases={}) for other in finer if other]
             promising = (other for other in pools if other.promise >= SETTINGS.likely * fixed.torque)
             pool = next(promising, pools[-1] if pools else None)
 
