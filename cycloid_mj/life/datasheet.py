@@ -234,7 +234,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
     groups = {heading: _note_parts(reducer, group) for heading, group in groups.items()}
     groups["Ratings"] += _toleranced_torque_rows(reducer, life)
     groups["Mass and size"] = _mass_rows(reducer)
-    groups["Lubrication and environment"] = environment_rows(reducer)
+    groups["Lubrication and environment"] = tuple(environment_rows(reducer))
     if has_casing(reducer):
         groups["Interfaces"] = _interface_rows(reducer)
         groups["Assembly"] = tuple(mounting_rows(reducer))

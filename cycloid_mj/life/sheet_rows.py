@@ -236,32 +236,23 @@ def grease_rows(design: Design) -> Iterator[Quantity]:
     yield Quantity("ambient_min", "Ambient temperature, from", grease.coldest, "°C", note=note)
 
 
-def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
+def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
+    """Yield the rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
 
-    The duty is the share of the time at nominal torque and speed [%] that heat allows.
+    The duty is the share of the time at nominal torque and speed [%] that heat allows. The highest ambient temperature
+    is left out if the nominal torque allows no temperature in the range of the grease.
     """
-    design, rating = reducer.design, rate_at_rated_load(reducer)
-    housing = rating.items["temperature"]
-    rise, lowest = (
-        housing.value - design.service.ambient_temperature,
-        min(heat_limits(reducer), key=lambda limit: limit.temperature),
-    )
+    design, housing = reducer.design, rate_at_rated_load(reducer).items["temperature"]
+    yield from grease_rows(design)
+    limit = min(heat_limits(reducer), key=lambda item: item.temperature)
+    warmest = limit.temperature - (housing.value - design.service.ambient_temperature)
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(design)}"
+    if warmest >= grease_of(design).coldest:
+        note = f"{condition}, {describe_duty(design)}; then {limit.temperature:g} °C at the housing ({limit.name})"
+        yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
     share = 100.0 * min(design.service.duty_share * (housing.safety or 1.0), 1.0)
-    return (
-        *grease_rows(design),
-        Quantity(
-            "ambient_max",
-            "Ambient temperature, to",
-            lowest.temperature - rise,
-            "°C",
-            note=f"{condition}, {describe_duty(design)}; then {lowest.temperature:g} °C at the housing ({lowest.name})",
-        ),
-        Quantity(
-            "duty", "Duty at nominal torque and speed", share, "%", note=f"{condition}; limited by {housing.name}"
-        ),
-    )
+    note = f"{condition}; limited by {housing.name}"
+    yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
 def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:

@@ -285,6 +285,13 @@ def test_tolerances_lower_the_torques_of_the_sheet() -> None:
         assert "95 % percentile of 200 samples" in toleranced.note
 
 
+def test_a_drive_too_hot_at_any_ambient_temperature_states_none() -> None:
+    """The sheet of `twodisc` stated "from -20 °C to -32 °C"."""
+    rows = {row.key: row for row in environment_rows(Reducer(PRESETS["twodisc"]))}
+    assert "ambient_max" not in rows
+    assert rows["duty"].value < 100.0
+
+
 def test_the_permissible_duty_does_not_depend_on_the_duty_of_the_design() -> None:
     """Half of the time under load heats half as much, and the same share of the time reaches the limit."""
     pin = PRESETS["pin"]
