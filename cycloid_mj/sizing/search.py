@@ -58,9 +58,10 @@ class SearchSettings:
         Candidates of each estimate of the torque among which remedies are searched.
     likely
         Share of a torque that estimates promise at least where candidates are rated for it.
-    margin, reach
+    margin, torque_margin, reach
         Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
-        could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
+        could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995). The second one is for the
+        largest torque, whose estimates are less accurate than those of mass and length.
     gain
         Least relative improvement for which a candidate is rated.
     mass_tolerance
@@ -90,7 +91,8 @@ class SearchSettings:
     strong: int = 60
     studies: int = 4
     likely: float = 0.7
-    margin: float = 0.25
+    margin: float = 0.08
+    torque_margin: float = 0.25
     reach: float = 0.3
     gain: float = 0.03
     mass_tolerance: float = 0.02
@@ -360,6 +362,7 @@ class Pool:
         only_goal: bool = False,
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
+        margin: float = SETTINGS.margin,
     ) -> Rated | None:
         """Return the drive with the smallest `objective`, or the first that reaches `goal`; None if there is none.
 
@@ -375,7 +378,7 @@ class Pool:
         """
         ratings, studies, extended = 0.0, 0, set[int]()
         while True:
-            values, known, torque = self._values(objective)
+            values, known, torque = self._values(objective, margin)
             row = int(np.argmin(np.where(known, values, np.inf)))
             best = float(values[row]) if known[row] else math.inf
             better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
@@ -384,7 +387,7 @@ class Pool:
             drive = self.rated.get(row)
             if best > goal and open_rows.any() and ratings < max_ratings:
                 new = int(np.argmin(np.where(open_rows, values, np.inf)))
-                is_rated = self._rate(new, max(float(torque[new]), 1e-6))
+                is_rated = self._rate(new, max(float(torque[new]), 1e-3 * self.requirement.torque))
                 ratings += 1.0 if is_rated else SETTINGS.build_share
             elif not drive or not math.isfinite(best):
                 return None
@@ -465,8 +468,10 @@ class Pool:
             full, figures={**full.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
         )
 
-    def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
+    def _values(self, objective: Objective, margin: float) -> tuple[Array, Mask, Array]:
         """Evaluate an objective for all n candidates, both rated and only estimated.
+
+        `margin` is the largest relative error of an estimate.
 
         Returns
         -------
@@ -476,7 +481,7 @@ class Pool:
         """
         known = np.zeros(len(self.points), bool)
         known[list(self.rated)] = True
-        errors, likely, studied = np.full(len(self.points), SETTINGS.margin), self.corrected, self.study_factors
+        errors, likely, studied = np.full(len(self.points), margin), self.corrected, self.study_factors
         if self.corrections:
             errors *= np.minimum(cdist(self.points, list(self.corrections)).min(axis=1) / SETTINGS.reach, 1.0)
         figures = {key: values * (1.0 - errors if key in FIGURES else 1.0 + errors) for key, values in likely.items()}

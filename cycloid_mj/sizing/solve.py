@@ -52,7 +52,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     longer = _longer(requirement, failed)
     pool = max(failed, key=lambda pool: pool.promise)
-    drive = pool.best(strongest(pool.requirement))
+    drive = pool.best(strongest(pool.requirement), margin=SETTINGS.torque_margin)
     if not (drive and drive.passed):
         return None, Answer(requirement, (), 0.0, _limit(pool, drive), longer), pool
     drive = pool.nearer_to_capacity(drive)

@@ -347,7 +347,7 @@ def test_too_little_space_for_parts_in_stock_is_reported_with_a_length_too() -> 
 @pytest.mark.slow
 def test_the_crank_is_slowed_down_if_heat_limits_a_feasible_size() -> None:
     refused = size_drive(Requirement(5, 0.05, 20.0))
-    assert re.search(r"feasible with [\d.]+ rpm and \d+ mm", refused.refusal), refused.refusal
+    assert re.search(r"feasible with [\d.]+ rpm and [\d.]+ mm", refused.refusal), refused.refusal
     require_kept(refused)
 
 
