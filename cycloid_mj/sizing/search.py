@@ -53,7 +53,7 @@ class SearchSettings:
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
     ratings, few_ratings, studies
         Most candidates that a search rates (0.15 s of CPU each), that of a remedy or for efficiency rates, and most
-        tolerance studies (1 s each).
+        tolerance studies (0.5 s each).
     strong
         Candidates of each estimate of the torque among which remedies are searched.
     likely
@@ -89,7 +89,7 @@ class SearchSettings:
     ratings: int = 20
     few_ratings: int = 8
     strong: int = 60
-    studies: int = 4
+    studies: int = 8
     likely: float = 0.7
     margin: float = 0.08
     torque_margin: float = 0.25
