@@ -132,6 +132,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     columns += [shaft_static, count.astype(float), _round_down(middle), stud, core, needle_dynamic, disc_thickness]
     sizes = np.rec.fromarrays(columns, dtype=SIZES_DTYPE)
     valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= widest)
+    # the wall between sockets, as the check "neighbouring_pins"
     valid &= pin + requirement.usual_clearance < (math.sin(math.pi / teeth) - 0.5 * TEETH.min_wall_share) * circle
     return points[valid], sizes[valid]
 

@@ -41,7 +41,7 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
         first = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
         on_progress(Answer(requirement, (first,)))
         return Answer(solution.requirement, (first, *_other_drives(solution, solution.best)))
-    longer, refused = refused.remedies, replace(refused, remedies=())
+    longer, refused = refused.remedies, replace(refused, remedies=())  # listed after what is easier to change
     on_progress(refused)
     for remedy in remedies(requirement, refused.most, pool, longer):
         refused = replace(refused, remedies=(*refused.remedies, remedy))
@@ -62,12 +62,12 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
         The lightest drive.
     """
     pool, requirement = solution.pool, solution.requirement
+    study_factors = pool.study_factors["other"]
     strong = [
         row
         for row, rated in pool.rated.items()
         if rated and rated.figures["mass"] > first.figures["mass"]
-        if pool.study_factors["other"][row] * rated.capacity >= requirement.torque
-        and rated.figures["length"] <= requirement.length
+        if study_factors[row] * rated.capacity >= requirement.torque and rated.figures["length"] <= requirement.length
     ]
     merits: list[tuple[str, Callable[[Rated | None], float]]] = [
         ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),

@@ -433,13 +433,13 @@ class Pool:
             return None
         expected = float(self.study_factors["other"][row]) * drive.capacity
         if drive.study:
-            expected = _secant(drive)
+            expected = _secant_torque(drive)
         torque = required if expected >= required else floor_digits(SETTINGS.study_share * expected)
         full = self._study_at(drive.reducer, torque)
         if full and torque < required <= full.capacity:
             full = self._study_at(drive.reducer, required)
         elif full and full.capacity < torque < required:
-            full = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant(full)))
+            full = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(full)))
         if full and not drive.study:
             backlash = full.figures["backlash"] / drive.figures.get("backlash", full.figures["backlash"])
             self.biases[tuple(self.points[row])] = math.log(full.capacity / drive.capacity), math.log(backlash)
@@ -522,7 +522,7 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
     return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
 
 
-def _secant(drive: Rated) -> float:
+def _secant_torque(drive: Rated) -> float:
     """Return the torque [N m] at which a drive that was rated at too large a torque is expected to equal its capacity.
 
     It is at least half of the capacity.

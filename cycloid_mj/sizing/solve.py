@@ -51,6 +51,10 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     if not failed:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     longer = _longer(requirement, failed)
+    for pool in failed:  # their estimates are comparable after ratings of each
+        pool.best(
+            strongest(pool.requirement), study=False, max_ratings=SETTINGS.few_ratings, margin=SETTINGS.torque_margin
+        )
     pool = max(failed, key=lambda pool: pool.promise)
     drive = pool.best(strongest(pool.requirement), margin=SETTINGS.torque_margin)
     if not (drive and drive.passed):
@@ -130,7 +134,7 @@ def _limit(pool: Pool, drive: Rated | None) -> str:
     `drive` is this drive; if it is None, the strongest of the rated candidates stands for it.
     """
     requirement = pool.requirement
-    rated = [drive for drive in pool.rated.values() if drive and drive.items]
+    rated = [drive for drive in pool.rated.values() if drive]
     if not drive and rated:
         return max(rated, key=lambda drive: drive.capacity).weakest.name
     if not drive:

@@ -20,8 +20,8 @@ class SearchSettings(NamedTuple):
     is convex, and Newton's method finds its minimum. Friction is then increased and the springs are hardened. Steps are
     halved until Newton's method converges at their end. If such a path ends, because parts snap across their
     clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards. Without
-    friction, all steps are descents of the energy, and the first path begins with slightly softer springs at the start
-    values of Newton's method.
+    friction, all steps are descents of the energy. The first path then begins at the start values of Newton's method,
+    with springs that the load deflects by only 0.02 of the clearance.
 
     Attributes
     ----------
@@ -213,10 +213,9 @@ def _continue(
     """Solve for displacements at the crank angle `k` (index), by Newton's method or continuation (`SearchSettings`).
 
     `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
-    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With
-    `warm_start`, contacts that carried a force in `system` count as closed in the first step of Newton's method.
-    `system` is overwritten. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times
-    `scale`.
+    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With `warm_start`, contacts that
+    carried a force in `system` count as closed in the first step of Newton's method. `system` is overwritten. Returns
+    the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
     """
     has_friction = springs.rubbing.shape[0] > 0
     schedules = _SCHEDULES if has_friction else _FRICTIONLESS_SCHEDULES
@@ -255,10 +254,7 @@ def _continue(
         _, max_step, hardens_first = schedules[attempt]
         first_share, second_share = min(target, 1.0), max(target - 1.0, 0.0)
         friction, hardening = (second_share, first_share) if hardens_first else (first_share, second_share)
-        factor, descends = (
-            min_factor ** (1.0 - hardening),
-            target == 0.0 or (hardens_first and friction == 0.0),
-        )
+        factor, descends = min_factor ** (1.0 - hardening), target == 0.0 or (hardens_first and friction == 0.0)
         friction = friction if has_friction else 1.0
     return smallest_norm
 
