@@ -285,14 +285,7 @@ def protocol(
     engine = engine or Engine(kind="threads")
     loops = tuple(engine.each(lambda crank: compute_model_loop(loaded_reducer, rated_torque, crank), cranks, progress))
     model_lines = {**_loop_lines(loops, rated_torque), **_model_lines(loaded_reducer, rated_torque)}
-    notes = [
-        f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
-        f"of {rated_torque:.4g} N m",
-        "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
-        f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)",
-        "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
-    ]
-    notes += _layout_notes(loaded_reducer)
+    notes = list(_model_notes(loaded_reducer, rated_torque, angles))
     back_driving = model_lines.get("back_driving_torque_nm")
     if back_driving and math.isnan(back_driving.value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
@@ -450,8 +443,21 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
     }
 
 
-def _layout_notes(reducer: Reducer) -> Iterator[str]:
-    """Yield the differences of the lines of an RV reducer from their definitions, a sentence each."""
+def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator[str]:
+    """Yield the assumptions of the computed figures, and for an RV reducer their deviations from the definitions.
+
+    Each is a clause for the notes of the result. `rated_torque` [N m] is that on the output, and `angles` the number of
+    crank angles at which loops are computed.
+    """
+    yield (
+        f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
+        f"of {rated_torque:.4g} N m"
+    )
+    yield (
+        "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
+        f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)"
+    )
+    yield "the model's torques include shaft bearings, seals and grease only as [drag] of the design"
     if not isinstance(reducer, RvReducer):
         return
     yield "the crank of the definitions is the sun; the transmission error of the model includes friction"

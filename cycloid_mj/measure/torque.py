@@ -1,7 +1,7 @@
 """Test of Hsieh 2014, Fig. 19: constant torque on crank or sun, and a brake that keeps the speed of the output."""
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -272,12 +272,6 @@ def _quantities(
     powers, reference = test.powers, ideal_efficiency(reducer, test.output)
     error = rate_error(test, half_step)
     torque_error = max(error * rated_torque, abs(test.output - powers.efficiency * rated_torque))
-    ripple, ripple_rms = (float(size(test.run["load_torque"])) for size in (np.ptp, np.std))
-    # what is left of the ringing shows in the second half, which has less of it
-    second_half = test.run.select(slice(len(test.run) // 2, None))
-    other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
-    ripple_error = max(abs(float(np.ptp(other_torque)) - ripple) for other_torque in other_torques)
-    rms_error = max(abs(float(np.std(other_torque)) - ripple_rms) for other_torque in other_torques)
     torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
     inputs, as_built = spread.spread_text(powers.efficiency, by_input), AS_BUILT[reducer.LAYOUT]
     condition_text, rate_by_powers = (
@@ -294,8 +288,7 @@ def _quantities(
             1e2 * torque_error / rated_torque,
             note=inputs,
         ),
-        Quantity("ripple_peak_to_peak", "ripple of the output torque, p-p", ripple, "N m", ripple_error),
-        Quantity("ripple_rms", "ripple of the output torque, rms", ripple_rms, "N m", rms_error),
+        *_ripple_quantities(test, half_step),
         Quantity("input_torque", "mean input torque", test.input, "N m", None, reducer.design.drive.torque, "as given"),
         Quantity("efficiency", "efficiency by powers", rate_by_powers, "%", 1e2 * error),
         Quantity(
@@ -309,6 +302,20 @@ def _quantities(
         ),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
+
+
+def _ripple_quantities(test: BrakedRun, half_step: BrakedRun | None) -> Iterator[Quantity]:
+    """Yield peak to peak and rms of the output torque's ripple [N m], with their errors.
+
+    The errors are the largest changes over the second half of the run, which has less of the initial ringing, and in
+    the run `half_step` with half the time step.
+    """
+    second_half = test.run.select(slice(len(test.run) // 2, None))
+    other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
+    for key, name, size in (("peak_to_peak", "p-p", np.ptp), ("rms", "rms", np.std)):
+        ripple = float(size(test.run["load_torque"]))
+        error = max(abs(float(size(other_torque)) - ripple) for other_torque in other_torques)
+        yield Quantity(f"ripple_{key}", f"ripple of the output torque, {name}", ripple, "N m", error)
 
 
 def _tables(

@@ -292,19 +292,28 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         effects[:, :teeth, 3] = gradients[:, :teeth, 2] * rotation_sign * contacts.radius
         return effects
 
-    foot = contacts.phase[:, :teeth, np.newaxis] / gear.lobes
-    waves = np.zeros((*contacts.phase.shape, 1 + 2 * orders.size))
-    waves[:, :teeth] = np.concatenate(
-        [profile_error(common_waves, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
-    )
     unit_reducer = reducer.but(errors={"eccentricity": 1e-6})
     return Effects(
         contact_effects(contacts.slope),
         contact_effects(contacts.shift_slope),
         cam_displacements(unit_reducer, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
-        waves,
+        _wave_effects(reducer, springs, orders, common_waves),
     )
+
+
+def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Array:
+    """Compute the changes of the gaps by profile waves of the flanks, (k, n, 1 + 2 orders): `Effects.waves`.
+
+    The arguments are those of `_error_effects`. Gaps of output pins do not change.
+    """
+    phase, teeth = springs.contacts.phase, springs.teeth
+    foot = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
+    waves = np.zeros((*phase.shape, 1 + 2 * orders.size))
+    waves[:, :teeth] = np.concatenate(
+        [profile_error(common_waves, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
+    )
+    return waves
 
 
 def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:

@@ -231,12 +231,16 @@ def test_pieces_are_hulls_of_their_vertices() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "depth"), [("pin", 2e-3), ("rv80e", 3e-3)])
-def test_plain_coacd_fills_the_valleys(name: str, depth: float) -> None:
-    """By nearly the whole depth, two eccentricities: this is why flanks are sliced. At 0.05 too, in a minute."""
+@pytest.mark.parametrize(("name", "depth", "max_underfill"), [("pin", 2e-3, 1e-5), ("rv80e", 3e-3, 3e-5)])
+def test_plain_coacd_fills_the_valleys(name: str, depth: float, max_underfill: float) -> None:
+    """By nearly the whole depth, two eccentricities: this is why flanks are sliced. At 0.05 too, in a minute.
+
+    The single piece of rv80e is underfilled by up to 19 um, because the grid of CoACD is a share of the size of the
+    part, which is twice that of pin (7.6 um).
+    """
     found = plain_gear(reducer_of(PRESETS[name]), CoacdSettings(threshold=0.3)).quality
     assert found.max_overfill > 0.75 * depth
-    assert found.max_underfill < 0.01 * depth
+    assert found.max_underfill < max_underfill
     assert found.volume_error > 0.05
 
 

@@ -46,31 +46,8 @@ def choose_motor_flange(
         The requested flange does not fit.
     """
 
-    def hole(flange: MotorFlange) -> float:
-        return counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
-
-    def reach(flange: MotorFlange) -> tuple[float, float]:
-        return (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole(flange) + wall, outer)
-
     def misfits(flange: MotorFlange) -> list[str]:
-        """Return the reasons why a flange does not fit, as clauses; empty if it fits."""
-        problems, crank = [], reducer.design.shaft.radius
-        if reducer.design.shaft.bore_radius and (flange.shaft or flange in MOTORS.values()):
-            problems.append(f"it closes the through bore of the crank: {COAXIAL_REMEDY}")
-        needed_radius, available_radius = reach(flange)
-        if needed_radius > available_radius:
-            needs = "its screw heads need" if flange.tapped else "it needs a cover with"
-            sizes = f"{1e3 * needed_radius:.4g} mm, but only {1e3 * available_radius:.4g} mm"
-            problems.append(f"{needs} a radius of {sizes} is available")
-        if flange.circle - hole(flange) - wall < seat:
-            sizes = f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
-            problems.append(f"it needs a shaft bearing with an outside diameter of at most {sizes}")
-        if flange.shaft > crank - 2.0 * wall:
-            sizes = (
-                f"{2e3 * (flange.shaft + 2.0 * wall):.4g} mm around the motor shaft, but it has {2e3 * crank:.4g} mm"
-            )
-            problems.append(f"it needs a crank with a diameter of at least {sizes}")
-        return problems
+        return _describe_misfits(reducer, flange, outer, seat, wall, max_cavity)
 
     drive = reducer.design.drive
     if motor == "auto":
@@ -84,6 +61,33 @@ def choose_motor_flange(
     thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
+
+
+def _describe_misfits(
+    reducer: Reducer, flange: MotorFlange, outer: float, seat: float, wall: float, max_cavity: float
+) -> list[str]:
+    """Return the reasons why a motor flange does not fit, as clauses; empty if it fits.
+
+    The other arguments are those of `choose_motor_flange`.
+    """
+    problems, crank = [], reducer.design.shaft.radius
+    hole = counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
+    if reducer.design.shaft.bore_radius and (flange.shaft or flange in MOTORS.values()):
+        problems.append(f"it closes the through bore of the crank: {COAXIAL_REMEDY}")
+    needed_radius, available_radius = (
+        (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole + wall, outer)
+    )
+    if needed_radius > available_radius:
+        needs = "its screw heads need" if flange.tapped else "it needs a cover with"
+        sizes = f"{1e3 * needed_radius:.4g} mm, but only {1e3 * available_radius:.4g} mm"
+        problems.append(f"{needs} a radius of {sizes} is available")
+    if flange.circle - hole - wall < seat:
+        sizes = f"{2e3 * (flange.circle - hole - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
+        problems.append(f"it needs a shaft bearing with an outside diameter of at most {sizes}")
+    if flange.shaft > crank - 2.0 * wall:
+        sizes = f"{2e3 * (flange.shaft + 2.0 * wall):.4g} mm around the motor shaft, but it has {2e3 * crank:.4g} mm"
+        problems.append(f"it needs a crank with a diameter of at least {sizes}")
+    return problems
 
 
 def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
