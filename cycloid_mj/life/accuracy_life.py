@@ -142,7 +142,11 @@ class WearLife(Presented):
         return course.life(self.limit) if course else math.nan
 
     def life_text(self, case: Case = "typical") -> str:
-        """Format the accuracy life in a case: hours, "about ... h, extrapolated", "unlimited" or "not computed"."""
+        """Format the hours until wear has increased the lost motion by the permitted growth, in a case of wear.
+
+        The text is the hours, "about ... h, extrapolated", "unlimited" or "not computed". `case` is "low", "typical" or
+        "high", for wear coefficients at their 5, 50 or 95 % percentile.
+        """
         life = self.life(case)
         if math.isnan(life):
             return "not computed"
@@ -168,7 +172,7 @@ class WearLife(Presented):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """The assumptions, a sentence each."""
+        """Return the assumptions of the wear computation as sentences: wear law, run-in, interval and sources."""
         return (
             "Archard: the depth of each point is k times its pressure times sliding distance; the drive turns half of "
             "the time each way, and parts of the same kind wear equally",
@@ -215,7 +219,7 @@ class WearLife(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert lives [h], lost motion [arcmin], rows and surfaces to JSON values; an unlimited life is None."""
+        """Convert lives [h], lost motion over time [arcmin], recorded figures and surfaces to JSON; unlimited: None."""
         names = [key for key, _ in self.columns]
         return dict(
             to_json_values(
@@ -329,9 +333,10 @@ class _Log:
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Compute and store the lost motion over the hours in a case of wear; return False if this was interrupted.
+        """Compute and store the lost motion over the hours for a case of wear; return False if this was interrupted.
 
-        `on_progress` is called after each step with the case and its finished share [1].
+        The case is "low", "typical" or "high": wear coefficients at their 5, 50 or 95 % percentile. `on_progress` is
+        called after each step with the case and the finished share of the computation, 0 to 1.
 
         Raises
         ------
@@ -370,9 +375,9 @@ class _Log:
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
-        """Store a state as the last of the typical case, and append a row of accuracy, forces and depths if `is_due`.
+        """Store a state of the typical case, and record its accuracy, contact forces and wear depths if `is_due`.
 
-        A row is also appended for the first state, and when the lost motion has grown since the last row by the
+        A row is also recorded for the first state, and when the lost motion has grown since the last row by the
         permitted growth divided by `WearSettings.records`.
         """
         self._last = state
@@ -402,7 +407,10 @@ class _Log:
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 
     def result(self, duty: Duty) -> WearLife:
-        """Return the result with the cases, rows and surface depths that are computed so far; `duty` is named in it."""
+        """Return the lost motion by case, the recorded rows and the worn surfaces that are computed so far.
+
+        The result states the duty cycle `duty` in words.
+        """
         assert self._last is not None
         last, laws = self._last, self._drive.laws
         surfaces = []

@@ -73,8 +73,9 @@ def default_parts(design: Design) -> Parts:
 
 
 def find_critical_sample(reducer: Reducer) -> int | None:
-    """Return the number (from 0) of the sample whose largest tooth force is at `SETTINGS.percentile` of all samples.
+    """Return the number (from 0) of the random sample with the largest tooth force at the rated percentile.
 
+    The percentile is `SETTINGS.percentile` (95 %), of `SETTINGS.samples` drives within the tolerances of the design.
     Samples without a static equilibrium are left out. None if the design has no tolerances; 0 if no sample has an
     equilibrium.
     """
@@ -94,11 +95,11 @@ def _rank(count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those whose largest forces are critical.
+    """Draw random designs within the tolerances, and select those whose largest forces are at the rated percentile.
 
     Forces are those of tooth, output pin and cam, or of tooth, crank bearing and planet in an RV reducer. For each kind
-    of force, the sample at `SETTINGS.percentile` of all samples that do not jam is selected. The result has these
-    designs; for all samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
+    of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has
+    these designs; for all samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
 
     Raises
     ------

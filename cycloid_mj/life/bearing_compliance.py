@@ -32,7 +32,10 @@ class CamCase:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the case to JSON values; ``cam_n_m`` is the stiffness [N/m], and an unlimited life is None."""
+        """Convert the equivalent load and life of a cam bearing for one assumed stiffness to JSON values.
+
+        ``cam_n_m`` is the stiffness [N/m], and an unlimited life is None.
+        """
         return {
             "name": self.name,
             "cam_n_m": self.stiffness,
@@ -49,7 +52,7 @@ class CamCompliance:
 
     @property
     def words(self) -> str:
-        """Sentence with the range of cam loads and lives over the assumed stiffness."""
+        """Sentence with the range of equivalent loads [N] and lives [h] of the cam bearing by assumed stiffness."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
         life = f", its life {_range_text(lives)}" if lives else ""
@@ -63,7 +66,7 @@ class CamCompliance:
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:
-        """Return the cases as a text table: cam, stiffness, equivalent load and life."""
+        """Return a table with a row for each assumed stiffness of the cam bearing: stiffness, load and life."""
         rows = tuple(
             (
                 row.name,

@@ -178,9 +178,10 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
 
 
 def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
-    """Rate each rolling bearing: its life over a duty, and its static factor at the torque of an emergency stop.
+    """Rate each rolling bearing: its life over a duty cycle, and its static safety factor in an emergency stop.
 
-    `loadings` are the solved forces at each point of the duty. `peak_torque` is that of the emergency stop [N m].
+    `loadings` are the solved forces at each point of the duty. `peak_torque` is the output torque of the emergency stop
+    [N m].
 
     Yields
     ------
@@ -208,7 +209,7 @@ def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
 
 
 def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
-    """Compute the friction torque of a bearing of shaft or output by a load P [N]: mu P d/2 [N m].
+    """Compute the friction torque of a shaft or output bearing [N m] that a load P [N] causes: mu P d/2.
 
     This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
     coefficient of the cam if that has a rolling bearing, or else that of needles in `ASSUMED_ROLLERS`.
@@ -219,7 +220,7 @@ def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
 
 
 def cam_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings C and C0 [N] of the bearing of a cam, with their sources.
+    """Return the dynamic and static load rating C and C0 of the bearing of a cam [N], with their sources.
 
     They are those of the design file, or else of a bearing from stock, or of a row of rollers in the disc's bore.
     """
@@ -234,7 +235,7 @@ def cam_ratings(reducer: Reducer) -> Ratings:
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings C and C0 [N] of a bearing of the shaft, with their sources.
+    """Return the dynamic and static load rating C and C0 of a bearing of the shaft [N], with their sources.
 
     They are those of the design file, or else of a bearing from stock, or of an assumed row of rollers on the shaft.
     """
@@ -250,9 +251,10 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings C and C0 [N] of a bearing of the output's hub from the catalogue, with their sources.
+    """Return the catalogued load ratings C (dynamic) and C0 (static) of a bearing of the output's hub [N].
 
-    For a deep groove bearing the source also states the rating of its estimated balls by ISO 281, for comparison.
+    Each has its source. For a deep groove bearing it also states the rating of its estimated balls by ISO 281, for
+    comparison.
     """
     bearing = casing(reducer).hub
     if bearing.has_crossed_rollers:
@@ -274,7 +276,7 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
 
 
 def _output_roller_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings C and C0 [N] of the needles inside a roller of an output pin, with their sources.
+    """Return the load ratings C (dynamic) and C0 (static) of the needles in an output roller [N], with their sources.
 
     They are those of the design file, or else follow from assumed dimensions of the needles.
     """
@@ -386,10 +388,10 @@ def _rate_bearing(
 
 
 def oil_viscosity(reducer: Reducer, pair: str = "cam") -> float:
-    """Return the kinematic viscosity of the oil in the bearings [m2/s]; 0 if the design has neither of its sources.
+    """Return the kinematic viscosity of the oil in the bearings [m2/s]; 0 if the design states no lubricant.
 
     It is that of the design file. Otherwise it is that of the lubricant of the friction law ``film``, at its
-    temperature in a kind of `pair` (`lubricant_temperature`).
+    temperature in the contacts of `pair`: "teeth", "output" or "cam" (`lubricant_temperature`).
     """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:

@@ -99,8 +99,9 @@ def life_checks(reducer: Reducer) -> tuple[Check, ...]:
 def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str, tuple[tuple[str, float], ...]]:
     """Return single changes of the design file that make failed checks of `life_checks` pass, by name of the check.
 
-    Each change is a pair of key and value. Candidates are less torque and, depending on the check, a larger face width,
-    a shorter life or a slower crank. Each change has been rated again and passes. Only checks in `names` are included.
+    Each change is a pair: the key of the design file, and its new value in the unit of that key. Candidates are less
+    torque and, depending on the check, a larger face width, a shorter life or a slower crank. Each change has been
+    rated again and passes. Only checks in `names` are included.
     """
     try:
         rating = rate_for_verdict(reducer)
@@ -171,7 +172,7 @@ def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
 
 
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
-    """Yield a check for each of `KINDS` that has items: its weakest item against the limit.
+    """Yield a check for each kind of failure in `KINDS` that has rated items: its weakest item against the limit.
 
     The limit is a safety factor of 1, or the required life [h]. `decisive_items` are the items of the rating that limit
     the rated torque (`RatedItem.decisive`).

@@ -214,9 +214,10 @@ Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, 
 
 
 def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of a drive with a central crank for a `life` [h].
+    """Compute groups of quantities, curves, assumptions and limiting item for the sheet of a central-crank drive.
 
-    `static` has the quantities by statics at the nominal torque; `advance` is called after each step.
+    `life` is the required life [h]. `static` has the quantities by statics at the nominal torque; `advance` is called
+    after each step.
     """
     design = reducer.design
     momentary, stop = momentary_torque(reducer)
@@ -250,7 +251,11 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
 
 
 def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of an RV reducer; arguments are those of `_central_contents`."""
+    """Compute groups of quantities, curves, assumptions and the limiting item for the data sheet of an RV reducer.
+
+    `life` is the required life [h]. `static` has the quantities by statics at the nominal torque; `advance` is called
+    after each step.
+    """
     limits = compute_rv_limits(reducer, life)
     advance()
     groups = {
@@ -419,8 +424,8 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     """Yield the torque limit by the steady temperatures [N m], and the temperature difference of disc and ring [K].
 
-    The limit is missing if it is infinite. Nothing is yielded for a design whose dimensions already include thermal
-    expansion (``thermal.applied``).
+    The limit is missing if it is infinite. The note of the difference states the one at which the teeth jam. Nothing is
+    yielded for a design whose dimensions already include thermal expansion (``thermal.applied``).
     """
     if reducer.design.thermal.applied:
         return
@@ -642,9 +647,9 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
 
 
 def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[str, ...]:
-    """Return the assumptions of the data sheet, a sentence each.
+    """Return the assumptions of the data sheet, a sentence each: statics, ratings, friction, material and clearances.
 
-    They include those of the `ratings` and those of the quantities by statics, `static`.
+    `ratings` are the sentences on the rated torque, and `static` has the quantities by statics with their assumptions.
     """
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
@@ -656,7 +661,7 @@ def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[s
 
 
 def _describe_ratings(life: float) -> str:
-    """Describe what limits the rated torque for a life [h], and the momentary torque."""
+    """Return sentences on how the rated torque for a life [h] and the momentary torque are defined."""
     return (
         f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
         f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "

@@ -43,7 +43,7 @@ class Duty:
 
     @property
     def words(self) -> str:
-        """Torque [N m], speed [rpm] and share of the time of each point in words."""
+        """Duty cycle in words: torque [N m], speed [rpm] and share of the time of each point."""
         if len(self.points) == 1:
             point = self.points[0]
             return f"{point.torque:.4g} N m at {point.speed / RPM:.6g} rpm"

@@ -70,7 +70,7 @@ def drive_inertia(reducer: Reducer) -> float:
 def largest_speed(reducer: Reducer) -> float:
     """Compute the largest speed of the crank [rpm] that the greased bearings of cams and shaft allow.
 
-    It follows from limits of speed times mean diameter, `SPEED_LIMITS`.
+    It follows from the permissible product of speed and mean diameter of each type of bearing, `SPEED_LIMITS`.
     """
     shaft, gear = reducer.design.shaft, reducer.design.gear
     seat = seat_radius(reducer, bearing_width_of(reducer))

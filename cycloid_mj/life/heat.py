@@ -35,7 +35,7 @@ half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air
 
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield the items of power lost [W], housing temperature [°C], and loss of clearance of each pair by heat [um].
+    """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance of each pair [um].
 
     `loadings` are the solved forces at each point of the duty. For the clearances, all parts are assumed to have the
     temperature of the housing.

@@ -64,9 +64,9 @@ class RatedItem:
     kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, required_life: float) -> float:
-        """Return the safety factor, or the life divided by a required life [h]; 1 is just enough.
+        """Return the safety factor, or the life divided by a required life [h]; 1 is just sufficient.
 
-        It is inf for a value without a limit.
+        It is inf for an item without a limit.
         """
         if self.safety is not None:
             return self.safety
@@ -97,9 +97,9 @@ class RatedItem:
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
     def judgement(self, required_life: float) -> Judgement:
-        """Return whether the item passes, fails or only warns for a required life [h].
+        """Return whether the item passes, fails or causes a warning, for a required life [h].
 
-        A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). A value without a
+        A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). An item without a
         limit is not judged.
         """
         figure = self.safety is None and self.life is None

@@ -94,11 +94,11 @@ def _rate_parts(
     poses: int,
     stops: bool,
 ) -> Rating:
-    """Rate the parts of one reducer over a duty for a required life [h], without samples within the tolerances.
+    """Rate the parts of one reducer over a duty cycle for a required life [h], without samples within the tolerances.
 
     `ranges` are stress ranges of disc or ring from a finite-element study, by name of the part. `compliance` is whether
     to compute the cam load for several stiffnesses of its bearing, too, and the torque at steady temperatures. `poses`
-    is the number of crank angles, and `stops` is whether to rate emergency stops and joints.
+    is the number of crank angles per point of the duty, and `stops` is whether to rate emergency stops and joints.
     """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
@@ -122,7 +122,7 @@ def _add_thermal_limits(rating: Rating, design: Design, duty: Duty) -> Rating:
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
-    """Merge the ratings of several samples of a design: each item is that of the sample with the smallest margin.
+    """Merge the ratings of several random drives of a design: each item is that of the drive with the least margin.
 
     `design_name` becomes the name of the design; `sample_text` describes the samples and becomes the first assumption.
     """
@@ -198,9 +198,10 @@ def rate_at_rated_load(reducer: Reducer) -> Rating:
 
 @once
 def rate_for_verdict(reducer: Reducer) -> Rating:
-    """Rate as `rate_at_rated_load`, but within the tolerances of the design if it has any, as ``cycloid-mj rate``.
+    """Rate a reducer at its nominal torque and speed for its required life, within its tolerances if it has any.
 
-    The rating of an RV reducer includes heat, which `rate_at_rated_load` does not.
+    This is the rating of ``cycloid-mj rate`` without options. Unlike that of `rate_at_rated_load`, the rating of an RV
+    reducer includes heat.
     """
     parts = default_parts(reducer.design)
     if isinstance(reducer, RvReducer):
@@ -209,7 +210,7 @@ def rate_for_verdict(reducer: Reducer) -> Rating:
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
-    """Yield the assumptions of all items, a sentence each."""
+    """Yield the assumptions of a rating over a duty cycle that apply to all its items, a sentence each."""
     yield "forces: statics with friction and the clearances of the design, at constant crank speed"
     yield f"reliability of bearings and parts: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"

@@ -285,9 +285,10 @@ def _foreign_thread(sizes: Casing, joint: Joint) -> float:
 
 
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
-    """Return the limit of a screwed joint by its screws: their usual preload [N] and the slip torque [N m] (VDI 2230).
+    """Return the preload of each screw [N] and the slip torque [N m] of a joint that the screws allow (VDI 2230).
 
-    The note states the range of the torque over the assumed friction.
+    The preload is the usual one of their property class. The note states the range of the torque over the assumed
+    friction.
     """
     preload = screwed_joint.thread.usual_preload(strength.PROOF_STRESS[screwed_joint.property_class])
     torque = strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius)
@@ -312,9 +313,10 @@ def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
 
 
 def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
-    """Yield the limits of a screwed joint by its parts: pressure under the heads, and strength of threads or inserts.
+    """Yield the limits of a screwed joint by its clamped parts: pressure under the heads, and strength of the threads.
 
-    `screw` is the bought screw of the joint; None if it is not in the bill of materials.
+    Each has the preload of a screw [N] and the slip torque of the joint [N m] that the part allows. `screw` is the
+    bought screw of the joint; None if it is not in the bill of materials.
     """
     nominal, joint = screwed_joint.thread.diameter, screwed_joint.joint
     top = screw.origins[0][2] if screw else math.inf
@@ -582,9 +584,10 @@ def _rate_press_fit(
 def _press_fit_item(
     key_and_name: tuple[str, str], torque: float, fit: strength.PressFit, zones: str, max_pressure: float
 ) -> RatedItem:
-    """Return the item of a press fit of tolerance `zones` under a torque [N m].
+    """Return the item of a press fit: the torque on it against the torque at which it slips at its least interference.
 
-    `key_and_name` are those of the item. At `max_pressure` [Pa], a part yields.
+    `key_and_name` are those of the item, `torque` [N m] is that on the fit. `zones` are the tolerance zones of pin and
+    hole. At `max_pressure` [Pa], a part yields.
     """
     least_interference, largest_interference = (
         -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))

@@ -202,10 +202,10 @@ def solve_loading(
 
 
 def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
-    """Solve for the mean turn of the disc by the load, without clearances [rad].
+    """Solve for the mean rotation of the disc relative to the crank that the load causes, without clearances [rad].
 
-    It is extrapolated from the turn between `PRELOAD_SHARE` of the torque [N m] and the whole torque, whose equilibria
-    are `contact_loads`.
+    It is extrapolated from the rotation between `PRELOAD_SHARE` of the torque [N m] and the whole torque, whose
+    equilibria are `contact_loads`.
     """
     preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
     turn = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
@@ -325,7 +325,7 @@ def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: 
 def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
     """Return mean and sum of values in each of the equal `SECTORS` of a turn, shape (SECTORS,); 0 in empty sectors.
 
-    `values` and their angles [rad] have the same shape.
+    `values` and the angles [rad] that assign them to sectors have the same shape.
     """
     sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
     total = np.asarray(np.bincount(sector, weights=values.ravel(), minlength=SECTORS), float)
@@ -333,9 +333,9 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
 
 
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
-    """Return the phase of the pin of each contact with the ring [rad], its angle from the eccentric, shape (m, n).
+    """Return the angle of the pin of each contact with the ring from the eccentric [rad], shape (m, n), its phase.
 
-    `crank` are crank angles [rad], shape (m,). The contacts are those of each disc with each half of the ring.
+    `crank` are crank angles [rad], shape (m,). The n contacts are those of each disc with each half of the ring.
     """
     pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
     phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins

@@ -75,8 +75,8 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
 
     `speed` is that of the crank [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is
-    that of the grease. The torque of bearings is Palmgren's M0, that of seals follows ISO/TR 14179-2; a preloaded pair
-    adds the torque by its preload.
+    that of the grease. The torque of bearings is Palmgren's load-independent torque M0, that of seals follows ISO/TR
+    14179-2; a preloaded pair adds the torque by its preload.
 
     Friction that statics includes is left out: contacts of teeth and pins; seals, if the design sets a torque in
     ``[drag]``; and with the friction law ``film`` cam bearings and seals. Of an RV reducer, statics includes all
@@ -138,7 +138,10 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
 
 
 def _preload_torque(reducer: Reducer, crank_speed: float) -> float:
-    """Return the torque by the preload of the output's bearings referred to the crank [N m]; see `_seal_torque`."""
+    """Return the friction torque by the preload of the output's bearings, referred to the crank [N m].
+
+    `crank_speed` [rad/s] serves to compute ratios of speeds, which do not depend on it; it must not be 0.
+    """
     return sum(
         friction_torque(reducer, bearing, float(equivalent_load(casing(reducer).hub, np.zeros(1))[0]))
         * bearing.speed(reducer, crank_speed)

@@ -82,9 +82,10 @@ CROSSED_ROLLERS = CrossedRollerData()
 
 
 def equivalent_load(bearing: StockBearing, load: Array) -> Array:
-    """Compute the equivalent load of a load on a bearing and of its preload, if it has one [N].
+    """Compute the equivalent load of a bearing [N] under a radial load [N] and its own preload, if it has one.
 
-    `load` is the radial force; for crossed rollers F + 2 M/d_pw.
+    `load` has any shape, which is that of the result. For crossed rollers it is F + 2 M/d_pw, with the radial force F,
+    the tilting moment M and the pitch diameter d_pw.
     """
     if bearing.has_crossed_rollers:
         return np.maximum(load, CROSSED_ROLLERS.preload_share * bearing.dynamic)

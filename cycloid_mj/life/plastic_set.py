@@ -27,9 +27,10 @@ It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short tes
 
 
 def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> RatedItem:
-    """Return the item of the time until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
+    """Return the item of the hours until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
 
-    `loadings` are the points of the duty, `kind` is the kind of pair, and `name` its name in the item.
+    `loadings` are the solved forces at the points of the duty, `kind` is the kind of contact pair, and `name` its name
+    in the item.
     """
     strength = loadings[0].reducer.contacts[kind].strength
     limit = SHAKEDOWN_PRESSURE * strength
@@ -59,10 +60,11 @@ def creep_damage(pressure: npt.ArrayLike, limit: float) -> Array:
 
 
 def damage_rate(loading: Loading, kind: str, limit: float) -> float:
-    """Compute the damage of the most loaded place of a plastic surface per hour of turning [1/h]: 1 is a set.
+    """Compute the damage (Miner) of the most loaded place of a plastic surface per hour of turning [1/h]; 1 is a set.
 
     A lobe of the disc meets all ring pins in turn, so its damage is the mean over them; that of pins and holes is the
-    largest. `limit` is the pressure that leaves a set within a short test [Pa].
+    largest. `kind` is the kind of contact pair, and `limit` the pressure that leaves a permanent set within a short
+    test [Pa].
     """
     design = loading.reducer.design
     force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, kind)

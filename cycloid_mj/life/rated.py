@@ -190,11 +190,11 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
 def rated_and_momentary_torque(
     rated_items: Iterable[RatedItem], torque: float, life: float, reducer: Reducer | None = None
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
-    """Estimate rated and momentary torque from a rating at a single torque [N m], by `weakest_torque`.
+    """Estimate rated and momentary output torque [N m] from a rating at a single torque, by `weakest_torque`.
 
-    `rated_items` are the items of the rating for a `life` [h]. Its peak torque must be `PEAK_FACTOR` times its torque.
-    The rated torque is at most the momentary torque. `reducer` is required only for an RV reducer (`is_stop`), whose
-    safety factors at the peak torque are inversely proportional to the torque.
+    `rated_items` are the items of the rating at `torque` [N m] for a `life` [h]. Its peak torque must be `PEAK_FACTOR`
+    times its torque. The rated torque is at most the momentary torque. `reducer` is required only for an RV reducer
+    (`is_stop`), whose safety factors at the peak torque are inversely proportional to the torque.
 
     Returns
     -------

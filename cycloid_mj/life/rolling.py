@@ -53,8 +53,8 @@ def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diame
     """Compute the basic dynamic load rating of a row of radial rollers [N]: C = b_m f_c L^(7/9) Z^(3/4) D^(29/27).
 
     By ISO 281:2007, 7.2, with its factors b_m and f_c; f_c follows from the formula behind its table (ISO/TR 1281-1).
-    `rollers` Z is the number of rollers, which need not be an integer; diameter D and length L of a roller and the
-    pitch diameter are in [m]; the formula is for mm.
+    `rollers` Z is the number of rollers, which need not be an integer; `diameter` D and `length` L of a roller and the
+    `pitch_diameter` are in [m], and are converted to mm for the formula.
     """
     gamma = diameter / pitch_diameter
     ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
@@ -73,8 +73,8 @@ def ball_capacity(balls: float, diameter: float, pitch_diameter: float) -> float
     """Compute the basic dynamic load rating of a row of deep groove balls [N]: C = b_m f_c Z^(2/3) D^1.8.
 
     By ISO 281:2007, 5.1, for balls of at most 25.4 mm, with its factors b_m and f_c; f_c follows from the formula
-    behind its Table 2. `balls` Z is the number of balls; diameter D of a ball and pitch diameter are in [m]; the
-    formula is for mm.
+    behind its Table 2. `balls` Z is the number of balls; `diameter` D of a ball and `pitch_diameter` are in [m], and
+    are converted to mm for the formula.
     """
     gamma = diameter / pitch_diameter
     ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72

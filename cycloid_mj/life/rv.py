@@ -86,7 +86,7 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield both kinds of crank bearings, those in the discs first, with load ratings and forces [N] at each torque.
+    """Yield the bearings in the discs, then those in the flanges, with load ratings and forces at each torque [N].
 
     `torques` [N m] are those on the output at the points of a duty.
     """

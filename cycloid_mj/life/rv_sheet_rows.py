@@ -81,9 +81,10 @@ def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
 def rv_performance_groups(
     reducer: RvReducer, life: float, limits: RvTorqueLimits, static: Sheet
 ) -> dict[str, tuple[Quantity, ...]]:
-    """Return the groups of loads and motions of a data sheet: heading -> quantities.
+    """Return data-sheet rows on torques, accuracy, efficiency and heat of an RV reducer: heading -> quantities.
 
-    `static` has the quantities by statics at the nominal torque, `limits` the torques for a `life` [h].
+    `static` has the quantities by statics at the nominal torque, `limits` the rated and momentary torque for a `life`
+    [h].
     """
     return {
         "Ratings": tuple(_rating_rows(reducer, life, limits)),
@@ -152,7 +153,7 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
 
 
 def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
-    """Return the row of the transmission error of parts within ``[crank_tolerance]`` [arcsec]; empty without any."""
+    """Return the row of the transmission error [arcsec] of parts within ``[crank_tolerance]``; empty without any."""
     percentile = TOLERANCE_SETTINGS.percentile
     try:
         samples = draw_rv_samples(reducer, ERROR_SAMPLES, TOLERANCE_SETTINGS.seed, 0)
@@ -307,7 +308,7 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
 
 
 def rv_notes(life: float) -> tuple[str, ...]:
-    """Return the assumptions of the ratings of an RV reducer for a life [h], a sentence each."""
+    """Return the assumptions on which the torques of an RV data sheet are based, for a life [h], a sentence each."""
     return (
         f"Rated torque: limited by crank bearings (ISO 281, 90 %) and pitting of cycloid teeth and sun for {life:g} h, "
         "and by the momentary torque; heat and wear are left out. Momentary torque (emergency stop): limited by dents "

@@ -32,7 +32,7 @@ RV_THERMAL_ASSUMPTIONS = (
 
 
 def describe_rv_friction(reducer: RvReducer) -> str:
-    """Describe the temperatures at which friction is computed, in a sentence."""
+    """Return a sentence that states at which temperatures the friction of an RV reducer is computed."""
     friction = reducer.design.friction
     law = (
         f"film of {friction.lubricant} at the temperature of the parts in contact"

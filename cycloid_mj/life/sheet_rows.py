@@ -179,10 +179,10 @@ def _torque_row(
 
 
 def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
-    """Compute a no-load torque of the contacts [N m], which has a `key` in the catalogue, at a temperature [°C].
+    """Compute a torque without load that the friction of the contacts causes [N m], at a temperature of the parts [°C].
 
-    The temperature of the parts has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN
-    and its note has the reason.
+    `key` is that of the torque in the catalogue of figures: of running, starting or back-driving. The temperature has
+    an effect with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has the reason.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)

@@ -103,10 +103,10 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
 
 
 def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    """Return the item of the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
+    """Return the item of the hours until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
 
-    `loadings` are the points of the duty, `kind` is the kind of pair, `pressure` its largest Hertz pressure over the
-    duty [Pa], which is reported.
+    `loadings` are the solved forces at the points of the duty, `kind` is the kind of contact pair, `pressure` its
+    largest Hertz pressure over the duty [Pa], which is reported.
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     damage, least_damage, hourly, pin_cycles = 0.0, 0.0, 0.0, 0.0

@@ -445,17 +445,18 @@ class _LossLimit:
 def _find_loss_limit(
     reducer: Reducer, network: Network, losses: Mapping[str, float], settings: ThermalSettings
 ) -> _LossLimit:
-    """Return the factor on losses by source [W] at which the first thermal limit is reached.
+    """Return the factor on all losses at which the first temperature limit is reached in the steady state.
 
-    Temperature rises are in proportion to the losses.
+    `losses` [W] are by source. The temperature rises of the parts over the air are in proportion to them.
     """
     return _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
 
 
 def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> _LossLimit:
-    """Return the factor on temperature rises [K] over the air at which the first thermal limit is reached.
+    """Return the factor on all temperature rises over the air at which the first temperature limit is reached.
 
-    It is inf if no limit is reached up to `settings.largest`, and 0 if a limit is exceeded without any rise.
+    `rises` [K] are those of the parts. The factor is inf if no limit is reached up to `settings.largest`, and 0 if a
+    limit is exceeded without any rise.
     """
     from scipy.optimize import brentq
 
@@ -478,7 +479,7 @@ def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalS
 
 
 def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
-    """Yield the assumptions of a steady state, a sentence each."""
+    """Yield the assumptions of a computation of steady temperatures, a sentence each."""
     if isinstance(reducer, RvReducer):
         yield describe_rv_friction(reducer)
         yield from RV_THERMAL_ASSUMPTIONS
@@ -494,7 +495,7 @@ def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
 
 
 def _friction_text(reducer: Reducer) -> str:
-    """Describe the friction of contacts and bearings in a sentence."""
+    """Return a sentence that states how the friction of contacts and bearings depends on temperature."""
     design = reducer.design
     if not design.has_film:
         return "friction: the coefficients of the design at any temperature; bearings by mu F d/2"

@@ -24,10 +24,10 @@ NAMES = {
 
 
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield wear depth in 1000 h [um] (Archard), sliding distance [km] and largest p v of each kind of sliding contact.
+    """Yield wear depth in 1000 h [um] (Archard), sliding distance [km] and largest p v of each kind of contact.
 
     `loadings` are the solved forces at each point of the duty. The depth is the largest on the surface, its limit the
-    clearance; distance and p v [MPa m/s] have no limit.
+    clearance. The distance and the product p v of pressure and sliding speed [MPa m/s] have no limit.
     """
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind

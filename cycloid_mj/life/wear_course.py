@@ -217,8 +217,8 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
     """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
 
-    `doses` (pressure times sliding distance) [Pa m] and their `rates` [Pa m/s] are by the keys of the surfaces. The
-    result is inf without wear.
+    `case` is "low", "typical" or "high" wear. `doses` (pressure times sliding distance) [Pa m] and their `rates` [Pa
+    m/s] are by the keys of the surfaces. The result is inf without wear.
     """
     steps = [math.inf]
     for surface in drive.surfaces:

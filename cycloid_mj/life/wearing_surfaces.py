@@ -268,8 +268,8 @@ def _wrap(angle: Array) -> Array:
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
     """Compute the half width of Hertzian line contacts [m] under forces [N], in the shape of `force`.
 
-    `kind` is the kind of pair, `curvature` the relative curvature [1/m]; None stands for that of the pair. The result
-    is limited to `hertz_reach` times `radius` [m].
+    `kind` is the kind of contact pair, `curvature` the relative curvature [1/m]; None stands for that of the pair. The
+    result is limited to `hertz_reach` times `radius` [m].
     """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)

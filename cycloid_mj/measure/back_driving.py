@@ -104,7 +104,7 @@ class BreakAway:
 
     @property
     def note(self) -> str:
-        """Explanation of the torque, or of a missing value, for users."""
+        """Sentence for users on the break-away torque: its range over the starts, or why it is missing or uncertain."""
         if self.spread is None:
             largest = max(start.max_torque for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
@@ -133,7 +133,7 @@ class BreakAway:
         return f"{words} N m over {turning} starts around the crank turn{stuck}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert to JSON values: spread of the break-away torques [N m], and number of starts that stay at rest."""
+        """Convert mean and range of the break-away torques [N m] and the number of starts at rest to JSON values."""
         return {
             "from_rest": self.spread.as_json() if self.spread else None,
             "from_rest_locked": len(self.starts) - len(self.turning),

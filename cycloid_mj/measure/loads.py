@@ -474,7 +474,7 @@ def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
 
 
 def _describe_cam_bearing(design: Design) -> str:
-    """Describe the pressure in the bearing of the cam."""
+    """Return a clause on how the pressure in the cam's bearing is computed: by its most loaded roller or as a line."""
     if design.gear.bearing == "rolling":
         return (
             f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "

@@ -110,7 +110,12 @@ def _extreme_quantities(
     unit: str,
     closed_form: ClosedForm | None = None,
 ) -> list[Quantity]:
-    """Return the smallest and the largest value over the crank angles; arguments as in `_mean_quantity`."""
+    """Return the smallest and the largest value over the crank angles that is read from the loops, with their errors.
+
+    `read_value` reads the value from a loop, in `unit`; `loops` are one per crank angle, `check_loops` those at the
+    first angle with other settings, for the numerical error. `key` and `name` begin those of the quantities.
+    `closed_form` approximates the values, for the sampling error.
+    """
     values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
     return list(extreme_quantities(key, name, values, numerical, unit, closed_form=closed_form))
 
@@ -179,7 +184,10 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
 
 
 def _static_backlash(data: LostMotionLoops) -> ClosedForm | None:
-    """Return the backlash of an RV reducer by statics [arcmin] at the crank angles and over the turn."""
+    """Return the backlash of an RV reducer by statics [arcmin], at the crank angles of the loops and over the turn.
+
+    The torque of the stops is the smallest of the torque loop.
+    """
     assert isinstance(data.reducer, RvReducer)
     torque = LOOP.unloading[0] * data.service[0].rated
     sampled, turn = (

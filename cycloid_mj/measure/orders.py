@@ -79,9 +79,10 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
 
 
 def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Cause]:
-    """Return the causes at the ring: what all teeth have in common, and errors of single pins or lobes.
+    """Return the causes of transmission error at the ring: properties that all teeth share, and errors of single teeth.
 
-    `place` is the signal in which they appear, `shared` names what all teeth have in common besides the clearance.
+    Each has the orders that it excites, in cycles per crank turn. `place` is the signal in which they appear, `shared`
+    names what all teeth have in common besides the clearance.
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
     teeth, ring = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
@@ -110,7 +111,10 @@ def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Ca
 
 
 def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """Return the causes of a reducer with a central crank: mesh, ring, holes with output pins, and eccentricity."""
+    """Return the causes of transmission error with a central crank: mesh, ring, holes with output pins, eccentricity.
+
+    Each has the orders that it excites, in cycles per crank turn.
+    """
     design = reducer.design
     lobes, pins, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
     mesh_signal: Place = "gear"
@@ -142,7 +146,10 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
 
 
 def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """Return the causes of an RV reducer: mesh, ring, cranks, and mesh of the planets; all show in the output."""
+    """Return the causes of transmission error of an RV reducer: mesh, ring, cranks and mesh of the planets.
+
+    Each has the orders that it excites, in cycles per crank turn. All appear in the rotation of the output.
+    """
     lobes, teeth, (_, base) = reducer.design.lobes, cast(RvReducer, reducer).planet.planet_teeth, base_orders(reducer)
     return (
         *_ring_causes(reducer, "output", "elasticity, modification"),

@@ -29,7 +29,10 @@ class Published:
 
 
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
-    """Return the friction coefficient at which the model has each published torque, as quantities with their errors."""
+    """Return, for each published output torque, the friction coefficient at which the model has this torque.
+
+    The coefficient is the same for all sliding pairs; the results are quantities with their errors.
+    """
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
     names = [f"friction at the paper's {item.torque:g} N m, {item.method}" for item in published]
     return [
@@ -39,9 +42,10 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
 
 
 def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Return a table of the output torque [N m] and the published torques with their friction, in a tuple.
+    """Return a table that compares the model's output torque [N m] with published torques: torque, rate and friction.
 
-    Without published torques the tuple is empty.
+    The rate is the torque over that without losses [%]; the friction is the coefficient at which the model has the
+    published torque. Returns a tuple of this table, empty without published torques.
     """
     if not published:
         return ()

@@ -116,7 +116,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def _rv_unbalance(reducer: RvReducer) -> Unbalance:
-    """Compute `unbalance` of an RV reducer: static unbalance of the discs, and couple unbalance of discs and cranks."""
+    """Compute static unbalance of the discs [kg m] and couple unbalance of discs and cranks [kg m2], with RV layout."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
     directions, crank = unit(-np.array(reducer.phases)), masses[CRANK]
     moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity

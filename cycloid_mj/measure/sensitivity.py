@@ -51,12 +51,12 @@ class FrictionVariant:
 
 
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """Return the variants of the friction table: designs with other friction coefficients, supports and bearings.
+    """Return the designs of the friction table, which differ in friction, support of the ring's pins and bearings.
 
-    For each support of the ring's pins there are the design's friction, the friction of one kind of sliding pair
-    changed at a time, and equal friction of all kinds. For the design's support, there are also variants with another
-    bearing of cam or output. `quick` omits other supports, single kinds and bearings. With the friction law ``film``,
-    single kinds and bearings are omitted.
+    For each support there are the design's friction, the friction of one kind of sliding pair changed at a time, and
+    equal friction of all kinds. For the design's support, there are also variants with another bearing of cam or
+    output. `quick` omits other supports, single kinds and bearings. With the friction law ``film``, single kinds and
+    bearings are omitted.
     """
     ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]
@@ -77,7 +77,7 @@ def pins_of(reducer: Reducer) -> str:
 
 
 def sliding_pairs(reducer: Reducer) -> list[str]:
-    """List the kinds of sliding pairs."""
+    """List the keys of those kinds of mating pairs of a design that slide, such as "pin_gear" and "output"."""
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]

@@ -117,9 +117,9 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
 
 
 def _rv_inputs(reducer: RvReducer, mesh_pairs: Sequence[str]) -> list[Input]:
-    """Return the inputs of an RV reducer: play of the teeth, and friction of teeth, crank bearings and planets.
+    """Return the assumed inputs of an RV reducer: play of the teeth, and friction of teeth, crank bearings and planets.
 
-    `mesh_pairs` are the kinds of pairs at which teeth slide.
+    Each has both ends of its plausible range. `mesh_pairs` are the kinds of pairs at which teeth slide.
     """
     friction = (
         _film_inputs(reducer)
@@ -136,7 +136,7 @@ def _rv_inputs(reducer: RvReducer, mesh_pairs: Sequence[str]) -> list[Input]:
 
 
 def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
-    """Return the inputs of the friction of teeth, cam and output pins with the law ``coulomb``, with their ranges.
+    """Return the assumed friction coefficients of teeth, cam and output pins (law ``coulomb``), with their ranges.
 
     `mesh_pairs` are the kinds of pairs at which teeth slide.
     """
@@ -151,7 +151,7 @@ def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
 
 
 def _film_inputs(reducer: Reducer) -> list[Input]:
-    """Return the inputs of the law ``film`` with their ranges: boundary friction, roughness and friction of needles."""
+    """Return the assumed inputs of the law ``film`` with ranges: boundary friction, roughness, friction of needles."""
     friction = reducer.design.friction
     inputs = []
     for key, value, unit, scale in (

@@ -222,9 +222,10 @@ def _cause_quantities(
 
 
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects.
+    """Return the twelve strongest orders (cycles per crank turn) of disc and output in a trace, as JSON objects.
 
-    Orders that no cause excites, which are due to leakage from other orders, have the cause "between".
+    Each has its amplitude [arcsec] and its cause. Orders that no cause excites, which are due to leakage from other
+    orders, have the cause "between".
     """
     rows = []
     for place, cycles_per_turn in _bases(reducer):

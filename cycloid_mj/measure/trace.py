@@ -88,10 +88,11 @@ def copy_model(compiled: Model) -> Model:
 
 
 def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
-    """Return a drive cycle at constant speed, at whose start a pulse of the load presses the flanks together.
+    """Return a drive cycle at constant speed whose load begins with a pulse that presses the flanks together.
 
     With a light load, the disc oscillates in its clearance for about 30 ms. The pulse, a squared sine with a peak of up
     to the nominal torque, shortens this to a few milliseconds. `start` is the initial angle of the driven shaft [rad].
+    `model` is the compiled model of the design.
     """
     design = reducer.design
     law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)

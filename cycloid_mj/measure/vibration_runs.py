@@ -90,13 +90,12 @@ class VibrationRun:
 
 
 def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, speed: float, turns: int) -> VibrationRun:
-    """Simulate a design over some crank turns, after it has settled; return its vibration signals, see `VibrationRun`.
+    """Simulate a design over some crank turns, after it has settled; return the vibration signals in that time.
 
     The closed-form accelerations are subtracted from those of disc centre and output, and the mean is subtracted from
-    all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated.
-
-    `model` is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on the output
-    [N m] and `speed` the speed of the driven shaft [rad/s].
+    all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. `model`
+    is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on the output [N m]
+    and `speed` the speed of the driven shaft [rad/s].
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))

@@ -169,12 +169,12 @@ def solve_at_friction(
 def _solve_ring_output(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
 ) -> Loads:
-    """Solve for equilibrium under a torque on the ring [N m], a number or of shape (m,).
+    """Solve for the contact forces in equilibrium under a torque on the ring [N m], a number or of shape (m,).
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
     losses divided by the crank speed relative to the ring. As it depends on the contact forces, a secant iteration
-    determines it. `warm_start` and `start` are arguments of `solve_at_friction`. The rotation of the output includes
-    the twist of the structure.
+    determines it. `warm_start` starts each crank angle from the previous solution, and `start` is a solution to start
+    from. The rotation of the output includes the twist of the structure.
     """
     settings = RING_TORQUE
     speed, torque_ratio = reducer.speed_against_ring, 1.0 + 1.0 / reducer.design.lobes
@@ -221,9 +221,10 @@ def _solve_ring_output(
 def _solve_carrier_output(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
 ) -> Loads:
-    """Solve for equilibrium under a torque on the carrier [N m], a number or of shape (m,), in the frame of the ring.
+    """Solve for the contact forces in equilibrium under a torque on the carrier [N m], in the frame of the ring.
 
-    The twist of the structure is not included. `warm_start` and `start` are arguments of `solve_at_friction`.
+    `torque` is a number or has shape (m,). The twist of the structure is not included. `warm_start` starts each crank
+    angle from the previous solution, and `start` is a solution to start from.
     """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)

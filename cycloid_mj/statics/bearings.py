@@ -117,7 +117,7 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
 
 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Compute the bearing reactions to known forces of each of the D discs on shaft, output and ring, as `Reactions`.
+    """Compute the reactions of the bearings [N] to known forces of each of the D discs on shaft, output and ring.
 
     `shaft`, `output` and `ring` are the forces on these parts [N], shape (m, D, 2) each. Each acts in the plane of its
     disc, so the bearings also support the tilting moments. If ``output.support`` is "both_ends", the output has a

@@ -313,7 +313,10 @@ class FilmContacts:
         return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
-        """Compute the film friction of all contacts under the working force of each kind (`reducer.contact`)."""
+        """Compute the film friction of all contacts under the force of each kind of pair at the design's load.
+
+        That force is the ideal peak force of the kind (`reducer.contact`).
+        """
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
         return self.friction(
@@ -405,7 +408,7 @@ def film_text(reducer: Reducer) -> str:
 
 
 def film_assumption(reducer: Reducer) -> str:
-    """Return a sentence about the assumed mixed friction, which acts while the crank rotates."""
+    """Return a sentence on the assumed mixed friction of a rotating crank: lubricant, film formula and roughness."""
     friction = reducer.design.friction
     return (
         f"mixed friction of a rotating crank with {friction.lubricant}: film thickness by {friction.film_formula}, "

@@ -170,7 +170,10 @@ def _solve_path(springs: Springs, rubbing: Rubbing, torque: Array, max_rotation:
 
 
 def _no_equilibrium(torque: float, locked_shaft: Held, step: str, residual: float) -> RunError:
-    """Return the error of a path without equilibrium at a torque [N m], with the residual over the largest load [1]."""
+    """Return the error to raise if the path of loads with friction has no equilibrium at a torque [N m].
+
+    `step` is the step of the path in words, and `residual` the residual force over the largest load [1].
+    """
     shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
     return RunError(
         f"no static equilibrium at {torque:.4g} N m on the {shaft}, {step} of the torque loop: the residual is "

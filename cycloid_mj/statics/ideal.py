@@ -32,9 +32,10 @@ def ideal_rv_at(reducer: RvReducer, crank_angle: Array) -> IdealRvLoads:
 
 
 def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
-    """Compute the largest force [N] of a kind of contact of an RV reducer; arguments are those of `ideal_peak`.
+    """Compute the largest force [N] of a kind of contact of an RV reducer at crank angles (m,) [rad].
 
-    Planets share the torque of the sun equally.
+    `kind` is "crank_bearing", "planet_mesh" or the kind of the teeth. Load sharing is ideal; planets share the torque
+    of the sun equally.
     """
     if kind == names.PLANET_MESH:
         sun_torque = reducer.share * abs(reducer.design.load.torque) / reducer.stage.to_carrier

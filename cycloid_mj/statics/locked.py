@@ -65,9 +65,10 @@ def load_friction(share: float, travel: float) -> LoadFriction:
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Return the slip elements of a design's constant friction and of its hysteresis (table ``springs``).
+    """Return the elastic elements that slip at a limit (Jenkin), for a design's constant friction and its hysteresis.
 
-    Friction and hysteresis have `ELEMENTS` elements each if their limit is above 0, and none otherwise.
+    They are parallel to the torsion of the output; their limits are in the table ``springs`` of the design. Friction
+    and hysteresis have `ELEMENTS` elements each if their limit is above 0, and none otherwise.
     """
     springs = reducer.design.springs
     components = [

@@ -277,7 +277,8 @@ def _unknowns(reducer: RvReducer) -> int:
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """Return the displacement of each eccentric from its bore without load, and its gradient by the unknowns.
 
-    `crank` are crank angles against the ring [rad], shape (m,). Unknowns are those of the module docstring.
+    `crank` are crank angles against the ring [rad], shape (m,). D is the number of discs, n that of cranks, and u that
+    of the unknown displacements, which the module docstring lists.
 
     Returns
     -------
@@ -313,7 +314,8 @@ def _needle_directions(reducer: RvReducer, crank: Array) -> Array:
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of each eccentric from its bore due to manufacturing errors [m], shape (m, D, n, 2).
 
-    The last axis is x and y in the frame of the ring. `crank` are crank angles against the ring [rad], shape (m,).
+    D is the number of discs, n that of cranks; the last axis is x and y in the frame of the ring. `crank` are crank
+    angles against the ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
@@ -335,7 +337,8 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of the teeth of each planet from its crank due to run-out [m], shape (m, n, 2).
 
-    The last axis is x and y in the frame of the ring. `crank` are crank angles against the ring [rad], shape (m,).
+    n is the number of planets; the last axis is x and y in the frame of the ring. `crank` are crank angles against the
+    ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
     displacements = np.stack([expanded(errors.planet_x, shape), expanded(errors.planet_y, shape)], axis=-1)
@@ -370,9 +373,9 @@ def _mesh_error(reducer: RvReducer, crank: Array) -> Array:
 def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """Return the gaps between the flanks of the planets and the sun without load, and their gradients by the unknowns.
 
-    Each planet has two flanks. The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank
-    points from the sun to the planet, at the pressure angle to the circle of cranks. `crank` are crank angles against
-    the ring [rad], shape (m,). Unknowns are those of the module docstring.
+    Each of the n planets has two flanks. The first n flanks carry a counter-clockwise load on the carrier. The normal
+    of a flank points from the sun to the planet, at the pressure angle to the circle of cranks. `crank` are crank
+    angles against the ring [rad], shape (m,). The u unknown displacements are those of the module docstring.
 
     Returns
     -------
@@ -474,7 +477,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return forces, displacements and compliance in the equilibrium at known displacements (m, u) [m]."""
+    """Return forces, displacements and compliance of an RV reducer at displacements in equilibrium (m, u) [m]."""
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
@@ -605,10 +608,11 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
 
 
 def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Array]:
-    """Return forces, energy and stiffness of bearings with separate needles, as `_bearing_forces`.
+    """Return forces [N], energy [J] and stiffness [N/m] of crank bearings with separate needles at given displacements.
 
-    `offsets` are the displacements of the eccentrics in their bores [m], shape (m, D, n, 2). Each needle is a spring
-    along its direction, which closes once the displacement exceeds the clearance.
+    `offsets` are the displacements of the eccentrics in their bores [m], shape (m, D, n, 2), for D discs and n cranks;
+    the results have the shapes of those of `_bearing_forces`. Each needle is a spring along its direction, which closes
+    once the displacement exceeds the clearance.
     """
     directions = springs.needles
     stiffness = needle_share(directions.shape[1]) * springs.bearing_stiffness
@@ -654,7 +658,10 @@ def _sum_along(slope: Array, force: Array) -> Array:
 
 
 def _tangent(springs: RvSprings, displacements: Array) -> Array:
-    """Return the tangent stiffness (m, u, u) [N/m] at displacements (m, u) [m], without the curvature of flanks."""
+    """Return the tangent stiffness (m, u, u) [N/m] by the u unknown displacements, at displacements (m, u) [m].
+
+    The curvature of the flanks is neglected.
+    """
     gaps, _, _ = _contact_gaps(springs, displacements)
     slopes = contact_gradients(springs, displacements)
     slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]

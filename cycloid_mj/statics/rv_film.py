@@ -214,7 +214,7 @@ def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmL
 
 
 def rv_film_assumption(reducer: RvReducer) -> str:
-    """Describe the mixed friction of a running RV reducer, in a sentence."""
+    """Return a sentence on the mixed friction of a running RV reducer: lubricant, film formula and roughness."""
     friction = reducer.design.friction
     return (
         f"mixed friction of a running drive with {friction.lubricant}: film thickness by {friction.film_formula}, "

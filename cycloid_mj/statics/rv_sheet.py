@@ -357,7 +357,7 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
 
 
 def assumptions(reducer: RvReducer) -> tuple[str, ...]:
-    """Return the assumptions of the figures of an RV reducer, a sentence each."""
+    """Return the assumptions of the static figures of an RV reducer, a sentence each."""
     design = reducer.design
     return (
         "statics: parts are rigid, pins, planet teeth and crank bearings are springs with all clearances and "

@@ -85,9 +85,9 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return `count` samples that all equal the design with its errors, as read-only arrays.
+    """Return the deviations of `count` drives that all equal the design with its errors, as read-only arrays.
 
-    Use `dataclasses.replace` to change their deviations.
+    Use `dataclasses.replace` to change them. They are the input of the statics of many samples.
     """
     design = reducer.design
     errors, clearance, modification = reducer.deviations, design.clearance, design.modification

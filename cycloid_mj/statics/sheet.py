@@ -538,9 +538,9 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def shaft_powers(reducer: Reducer, torque: float, poses: int = POSES) -> Powers:
-    """Compute the mean powers of a reducer of any layout under a torque on its output [N m]; see `powers`.
+    """Compute the mean powers of input, output and friction [W] under a torque on the output [N m].
 
-    The means are over `poses` crank angles.
+    The means are over `poses` crank angles. The reducer has any layout.
     """
     if isinstance(reducer, RvReducer):
         return rv_sheet.rv_powers(reducer, torque, poses)
@@ -626,7 +626,7 @@ def _elastic_parts_text(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
-    """Return the assumptions of the figures, a sentence each."""
+    """Return the assumptions of the figures computed by statics, a sentence each."""
     design = reducer.design
     return (
         f"statics: {_elastic_parts_text(reducer)}, contacts are unilateral springs with all clearances, manufacturing "

@@ -58,7 +58,7 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with the friction coefficients of `friction`; only for springs with the law ``film``."""
+        """Return the springs with the friction coefficients of `friction`; only for designs with the law ``film``."""
         assert self.film is not None
         rubbing = friction.contacts[..., np.newaxis] * self.film.unit_rubbing
         speed = self.film.surfaces.reducer.design.drive.speed

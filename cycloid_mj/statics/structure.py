@@ -24,12 +24,12 @@ TWISTING = ("carrier", "shaft", "housing")
 
 
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
-    """Compute the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
+    """Compute the torsional stiffness of carrier, shaft and housing about their own axes [N m/rad]; inf if rigid.
 
-    Values that the design does not set follow from the shape and the shear modulus G. A solid shaft of the radius r and
-    the length L has G pi r^4/(2 L). A ring of inner radius r, outer radius R and thickness t has
-    G 4 pi t/(1/r^2 - 1/R^2) (in-plane shear): the output disc between hub and pins, and the housing between its pins or
-    lobes and its bolts or rim.
+    The keys are `TWISTING`. Values that the design does not set follow from the shape and the shear modulus G. A solid
+    shaft of the radius r and the length L has G pi r^4/(2 L). A ring of inner radius r, outer radius R and thickness t
+    has G 4 pi t/(1/r^2 - 1/R^2) (in-plane shear): the output disc between hub and pins, and the housing between its
+    pins or lobes and its bolts or rim.
     """
     design = reducer.design
     if design.structure == "rigid":

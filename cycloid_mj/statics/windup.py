@@ -162,7 +162,10 @@ def solve_windups(
 
 
 def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated_torque: float) -> list[Windup]:
-    """Solve for the poses of an RV reducer; arguments, result and errors are those of `solve_windups`."""
+    """Solve for the static poses of an RV reducer at crank angles [rad] under shares of a rated output torque [N m].
+
+    Friction is left out. Returns a `Windup` per crank angle, with the poses under both signs of each share of `SHARES`.
+    """
     springs = rv_springs_at(reducer, cranks)
     rotations = {
         side * share: static_rotations(reducer, springs, side * share * rated_torque).tolist()

@@ -188,7 +188,11 @@ def _follow_path(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[Residual, int]:
-    """Solve as `follow_path`, with workspace from `_allocate_increment` and `_allocate_state`."""
+    """Follow the equilibrium of springs with friction along a `path` of loads (loads, u) [N], with a given workspace.
+
+    Arguments and results are those of `follow_path`; `increment`, `old` and `new` are the workspace, from
+    `_allocate_increment` and `_allocate_state`.
+    """
     count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
@@ -271,9 +275,11 @@ def _assemble_two_steps(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Assemble as `assemble_after` at the displacements of `old` and `new` under `increment.load`; return energy [J].
+    """Assemble a step from rest to the displacements of `old`, then one to those of `new`; return its energy.
 
-    `rest` is the unloaded state before both steps.
+    The energy [J], and residual and tangent in `increment`, are those of the second step, under ``increment.load``.
+    `rest` is the unloaded state before both steps. With `fixed_limits`, the friction limits follow from the normal
+    forces of `old`.
     """
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     _update_slip(springs, rubbing, rest)
@@ -336,10 +342,10 @@ def _solve_newton(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by Newton's method with the consistent tangent; return the residual norm [N].
+    """Solve for the equilibrium after a load step by Newton's method with the consistent tangent.
 
-    `old` is the state before the step, `new` the state after it, which is overwritten. A residual norm up to
-    `tolerance` [N] is a solution; `increment` has the load and the workspace.
+    `old` is the state before the step, `new` the state after it, which is overwritten. Returns the residual norm [N];
+    up to `tolerance` it is a solution. `increment` has the load and the workspace.
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -363,11 +369,11 @@ def _solve_tresca(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by a fixed-point iteration of the friction limits (Tresca); return the residual norm [N].
+    """Solve for the equilibrium after a load step by a fixed-point iteration of the friction limits (Tresca).
 
-    While the limits are fixed, the solution minimizes an energy, and Newton's method with backtracking finds it. The
-    arguments are those of `_solve_newton`: `tolerance` of the residual norm [N], state `old` before the step and `new`
-    after it.
+    While the limits are fixed, the solution minimizes an energy, and Newton's method with backtracking finds it.
+    `tolerance` is the residual norm of a solution [N], `old` the state before the step and `new` that after it, which
+    is overwritten. Returns the residual norm [N].
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -413,11 +419,12 @@ def _solve_pseudo_transient(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by pseudo-transient continuation; return the residual norm [N].
+    """Solve for the equilibrium after a load step by pseudo-transient continuation; return the residual norm [N].
 
     If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the work of friction on the
-    way to it. With enough viscous drag (a short pseudo time step), the solution of each pseudo time step is unique. The
-    arguments are those of `_solve_newton`. Both states `old` and `new` are overwritten by the solution.
+    way to it. With enough viscous drag (a short pseudo time step), the solution of each pseudo time step is unique.
+    `tolerance` is the residual norm of a solution [N]. Both states, `old` before and `new` after the step, are
+    overwritten by the solution.
     """
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf

@@ -111,9 +111,10 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
 def balance_with_paths(
     springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool, system: System
 ) -> Residual:
-    """Solve as `balance`, with the workspace `system`.
+    """Solve for static equilibrium at each crank angle by Newton's method, and where that fails by continuation.
 
-    Each angle is solved by `balance_briefly`, and by `solve_by_arclength` if that fails.
+    Arguments and result are those of `balance`; `system` is the workspace. The methods are `balance_briefly` and
+    `solve_by_arclength`.
     """
     residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
@@ -137,11 +138,12 @@ def balance_briefly(
     first_angle: int,
     system: System,
 ) -> Residual:
-    """Solve as `balance` from the crank angle of index `first_angle` on, without the paths of `solve_by_arclength`.
+    """Solve for static equilibrium at each crank angle from index `first_angle` on, without continuation along a path.
 
-    The workspace `system` counts the assemblies. If there is no solution at an angle, the result has the index of the
-    angle, and `system.begun` its start values. With `extrapolate` and a `first_angle` above 0, the first solution is
-    warm-started as after a difficult angle (`SearchSettings.short_work`), and the count of assemblies continues.
+    The other arguments are those of `balance`; the workspace `system` counts the assemblies. If there is no solution at
+    an angle, the result has the index of the angle, and `system.begun` its start values. With `extrapolate` and a
+    `first_angle` above 0, the first solution is warm-started as after a difficult angle (`SearchSettings.short_work`),
+    and the count of assemblies continues.
     """
     start, largest_norm = system.begun, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0

@@ -616,7 +616,7 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
-    """Compute deflection, direction and energy of the contact of a bore with its cam, a circle in a circle, as `_Cam`.
+    """Compute deflection, direction and energy of the contact of a bore with its cam, a circle in a circle.
 
     `x` and `y` [m] are the position of the bore's centre relative to the cam's. With negative `clearance` [m], both
     sides are in contact.
