@@ -160,7 +160,13 @@ class Jobs:
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:
-        """Stop a queued or running job, and return it; a finished job is returned unchanged. Raises as `get`."""
+        """Stop the queued or running job with a number, and return it; a finished job is returned unchanged.
+
+        Raises
+        ------
+        UsageError
+            There is no such job, or its results are no longer kept.
+        """
         job = self.get(number)
         if job.state not in ("queued", "running"):
             return job

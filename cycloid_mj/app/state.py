@@ -60,7 +60,12 @@ def changed_values(design: Design) -> dict[str, Any]:
 def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
     """List (key, value of design a, value of design b) for the keys in which two designs differ, in units of the file.
 
-    Both designs are represented by the values in which they differ from the preset ``pin``; raises as `parse_design`.
+    Both designs are represented by the values in which they differ from the preset ``pin``.
+
+    Raises
+    ------
+    DesignError, UsageError
+        There is no such key, or its value is not allowed.
     """
     designs = (values_a, parse_design(values_a)), (values_b, parse_design(values_b))
     pairs = {
@@ -71,11 +76,16 @@ def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, and with the values that depend on them; raises as `parse_design`.
+    """Return a design with changes, and with the values that depend on them.
 
     `changes` maps keys of the design file to values. The hole radius follows from output-pin radius and eccentricity,
     unless it is changed itself. On the page, load and nominal torque are the same: if one of them changes, the other is
     set to the same value. If the ratio changes, the load is kept, and the motor torque is adapted to it.
+
+    Raises
+    ------
+    DesignError, UsageError
+        There is no such key, or its value is not allowed.
     """
     if not isinstance(changes, Mapping):
         raise UsageError(

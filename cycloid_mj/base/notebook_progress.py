@@ -79,7 +79,7 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def with_bar(*arguments: P.args, **keyword_arguments: P.kwargs) -> R:
-        """Call the function with a bar as `progress`, in a notebook and where no outer call shows one."""
+        """Call the function with a progress bar as its argument `progress` in a notebook, unless a caller shows one."""
         if (
             _shown.get()
             or not in_notebook()

@@ -79,10 +79,11 @@ def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
 
 
 def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
-    """Return residuals, information criteria and values of several models' fits to the same loops, in their order.
+    """Return residuals, information criteria and fitted values of several models that are fitted to the same loops.
 
-    The keys of `fits` are pairs of a model's key and its meaning in words. All criteria use the same number of
-    independent residuals: that of the model with the most parameters, because its residuals are nearest to noise.
+    The keys of `fits` are pairs of a model's key and its meaning in words; the results are in the same order. All
+    criteria use the same number of independent residuals: that of the model with the most parameters, because its
+    residuals are nearest to noise.
     """
     independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
     return tuple(

@@ -186,7 +186,7 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
-    """Return the parameters of `NAMED` by key: play, stiffness, friction and hysteresis.
+    """Return the parameters that can be fitted by name (`NAMED`), by key: play, stiffness, friction and hysteresis.
 
     Start, scale and bounds of the last three follow from the measured loops.
     """
@@ -204,10 +204,10 @@ def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mappin
 
 
 def _rv_parameters(reducer: RvReducer) -> tuple[Parameter, ...]:
-    """Return play [um] and stiffness of the crank bearings [1] of an RV reducer.
+    """Return the parameters to fit of an RV reducer: play of the teeth [um] and stiffness of the crank bearings [1].
 
-    The play is that of the teeth. It represents all clearances that differ from those of the design, because a loop
-    shows only their sum.
+    The play represents all clearances that differ from those of the design, because a loop shows only their sum. The
+    stiffness is a factor.
     """
     clearance, kinds = reducer.design.clearance, _tooth_pairs(reducer)
     start = MICROMETRE.from_si(getattr(clearance, reducer.design.tooth_pair) + reducer.design.pin_play)
@@ -310,7 +310,7 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
 
 
 def _tooth_stiffness_parameter(reducer: Reducer) -> Parameter:
-    """Return the parameter of the teeth's stiffness, a factor [1]."""
+    """Return the factor on the stiffness of the tooth contacts [1], as a parameter to fit."""
     return Parameter(
         "tooth_stiffness",
         "1",
@@ -325,7 +325,7 @@ def _tooth_stiffness_parameter(reducer: Reducer) -> Parameter:
 
 
 def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return four parameters of friction.
+    """Return the four parameters of friction that can be fitted to loops.
 
     They are the coefficient of friction of the contacts [1], friction in proportion to the load [1], constant friction
     [N m], and the rotation over which the constant friction builds up [deg]. The search for the constant friction
@@ -381,7 +381,7 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 
 
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of hysteresis: friction torque [N m] and travel [deg] of the wind-up, and material loss.
+    """Return the parameters of hysteresis to fit: friction torque [N m] and travel [deg] of the wind-up, material loss.
 
     The travel is the rotation over which the friction builds up. The material loss is a share [1]. Start and scale of
     both are shares of torque and range of deflection of the loop with the largest torque.

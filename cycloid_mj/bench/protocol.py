@@ -399,7 +399,10 @@ def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str,
 
 
 def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Return the mean of the values that are not NaN, with an interval that covers all of their intervals."""
+    """Return the mean of several values of a test figure, with an interval that covers all of their intervals.
+
+    Values that are NaN are left out.
+    """
     known_figures = [item for item in figures if not math.isnan(item.value)]
     if not known_figures:
         return NO_FIGURE

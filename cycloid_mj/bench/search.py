@@ -189,9 +189,10 @@ class FitProblem:
         return residuals
 
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
-        """Yield each loop, the model's branches or None, and the loop's offsets of torque [N m] and deflection [rad].
+        """Yield each measured loop, the model's branches of it, and its offsets of torque [N m] and deflection [rad].
 
-        `scaled` are the scaled parameters and offsets, shape (v,).
+        The branches are torque and rotation along them; None if the model has no static equilibrium. `scaled` are the
+        scaled parameters and offsets, shape (v,).
         """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
@@ -347,9 +348,10 @@ class FitProblem:
             return self.slopes(fill(free_values), free)
 
         def robust(squares: Array) -> Array:
-            """Compute soft L1 loss and its first and second derivative of `squares` of the residuals, shape (3, n).
+            """Compute the soft L1 loss and its first and second derivative by the squares of residuals, shape (3, n).
 
-            The threshold applies to residuals without the weight of their loop.
+            `squares` are the squared residuals, shape (n,). The threshold applies to residuals without the weight of
+            their loop.
             """
             root = np.sqrt(1.0 + squares / self.point_weights)
             weights = self.point_weights

@@ -287,7 +287,9 @@ def _crank_turns(reducer: Reducer) -> int:
 
 
 def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
-    """Return a measured error against the angle of the crank; that of an RV reducer is measured against the sun's.
+    """Return a measured transmission error over the angle of the crank.
+
+    For an RV reducer it is measured over the angle of the sun.
 
     Raises
     ------

@@ -221,10 +221,11 @@ def _fit_loss_models(
 
 
 def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test the calibrated design as in `_first_defect`; return a sentence on the first failure, or an empty tuple.
+    """Test whether checks, statics and `reduce` accept the calibrated design; return a sentence on the first failure.
 
-    The sentence also lists the fitted parameters that cause the failure. A parameter is a cause if the design passes
-    all tests when this parameter alone has its value in the original design. With `quiet` no progress is printed.
+    The sentence, in a tuple that is empty if there is no failure, also lists the fitted parameters that cause it. A
+    parameter is a cause if the design passes all tests when this parameter alone has its value in the original design.
+    With `quiet` no progress is printed.
     """
     from cycloid_mj.cli.progress import show_activity
 
@@ -277,7 +278,7 @@ def _first_defect(reducer: Reducer, torque: float) -> str | None:
 def _calibration_outcome(
     calibration: "Calibration", destination: Destination, unusable: tuple[str, ...] | None = None
 ) -> Outcome:
-    """Convert a calibration to an `Outcome` with tables, warnings, figure, page, design file and residuals.
+    """Convert a calibration to printable results with tables, warnings, figure, page, design file and residuals.
 
     `unusable` is the result of `_describe_defect`; it is None if the design was not tested.
     """

@@ -240,7 +240,7 @@ def _first_design(names: Sequence[str]) -> str:
 
 
 def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destination: Destination) -> Outcome:
-    """Compare logged runs, and return the `Outcome` of their comparison.
+    """Compare logged runs, and return their comparison as printable results.
 
     `names` are the files of the logs, `q` is the point of the disc whose motion is compared [m]; None: the default
     point.
@@ -284,7 +284,7 @@ def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
 def _compare_runs(
     plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, delivery: Delivery
 ) -> Outcome:
-    """Simulate all runs of a plan into logs, and return the `Outcome` of their comparison.
+    """Simulate all runs of a plan into logs, and return their comparison as printable results.
 
     `q` is the point of the disc whose motion is compared [m], or None for the default point.
     """

@@ -88,7 +88,7 @@ def _headline_keys(quantities: "Mapping[str, Quantity]") -> "Iterator[str]":
 
 
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
-    """Convert a data sheet to an `Outcome`: headline, tables, PDF and page."""
+    """Convert a data sheet to printable results: headline, tables, PDF and page."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document

@@ -106,8 +106,9 @@ def claim_page(
 ) -> Path | None:
     """Claim the file name of the HTML page, and return it; None if no page is requested.
 
-    If ``--html`` does not name the page, its name is `stem` in the folder `directory`. The other parameters and the
-    errors are those of `claim_destination`.
+    If ``--html`` does not name the page, its name is `stem` in the folder `directory`, and only with `with_page` or
+    ``--html``. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run,
+    whose page may be replaced. Errors are those of `claim_destination`.
     """
     if flags.html is None and not with_page:
         return None

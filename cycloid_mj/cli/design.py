@@ -146,7 +146,7 @@ def _outcome(
     rating: "Rating | None",
     inheritance: Inheritance | None,
 ) -> Outcome:
-    """Convert checks, summary and rating of a design to an `Outcome`, with exit code 1 if the design cannot be built.
+    """Convert checks, summary and rating of a design to printable results; the exit code is 1 if it cannot be built.
 
     Summary, rating and inheritance are None if not available.
     """

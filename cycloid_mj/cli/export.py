@@ -389,7 +389,7 @@ def _outcome(
     offset: float,
     destination: Destination,
 ) -> Outcome:
-    """Convert exported parts to an `Outcome`: files, clearances, plates and bill of materials.
+    """Convert exported parts to printable results: files, clearances, plates and bill of materials.
 
     Parameters
     ----------

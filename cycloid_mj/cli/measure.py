@@ -453,7 +453,7 @@ def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
-    """Convert a measurement to an `Outcome` with measured quantities, tables, notes and diagrams.
+    """Convert a measurement to printable results with measured quantities, tables, notes and diagrams.
 
     `pictures` has for each diagram, by its name, the function that encodes it in a file format.
     """

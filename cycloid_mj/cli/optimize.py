@@ -185,7 +185,7 @@ def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
 
 
 def _outcome(optimum: "Optimum", best: Path) -> Outcome:
-    """Convert an optimisation to an `Outcome`: tables, figure and notes; `best` is the file of the best design."""
+    """Convert an optimisation to printable results: tables, figure and notes; `best` is the file of the best design."""
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.plots.save import encode_figure

@@ -119,7 +119,7 @@ def protocol(
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol, `sheet`, to an `Outcome`: figures of model and bench, definitions and diagram.
+    """Convert a test protocol, `sheet`, to printable results: figures of model and bench, definitions and diagram.
 
     Each figure in the headline is that of the bench if it was measured, else that of the model.
     """

@@ -96,7 +96,7 @@ def rate(
 
 
 def _outcome(rating: "Rating", destination: Destination) -> Outcome:
-    """Convert a rating to an `Outcome`: items by safety or life, the weakest first, and the assumptions.
+    """Convert a rating to printable results: items by safety or life, the weakest first, and the assumptions.
 
     `destination` has the path of the page, if one is written; the summary names it.
     """

@@ -240,7 +240,7 @@ def _outcome(
     drives: "Population | None",
     files: "Mapping[str, bytes]",
 ) -> Outcome:
-    """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page.
+    """Convert a reduced joint to printable results: figures, comparison with the full model, time steps, files, page.
 
     `steps` are the trials of the study of time steps. `scene` and `lossy` are the trials with the time steps of
     scene.xml and lossy_scene.xml; `lossy` is None without the latter. `drives` has the joints of the drawn drives; None

@@ -98,7 +98,7 @@ def _outcome(
     inheritance: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
-    """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed.
+    """Convert the statics of a design to printable results: figures, and the efficiency map if it was computed.
 
     `static` has the quantities of the first table, `figures` those of the second, by the keys of `cycloid-mj figures`.
     `inheritance` has the values that a design file takes from its preset; None without a file. `points` are those of

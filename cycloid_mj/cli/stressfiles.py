@@ -30,7 +30,7 @@ COLUMNS = (
 
 
 def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
-    """Convert stress studies to an `Outcome`: tables, VTU files, verdicts on the claims of papers, and figures.
+    """Convert stress studies to printable results: tables, VTU files, verdicts on the claims of papers, and figures.
 
     Parts whose stress exceeds the yield strength are failures. Parts that exceed shakedown, or whose stress has not
     converged with the grid, are warnings. `figures` are the kinds of figures to draw.

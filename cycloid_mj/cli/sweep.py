@@ -205,7 +205,7 @@ def _choose_points(
 
 
 def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destination) -> Outcome:
-    """Convert a sweep to an `Outcome`, with tables and a figure of `quantities`, numbers of points, and the page.
+    """Convert a sweep to printable results, with tables and a figure of `quantities`, numbers of points, and the page.
 
     `destination` has the folder in which the sweep wrote its tables (by default `OUT`), and the path of the page.
     Failed points are counted. The exit code is 1 if all points failed, else 0.

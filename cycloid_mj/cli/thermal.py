@@ -76,7 +76,7 @@ def thermal(
 
 
 def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
-    """Convert a thermal state to an `Outcome`: temperatures, limits, losses and warm-up curves."""
+    """Convert a thermal state to printable results: temperatures, limits, losses and warm-up curves."""
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.plots.measure import curves_figure
     from cycloid_mj.plots.save import encode_figure

@@ -135,7 +135,7 @@ def _require_in_range(samples: int, seed: int) -> None:
 
 
 def _outcome(tolerances: "Tolerances") -> Outcome:
-    """Convert a tolerance study to an `Outcome`: yield, tables, figures, and files of samples and worst designs."""
+    """Convert a tolerance study to printable results: yield, tables, figures, files of samples and worst designs."""
     from cycloid_mj.base.frame import csv_text
     from cycloid_mj.design import dump
     from cycloid_mj.plots.save import encode_figure

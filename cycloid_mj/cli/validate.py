@@ -73,7 +73,7 @@ def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
-    """Convert the rows of a validation to an `Outcome`: failed rows first; `wall` is its duration [s]."""
+    """Convert the rows of a validation to printable results: failed rows first; `wall` is its duration [s]."""
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES

@@ -68,7 +68,7 @@ def ratios(values: Sequence[float]) -> list[str]:
 def outcome_of(
     comparison: "Comparison", verdicts: RunsJudged, pictures: Mapping[str, Picture], destination: Destination
 ) -> Outcome:
-    """Convert a comparison to an `Outcome`, and issue the warnings of all runs.
+    """Convert a comparison to printable results, and issue the warnings of all runs.
 
     `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each figure, by its
     name, the function that encodes it in a file format.

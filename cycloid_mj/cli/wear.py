@@ -77,7 +77,7 @@ def wear(
 
 
 def _outcome(result: "WearLife", destination: Destination) -> Outcome:
-    """Convert the `result` of a wear computation to an `Outcome`: accuracy life, records, worn surfaces and figure."""
+    """Convert the `result` of a wear computation to printable results: accuracy life, records, surfaces and figure."""
     from cycloid_mj.base.units import ARCMINUTE
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure

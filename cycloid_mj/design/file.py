@@ -295,8 +295,12 @@ def declaration_of(path: str) -> FieldInfo:
 def value_of(design: Design, path: str) -> Any:
     """Return the value of a key of the design file, such as ``load.torque_nm``, in the unit of the file.
 
-    A part without its own material table has the values of the table ``material``. Errors are those of
-    `declaration_of`.
+    A part without its own material table has the values of the table ``material``.
+
+    Raises
+    ------
+    UsageError
+        There is no such key; the message suggests a similar key.
     """
     declaration_of(path)
     table_name, *inner_keys = _keys(path)

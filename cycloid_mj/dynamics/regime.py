@@ -72,7 +72,10 @@ class Compiled(Protocol):
 
 
 def model_warnings(reducer: Reducer, model: Compiled) -> tuple[str, ...]:
-    """Return all warnings about a design with its compiled MuJoCo model: time step, friction, clearances, bent pins."""
+    """Return all warnings about a design and its compiled MuJoCo model: time step, friction, clearances, bending pins.
+
+    Each is a sentence on a condition in which results are less accurate.
+    """
     timestep_s = model.model.opt.timestep  # by mesh contact it may be shorter than the design's
     stiffness_texts = [
         text for kind, law in model.laws.items() for text in _stiffness_warning(reducer, kind, law, timestep_s)

@@ -173,7 +173,7 @@ def log_columns(model: Model, reducer: Reducer) -> Groups:
 
 
 def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", held: Held = "crank") -> Model:
-    """Compile a reducer for a solver and a kind of contact.
+    """Compile a reducer for simulation by a solver, with a kind of contact: exact profiles or convex meshes.
 
     `held` is the shaft with a servo, as in ``mjcf.build``; with convex meshes, it is the crank.
 

@@ -57,11 +57,11 @@ def size_of_budget_sets(samples: int) -> int:
 
 
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
-    """Return the sample sets of the pick-freeze estimators by name: "A", "B", and a mixed set for each tolerance.
+    """Return the sample sets for the shares of variance (Sobol indices): "A", "B", and a mixed set for each tolerance.
 
     The sets A and B are independent. The mixed set of a tolerance has the values of this tolerance from B and those of
-    all others from A; its name is the key of the tolerance. `zones` are the tolerances by key, and `samples` is the
-    size of each set.
+    all others from A (pick-freeze); its name is the key of the tolerance. `zones` are the tolerances by key, and
+    `samples` is the size of each set.
     """
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
@@ -143,10 +143,10 @@ class _Terms(NamedTuple):
 
 
 def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Scale deviations to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
+    """Scale the deviations of parts to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
 
     `zones` are the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the
-    samples to use.
+    indices of the samples to use.
     """
     standardised = []
     for key, zone in zones.items():
@@ -174,10 +174,11 @@ def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> 
 
 
 def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
-    """Fit a linear model of a quantity; in each fold of the samples it has the coefficients fitted to the other folds.
+    """Fit a linear model of a quantity to the deviations by cross-validation, as a control variate of its variance.
 
-    `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in the sets A
-    and B, a list over the tolerances, shape (n, numbers) each.
+    In each fold of the samples the model has the coefficients fitted to the other folds. `figure` are the values of the
+    quantity in all sample sets, `deviations` the standardised deviations in the sets A and B, a list over the
+    tolerances, shape (n, numbers) each.
 
     Returns
     -------

@@ -69,8 +69,8 @@ class RunPlan:
     ) -> list[Trial]:
         """Return a `Trial` for each of `designs`: the design after a parameter variation, and the measures of its runs.
 
-        A design has one run from each of its initial states in `self.starts`, and `variation` is applied to all of
-        them. `measures_by_design` has the measures of every simulated design.
+        A design has one run from each of its initial states in `self.starts`, and `variation`, the change of a
+        parameter, is applied to all of them. `measures_by_design` has the measures of every simulated design.
         """
         starts_by_design = ([variation.of(reducer_of(start)) for start in self.starts[design]] for design in designs)
         return [

@@ -36,7 +36,7 @@ def has_study(folder: Path, study: str) -> bool:
 
 
 def remove_study(folder: Path, study: str) -> None:
-    """Remove the plan and the rows of the study in a folder, so that it starts again.
+    """Delete the plan and the result rows of the study named `study` in a folder, so that it can start again.
 
     Raises
     ------
@@ -139,6 +139,8 @@ def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> I
 
 def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
     """Return whether a folder already has this study: True for the same plan, False for an empty folder.
+
+    `plan` identifies the study by its inputs and versions, and `study` is its name for messages.
 
     Raises
     ------

@@ -73,7 +73,7 @@ class Link:
         return self.formula or RULES[self.key].words
 
     def apply(self, nominal: Reducer, reducer: Reducer) -> Design:
-        """Return the design of a drive with the linked key set by its formula or rule.
+        """Return the design of a drive with the linked key, which follows other keys, set by its formula or rule.
 
         `nominal` is the drive that all points of the study change, `reducer` the drive at one point.
 
@@ -139,10 +139,10 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
 
 
 def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
-    """Return the links that an optimisation of a reducer adds by the `RULES`, beyond those that are `requested`.
+    """Return the links (keys that follow other keys) that an optimisation adds beyond those that are `requested`.
 
-    A rule applies if the layout of the reducer has its key, a key that it follows (`LinkRule.leaders`) is varied, and
-    the key that it sets is neither varied nor linked by `requested`.
+    A rule of `RULES` applies if the layout of the reducer has its key, a key that it follows (`LinkRule.leaders`) is
+    varied, and the key that it sets is neither varied nor linked by `requested`.
     """
     varied_keys = set(varied_keys)
     excluded = varied_keys | {link.key for link in requested}
@@ -154,7 +154,7 @@ def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iter
 
 
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
-    """Return the design of a point with all linked keys set, in the order of `links`.
+    """Return the design of a point of a study with all linked keys set by their formulas, in the order of `links`.
 
     `nominal` is the drive that all points of the study change, `reducer` the drive at the point.
 

@@ -60,9 +60,9 @@ def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFig
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Compute the quantities of the static sheet as columns under their keys in `cycloid_mj.figures.FIGURES`.
+    """Compute all figures of the static data sheet of a reducer, as columns of a study's table under their keys.
 
-    The settings have no effect.
+    The keys are those of `cycloid_mj.figures.FIGURES`. The settings have no effect.
     """
     from cycloid_mj.statics.sheet import sheet
 
@@ -227,7 +227,7 @@ MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {
 
 
 def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of measures and figures of a reducer without duplicates.
+    """Return the names of measures and figures without duplicates; raise UsageError for a name that a reducer lacks.
 
     Raises
     ------

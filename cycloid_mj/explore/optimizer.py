@@ -163,7 +163,7 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
 
 
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
-    """Return a copy of the optimisation with the checks of its best design.
+    """Return a copy of the optimisation result with the checks of its best design.
 
     These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
     tolerances.
@@ -189,11 +189,12 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point of a problem; with two objectives, search once for each of `OptimizerSettings.weights`.
+    """Search for the best point of a problem by CMA-ES, one search for each weighting of two objectives.
 
-    The `evaluations` are divided equally among the weights. The first two weights are those of a single objective;
-    their searches start at the design. The other searches start at the best point so far, with a smaller standard
-    deviation and a single start. `starts` is the number of independent searches, `seed` the random seed.
+    The `evaluations` are divided equally among the weights `OptimizerSettings.weights`. The first two weights are those
+    of a single objective; their searches start at the design. The other searches start at the best point so far, with a
+    smaller standard deviation and a single start. `evaluator` records the evaluated points. `starts` is the number of
+    independent searches, `seed` the random seed.
     """
     if len(task.objectives) == 1:
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
@@ -324,7 +325,7 @@ class _Rows:
 
 @contextmanager
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
-    """Open the record of a search as a context that yields its rows: in memory, or in the folder `out`.
+    """Open the record of evaluated points as a context that yields it: in memory, or in the folder `out`.
 
     A search in a folder is resumed there if its problem, number of evaluations, starts, seed and package versions are
     the same.

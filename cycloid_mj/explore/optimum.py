@@ -109,10 +109,10 @@ class Optimum(Tabular):
 
     @property
     def best(self) -> int | None:
-        """Index of the best point; None if no point is feasible.
+        """Index of the best evaluated point; None if no point is feasible.
 
-        On a front it is the point with the smallest Chebyshev distance to the ideal point, with objectives normalized
-        by their ranges on the front.
+        On a Pareto front it is the point with the smallest Chebyshev distance to the ideal point, with objectives
+        normalized by their ranges on the front.
         """
         if not self.front:
             return None
@@ -138,7 +138,7 @@ class Optimum(Tabular):
         return {key: float(self.rows[index].values[key]) for key in self.task.figures}
 
     def design(self, index: int | None = None, name: str = "") -> Design:
-        """Return the design at the point of an `index`, by default the best, with a `name`.
+        """Return the design at the evaluated point with an `index`, by default the best point, named `name`.
 
         Raises
         ------
@@ -166,7 +166,7 @@ class Optimum(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """Table with a row for each evaluation: values, figures, feasibility, rejections, error and CPU time [s]."""
+        """Table with a row for each evaluated point: values, figures, feasibility, rejections, error, CPU time [s]."""
         units = {key: unit_of(declaration_of(key)).suffix for key in self.task.keys}
         names = ("evaluation", *self.task.keys, *self.task.figures, FEASIBLE, VIOLATION, REJECTED_BY, "error", "cpu_s")
         rows = [
@@ -309,7 +309,7 @@ def _format_cell(value: Cell) -> str:
 
 
 def tables(optimum: Optimum) -> tuple[Table, ...]:
-    """Tabulate the best point and its figures next to the start, the rejections, the Pareto front, and the checks.
+    """Tabulate the best point of an optimisation next to its start, the rejections, the Pareto front, and the checks.
 
     Tables without rows are left out. The optimum must have a best point.
     """

@@ -168,7 +168,7 @@ def _require_few(count: int) -> None:
 
 
 def _scalar_field(key: str) -> FieldInfo:
-    """Return the declaration of a key of the design file; raise UsageError if its value is a list or a table."""
+    """Return the declaration (type and bounds) of a key of the design file; raise UsageError for a list or a table."""
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(

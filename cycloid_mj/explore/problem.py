@@ -187,7 +187,12 @@ def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
     """Parse the values of a key as a variable of the search: a range of real numbers, or a list of single values.
 
     A pair of numbers is a range if the key has a real number. A range of whole numbers becomes the list of all of them,
-    and a range ``lo:hi:n`` the list of its n values. Raises the errors of `parse_axis`.
+    and a range ``lo:hi:n`` the list of its n values.
+
+    Raises
+    ------
+    UsageError
+        There is no such key, it is not a single value, or it cannot have such values.
     """
     if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
         values = f"{values[0]}:{values[1]}"
@@ -250,7 +255,7 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
 
 
 def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
-    """Return the violations of the failed checks that reject a design, relative to the bound, by name of the check.
+    """Return by how much a design violates the checks that reject it, relative to their bounds, by name of the check.
 
     A design is rejected by checks with the severity error, because it cannot be built, and by the checks `WALLS`,
     because a wall is thinner than the model assumes. With `strict`, warnings reject it, too.

@@ -79,9 +79,9 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
 
 
 def _catalogue_key(name: str) -> str:
-    """Return a column `name`, ``key`` or ``measure.key``, with the main key of its figure in place of an alias.
+    """Return the name of a sweep's column with the main key of its figure in place of an alias or a deprecated key.
 
-    Deprecated keys are aliases, too. Other names are returned unchanged.
+    `name` is ``key`` or ``measure.key``. Other names are returned unchanged.
     """
     measure, dot, key = name.rpartition(".")
     try:

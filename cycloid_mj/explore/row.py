@@ -53,7 +53,7 @@ class PointResult:
 
 
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
-    """Compute the measures of the design at a point, given the values of the task's keys in order.
+    """Build the design at a point of a sweep and compute its measures; `values` are those of the task's keys, in order.
 
     An error of a value or a measure is recorded in the result, since other points may succeed. If a value fails, the
     result has no quantities; if a measure fails, it has those of the others.
@@ -87,9 +87,9 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
 
 
 def _compute_measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Compute a measure of a design; raise CycloidError if it cannot be built, except for the measure `checks`.
+    """Compute the measure with a name for a reducer; raise CycloidError if it cannot be built, except for ``checks``.
 
-    Python warnings are suppressed, because the result lists them.
+    Python warnings are suppressed, because the result lists them. `options` are those of simulations.
     """
     from cycloid_mj.checks import require_sound
 

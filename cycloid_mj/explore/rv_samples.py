@@ -76,9 +76,14 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 
 
 def draw_rv_drive(reducer: RvReducer, seed: int, number: int) -> tuple[Design, dict[str, float]]:
-    """Draw one drive within the tolerances: its design, with the errors of its parts, and these errors [um] by name.
+    """Draw one random drive within the tolerances: its design with the errors of its parts, and these errors [um].
 
-    Equal seeds and numbers draw equal drives. Raises as `crank_zones`.
+    The errors are by name. Equal seeds and numbers draw equal drives.
+
+    Raises
+    ------
+    DesignError
+        A tolerance has a wrong form.
     """
     rng, deviations = np.random.default_rng([seed, number]), dict[str, Array]()
     for key, zone in crank_zones(reducer).items():
@@ -248,10 +253,10 @@ def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: 
 def _errors_of_sample(
     reducer: RvReducer, deviations: Mapping[str, Array], row: int
 ) -> dict[str, float | tuple[float, ...]]:
-    """Return the errors of a sample in the table [crank_errors] [m]: its deviations plus those of the nominal reducer.
+    """Return the errors of the parts of one sample [m], by key of the table [crank_errors].
 
-    `deviations` are the errors of all samples [m], shape (samples,), by the column names of `_columns_of_field`. `row`
-    is the index of the sample.
+    They are its deviations plus the errors of the nominal reducer. `deviations` are the errors of all samples [m],
+    shape (samples,), by the column names of `_columns_of_field`. `row` is the index of the sample.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):

@@ -173,7 +173,7 @@ def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
 
 
 def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str, Array]) -> Samples:
-    """Return the `nominal` samples with deviations [m] added; `deviations` have shape (samples, ...), by tolerance.
+    """Return the `nominal` samples with random deviations [m] added; these have shape (samples, ...), by tolerance.
 
     A deviation of the pin circle moves all pins radially by the same distance, in addition to their position errors.
     Waves of the profile are added to those of the same order.
@@ -261,8 +261,9 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
     """Return the sample with the index `row` as a design with all its errors and clearances, and without tolerances.
 
-    If the ring is an internal gear instead of single pins, the errors of single pins are dropped, because its design
-    file has no such errors. `name` becomes the name of the design, shortened to 64 characters.
+    `samples` are the deviations of all samples. If the ring is an internal gear instead of single pins, the errors of
+    single pins are dropped, because its design file has no such errors. `name` becomes the name of the design,
+    shortened to 64 characters.
 
     Raises
     ------

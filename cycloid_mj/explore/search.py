@@ -189,7 +189,7 @@ class _Run:
         return EvolutionSearch(self._task.ranges, combination, start, sigma, [*self._seed, *stream])
 
     def advance(self, searches: Sequence[EvolutionSearch], until: int, per_search: float = math.inf) -> None:
-        """Run generations until `until` evaluations in total, or `per_search` new evaluations of each search.
+        """Run generations of the searches until `until` points are evaluated in total, or `per_search` by each search.
 
         Converged searches stop earlier; a generation that has begun is completed.
         """

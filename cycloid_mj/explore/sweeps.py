@@ -262,9 +262,9 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
 def _evaluate_missing(
     task: Task, points: Points, rows: Rows, record: Callable[[int, PointResult], None], engine: Engine, report: Progress
 ) -> None:
-    """Evaluate the points that `rows` lacks, and call `record` with index and result of each.
+    """Evaluate the points of a sweep that have no row yet, and call `record` with index and result of each.
 
-    `report` is called with the numbers of finished and of missing points.
+    `rows` are those that exist. `report` is called with the numbers of finished and of missing points.
     """
     missing = [index for index in range(len(points)) if index not in rows]
     evaluate = partial(evaluate_row, task)
@@ -305,8 +305,9 @@ def choose_points(
 ) -> Points:
     """Return the points of a sweep: rows of a table, a full grid of values, or a sample of ranges.
 
-    The arguments are those of `sweep`: values or ranges by key (`vary`), or the rows of a `table`; method, number and
-    `seed` of drawn points.
+    `vary` maps keys of the design file to values or ranges, and `table` has rows of values by key. `sample` is the
+    sampling method, without which the points are the full grid; `points` and `seed` are number and random seed of drawn
+    points.
 
     Raises
     ------

@@ -369,7 +369,15 @@ def tolerance(
 
 
 def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerances:
-    """Solve the static equilibrium of all samples of a study; raise the errors of `tolerance`."""
+    """Solve the static equilibrium of all samples of a study; return the distributions, yield and error budget.
+
+    Raises
+    ------
+    TooManyJams
+        At least 99 % of the first 200 samples jam.
+    StudyInterrupted
+        Ctrl-C was pressed.
+    """
     figures_by_batch: dict[int, dict[str, Array]] = {}
     try:
         if not _solve_batches(study, figures_by_batch, progress, engine):
@@ -382,10 +390,14 @@ def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerance
 
 
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
-    """Return the tolerance study of an RV reducer from its closed form, in which no sample jams.
+    """Return the tolerance study of an RV reducer, from its closed form of the transmission error; no sample jams.
 
-    Arguments and errors are those of `tolerance`. A UsageError is also raised for a limit on any figure but the
-    transmission error (`rv_samples.FIGURE`).
+    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of figures.
+
+    Raises
+    ------
+    UsageError
+        The design has no tolerances, or a limit is not valid, or not on the transmission error (`rv_samples.FIGURE`).
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
@@ -415,9 +427,9 @@ def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Seque
 
 
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
-    """Return a study that is still to be solved: its tolerance zones, limits, batches and sets of the error budget.
+    """Return a tolerance study that is still to be solved: tolerance zones, limits, batches, sets of the error budget.
 
-    The arguments are those of `tolerance`: number of `samples`, random `seed`, and limits on figures.
+    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of figures.
 
     Raises
     ------

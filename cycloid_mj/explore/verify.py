@@ -116,7 +116,8 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
     """Simulate a crank turn at nominal torque and the design's speed; return figures by key.
 
-    These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N].
+    These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N]. `solver`
+    is "planar" or "mujoco".
     """
     design = reducer.design
     loaded_reducer = steady_design(reducer).but(load={"torque": design.rated_torque})

@@ -62,9 +62,9 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
 def peak_pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
     """Compute Hertz's peak pressure (n,) [Pa] of each contact line under a force [N] over a face width `length` [m].
 
-    `modulus` E* [Pa] as in `ideal_loads.contact_modulus`. Near the junctions of arc and Sigma, where the relative
-    curvature vanishes, the pressure tends to 0: Hertz's assumption of a strip that is narrow against both bodies is
-    not valid there.
+    `modulus` E* [Pa] is the plane-strain modulus of both bodies together. Near the junctions of arc and Sigma, where
+    the relative curvature vanishes, the pressure tends to 0: Hertz's assumption of a strip that is narrow against both
+    bodies is not valid there.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure

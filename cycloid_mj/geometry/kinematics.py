@@ -191,7 +191,8 @@ def point_acceleration(
 ) -> Array:
     """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Hsieh 2014, Eq. 20 corrected).
 
-    Parameters as in `point_path`.
+    `q` is (q_x, q_y) [m] in the frame of the gear. `crank_angle` [rad], `crank_speed` [rad/s] and `crank_acceleration`
+    [rad/s2] have any common shape (...).
 
     Notes
     -----

@@ -103,7 +103,8 @@ def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, 
     """Compute the outline of a gear with rotated flanks as a polygon (n, 2) [m], clockwise from the valley on +y.
 
     Its chords deviate from the flanks by at most `chord_error` [m]. All lobes have the same points, which include the
-    corners. `offset` [m] and `rotation` [rad] as in `flank_ends`.
+    corners. The flanks are at the distance `offset` [m] outside of the trochoid, and rotated into the disc by
+    `rotation` [rad] on either side.
 
     Raises
     ------

@@ -103,7 +103,10 @@ def rv_further_groups(reducer: RvReducer) -> dict[str, tuple[Quantity, ...]]:
 
 
 def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Iterator[Quantity]:
-    """Yield the rows of ratio, torques [N m] and rated speeds [rpm]; arguments as in `rv_performance_groups`."""
+    """Yield the rows of ratio, torques [N m] and rated speeds [rpm].
+
+    `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
+    """
     design, (rated, weakest), (momentary, stop) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings
     condition = f"{describe_speed(reducer)} input"

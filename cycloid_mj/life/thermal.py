@@ -536,7 +536,12 @@ def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
 
     For an RV reducer, whose losses `rate_heat` does not know, the housing temperature [°C] follows.
 
-    Raises the errors of `thermal`.
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
+    RunError
+        No static equilibrium exists under a torque of the duty.
     """
     state = thermal(design, duty)
     torque = max(abs(point.torque) for point in duty.points)

@@ -249,8 +249,13 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Gap, SlidingContacts]:
     """Solve the contacts of discs and ring of an RV reducer under a torque on the output [N m].
 
-    `crank` [rad] are crank angles relative to the ring, shape (m,). The result has the single key "teeth", with values
-    as in `sliding_contacts`. Raises the errors of `solve_rv_loads`.
+    `crank` [rad] are crank angles relative to the ring, shape (m,). The result has the single key "teeth"; its arrays
+    of positions, forces, speeds and half widths have the shape (m, contacts).
+
+    Raises
+    ------
+    RunError
+        No static equilibrium was found.
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     force = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, np.sign(on_carrier))).pins

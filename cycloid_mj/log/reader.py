@@ -161,8 +161,12 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
     """Read a log: its run, its viewer topics, whether the file is complete, and its size.
 
-    The arguments are those of `read`: `without` are topics to skip, and `rows` are the indices of the samples to read.
-    Raises the errors of `read`.
+    `without` are topics to skip, and `rows` are the indices of the samples to read, by default all.
+
+    Raises
+    ------
+    LogError
+        The file does not exist, is not a log of this package or has another format version, is corrupt, or is empty.
     """
     path, contents = Path(path), _Contents(without, rows)
     try:

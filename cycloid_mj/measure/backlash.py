@@ -282,7 +282,10 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
 
 
 def _compute_static_backlash(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
-    """Compute the backlash of an RV reducer [rad] by statics; result and arguments as of `_compute_closed_forms`."""
+    """Compute the backlash of an RV reducer [rad] by statics, at `crank_angles` [rad] and over the turn.
+
+    The key of the single entry is "all": all clearances together.
+    """
     cases = {_ALL: reducer} | {kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)}
     turn_angles, torque = rigid_backlash.full_turn_angles(reducer), PRESS.share * reducer.design.rated_torque
     return {

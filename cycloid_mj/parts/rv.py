@@ -86,7 +86,12 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return one part per body of a simulation by the name of its main part, in the frame of the body.
 
     A crank includes its planet. The carrier, named ``names.OUTPUT``, includes both flanges and the tapered bearings,
-    with the density of the flanges. Needles are not included. Raises the errors of `rv_parts`.
+    with the density of the flanges. Needles are not included.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured, or does not fit.
     """
     parts, along = rv_parts(reducer), axial_layout(reducer)
     sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))

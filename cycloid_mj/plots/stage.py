@@ -246,7 +246,11 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
 
 
 def _draw_central_parts(axes: Axes, reducer: Reducer, radii: Radii, disc: int) -> dict[str, list[Any]]:
-    """Draw the output pins and the crank of a reducer with a central crank, as `_draw_parts`."""
+    """Draw the output pins and the crank of a reducer with a central crank on the axes of a mechanism's view.
+
+    `radii` are those with which parts are drawn, and `disc` is the index of the visible disc. Returns the drawn
+    elements by kind of part, a list for each part.
+    """
     design = reducer.design
     output, gear = design.output, design.gear
     cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])

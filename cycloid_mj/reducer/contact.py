@@ -219,7 +219,11 @@ class Contact:
         """Stiffness [N/m] of a simulated contact on each of the D discs, shape (D,), including parts in series with it.
 
         Parts in series are the seat of a massless pin and, with ``structure = "springs"``, an output pin, which bends.
-        Raises the errors of `curvature_law`.
+
+        Raises
+        ------
+        ContactError
+            The working force flattens a pin beyond a line contact.
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness

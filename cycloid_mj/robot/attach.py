@@ -72,7 +72,7 @@ def constant_polynomial(coefficient: float) -> list[float]:
 
 
 def _compile(spec: Any) -> Any:
-    """Compile a copy of a robot's editable model; raise UsageError if MuJoCo refuses it."""
+    """Compile a copy of a robot's editable model (``MjSpec``); raise UsageError if MuJoCo refuses it."""
     try:
         return spec.copy().compile()
     except ValueError as problem:
@@ -141,7 +141,7 @@ def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int)
 
 
 def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
-    """Add a slip element of the hinge: a body with friction, which a spring couples to crank and hinge.
+    """Add a body with constant friction that a spring couples to crank and hinge, a slip element of the hinge.
 
     `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer, and `index` the index
     of the element in `reduced`.

@@ -93,7 +93,10 @@ class ModelComparison:
         return row.reference is not None and bool(abs(row.value - row.reference) <= self.bounds[row.key])
 
     def table(self) -> Table:
-        """Tabulate the quantities of joint and full model, their differences, and whether these are within `bounds`."""
+        """Tabulate the quantities of reduced joint and full model, and whether their differences are allowed.
+
+        The allowed differences are `bounds`.
+        """
         verdict_texts = {True: "ok", False: "exceeds bound"}
         rows = tuple(
             (
@@ -129,9 +132,10 @@ class ModelComparison:
 
 
 def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelComparison:
-    """Compare the reduced joint in MuJoCo with the full model of the reducer, at the levels `backlash` and `full`.
+    """Compare play, wind-up, resonance, efficiency and transmission error of a reduced joint with the full model.
 
-    The comparison covers play, wind-up, resonance, efficiency, and the harmonics of the transmission error.
+    The joint is simulated in MuJoCo, at the levels `backlash` and `full`. The full model is the static model of all
+    contacts of the reducer.
     """
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     play = solve_play(reducer, COMPARISON.angles_factor * POSES)

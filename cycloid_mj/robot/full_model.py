@@ -115,7 +115,10 @@ class CentralModel(FullModel):
         return round(self._reducer.design.reduction)
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
-        """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
+        """Return a function from a torque on the output [N m] to its mean rotation [rad] with a locked crank.
+
+        `poses` is the number of crank angles of the mean.
+        """
         sense = self._reducer.member.sense
         resting = at_rest(self._reducer)
         springs = springs_of(resting, turn_evenly(self._reducer, poses), friction=False)
@@ -133,7 +136,10 @@ class CentralModel(FullModel):
         return self._reducer.member.sense * loads(driven, springs, direction * torque, warm_start=True).output_turn
 
     def compliances(self) -> dict[str, float]:
-        """Compute the mean compliance of output pins, cam, teeth, bending of pins and twist of the structure."""
+        """Compute the mean compliance of each kind of contact, of bending pins and of the structure [rad/(N m)].
+
+        The keys are output pins, cam, teeth, bending of pins and twist of the structure.
+        """
         reducer = self._reducer
         compliances = [
             windup.compliance_by_spring(reducer)
@@ -143,7 +149,10 @@ class CentralModel(FullModel):
         return means | {"twist": wind_up(reducer)}
 
     def time_constants(self) -> dict[str, float]:
-        """Compute the time constants; bending of output pins and twist have that of the output contacts."""
+        """Compute the damping over the stiffness of each kind of contact [s], by the keys of `compliances`.
+
+        Bending of output pins and twist of the structure have that of the output contacts.
+        """
         laws = contact_laws(self._reducer)
         cam, output = (laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output"))
         return {
@@ -153,7 +162,7 @@ class CentralModel(FullModel):
         }
 
     def inertias(self) -> tuple[float, float]:
-        """Compute the inertias of crank and output.
+        """Compute the inertias of crank and output [kg m2], each with the parts that turn along with it.
 
         The crank has the inertia of shaft and rotor, and that of the orbiting masses of the discs. If the carrier is
         the output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not
@@ -182,7 +191,10 @@ class RvModel(FullModel):
         return round(self._reducer.crank_turn / (2.0 * np.pi))
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
-        """Return a function from a torque on the output to its mean rotation; see `FullModel`."""
+        """Return a function from a torque on the output [N m] to its mean rotation [rad] with a locked sun.
+
+        `poses` is the number of crank angles of the mean.
+        """
         reducer, braking = self._reducer, braking_sign(self._reducer)
 
         def rotation(torque: float) -> float:
@@ -192,7 +204,12 @@ class RvModel(FullModel):
         return rotation
 
     def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
-        """Compute the rotation of the output over a turn of the cranks against the ring; see `FullModel`."""
+        """Compute the rotation of the output from its ideal angle [rad] over one of the `parts` of its turn.
+
+        Friction is included. `torque` brakes the output [N m], `direction` is that of the crank, 1 or -1, `part` the
+        index of the part, and `samples` the number of crank angles in a mesh period. The part is a turn of the cranks
+        against the ring.
+        """
         driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
         count = driven.design.ring.teeth * samples
         sun = 2.0 * np.pi * driven.design.reduction * (np.arange(count) / count + part) / self.parts
@@ -202,9 +219,10 @@ class RvModel(FullModel):
         return output_rotation(driven, balance.carrier_turn)
 
     def compliances(self) -> dict[str, float]:
-        """Compute the compliance of teeth, crank bearings and planets between the ends of the straight part.
+        """Compute the compliance of teeth, crank bearings and planets [rad/(N m)] at the output.
 
-        The compliance of a spring is the work of the change of its force over the square of the change of the torque.
+        It is that between the ends of the straight part of the wind-up curve. The compliance of a spring is the work of
+        the change of its force over the square of the change of the torque.
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)
@@ -227,7 +245,7 @@ class RvModel(FullModel):
         }
 
     def inertias(self) -> tuple[float, float]:
-        """Compute the inertias of sun and output.
+        """Compute the inertias of sun and output [kg m2], each with the parts that turn along with it.
 
         The output has what turns along with it: if the carrier is the output, the discs, and the cranks as masses on
         their circle. The sun has the rest of the inertia of all parts at their ideal speeds.

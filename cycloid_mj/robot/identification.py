@@ -139,10 +139,11 @@ class Play:
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs with dead bands whose sum has the torque of the wind-up at `GRID.springs` (isotonic regression).
+        """Springs with dead bands in parallel that reproduce the wind-up curve at the torques `GRID.springs`.
 
         Beyond its dead band, each spring adds its stiffness to that of the springs before it, so that the total can
-        only grow. Where the full model softens with the load, neighbouring slopes are replaced by their mean.
+        only grow. Where the full model softens with the load, neighbouring slopes are replaced by their mean (isotonic
+        regression).
         """
         from scipy.optimize import isotonic_regression
 
@@ -356,7 +357,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 def _efficiency_error(reducer: Reducer, share: float) -> float:
     """Estimate the numerical error of the efficiency [1] as its change when more crank angles are used.
 
-    Their number is multiplied by `GRID.angles_factor`. `share` is the output torque as a share of the nominal torque,
+    Their number is multiplied by `GRID.angles_factor`. `share` is the output torque relative to the nominal torque,
     negative if the output drives.
     """
     coarse, fine = (

@@ -122,10 +122,10 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
 
 
 def lossy_joint_xml(reduced: ReducedJoint) -> str:
-    """Return the MJCF of a joint with the brake shoe of `fit_shoe`; at the level `rigid`, it has no shoe.
+    """Return the MJCF of a joint whose friction grows with the load by a brake shoe, without Python code (`fit_shoe`).
 
-    A model that includes it needs elliptic friction cones and the integrator of `lossy_scene_xml`. Slip elements
-    (`ReducedJoint.slips`) are left out, because they creep with that integrator.
+    At the level `rigid`, it has no shoe. A model that includes it needs elliptic friction cones and the integrator of
+    `lossy_scene_xml`. Slip elements (`ReducedJoint.slips`) are left out, because they creep with that integrator.
     """
     text = joint_xml(replace(reduced, slips=()))
     if reduced.level == "rigid":
@@ -186,10 +186,10 @@ class StockEfficiency(NamedTuple):
 
 
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
-    """Compute the efficiencies [%] of the lossy joint in MuJoCo and of the full model, at loads `SHOE.compared`.
+    """Compute the efficiencies [%] of the joint with the brake shoe in MuJoCo and of the full model, at several loads.
 
-    The loads are shares of the nominal torque. All loads with the crank driving come first, then all with the output
-    driving.
+    The loads are shares of the nominal torque, `SHOE.compared`. All loads with the crank driving come first, then all
+    with the output driving.
     """
     return [
         StockEfficiency(
@@ -205,7 +205,7 @@ def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
 
 
 def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
-    """Tabulate the efficiencies of the lossy joint next to those of the full model."""
+    """Tabulate the efficiencies [%] of the joint with the brake shoe next to those of the full model."""
     rows = tuple(
         (
             f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the nominal torque",
@@ -221,10 +221,10 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency [1] of the lossy joint of a reducer at its rated speed, in MuJoCo without Python code.
+    """Measure the efficiency [1] of the joint with the brake shoe at its rated speed, in MuJoCo without Python code.
 
-    `share` is the torque on the output as a share of the nominal torque. `driving` is True if the crank drives, False
-    if the output does; the result is 0 for a self-locking joint.
+    `share` is the torque on the output relative to the nominal torque. `driving` is True if the crank drives, False if
+    the output does; the result is 0 for a self-locking joint.
     """
     scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}

@@ -235,7 +235,12 @@ def compute_parameters(reducer: Reducer) -> dict[str, float]:
 
     They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. The
     no-load friction of an RV reducer with Coulomb friction is the drag of its seals, as statics does not include the
-    weight of its parts. Raises the errors of `statics.loads`.
+    weight of its parts.
+
+    Raises
+    ------
+    RunError
+        There is no static equilibrium.
     """
     rated_torque = reducer.design.rated_torque
     loaded_reducer = reducer.but(load={"torque": rated_torque}).working_at(rated_torque)
@@ -291,7 +296,10 @@ def _draw_drive(
 
 
 def _draw_central_drive(reducer: Reducer, seed: int, number: int) -> tuple[Design, dict[str, float]]:
-    """Draw the parts of a drive with a central crank; result as of `rv_samples.draw_rv_drive`."""
+    """Draw a random drive with a central crank within its tolerances: its design, and the errors of its parts by name.
+
+    Equal seeds and numbers draw equal drives; the errors are in the unit that ends their names.
+    """
     zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
     batch = sampling.Batch(block, 1, row)
     samples = sampling.draw_samples(reducer, zones, seed, batch)

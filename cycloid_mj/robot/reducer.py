@@ -231,11 +231,11 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the deviations L [rad], shape (n,), at which the slope of the springs' torque changes.
+        """Return the deviations L of the output [rad], shape (n,), at which the slope of the springs' torque changes.
 
-        They are the stops, and the points beyond them at which further springs come into contact, in increasing order.
-        L is the argument of `torque`. At the level `full`, the transmission error at the crank angle `angle` [rad]
-        moves them.
+        L is the output's angle minus its ideal angle at the crank's angle. The bends are the stops, and the points
+        beyond them at which further springs come into contact, in increasing order. At the level `full`, the
+        transmission error at the crank angle `angle` [rad] moves them.
         """
         if self.level == "full":
             (_, lower), (_, upper) = self._stop_deviations(angle)
@@ -267,9 +267,9 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Breakpoints of the errors and springs, which are linear between them, shape (n,) each.
+        """Loads and wind-ups between which transmission errors and springs' torques are linear, shape (n,) each.
 
-        These are shares of the nominal torque, and the wind-ups there [rad].
+        These are shares of the nominal torque [1], and the wind-ups there [rad].
         """
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
@@ -312,9 +312,9 @@ class ReducedJoint(Presented):
                 self._step_rigid(model, data, addresses)
 
     def settle(self, model: Any, data: Any) -> None:
-        """Set the cranks of all joints with this reducer to the middle of the play, moving with their outputs.
+        """Set the cranks of all joints with this reducer to the middle of the play, turning along with their outputs.
 
-        Call it after you set joint angles and speeds in `data`; otherwise the reducer starts wound up.
+        Call it after you set joint angles and speeds in `data` (``MjData``); otherwise the springs start loaded.
         """
         for addresses in self.places(model):
             if addresses.tendons:
@@ -322,7 +322,7 @@ class ReducedJoint(Presented):
                 data.qvel[addresses.crank_speed] = -data.qvel[addresses.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
-        """Yield the addresses of each joint with this reducer in a model: those of crank, output and tendons.
+        """Yield, for each joint of a MuJoCo model with this reducer, the addresses of its crank, output and tendons.
 
         Raises
         ------
@@ -437,7 +437,7 @@ class ReducedJoint(Presented):
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read a joint from a ``reducer.json`` file.
+        """Read a reduced joint from the file ``reducer.json`` that ``cycloid-mj reduce`` writes.
 
         Raises
         ------

@@ -48,11 +48,12 @@ class Ripple:
         return np.asarray(waves @ np.concatenate([np.cos(phases), np.sin(phases)]))
 
     def harmonics(self, sense: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Yield the harmonics as JSON values, with amplitude [arcsec] and phase [deg], by crank direction and load.
+        """Yield the harmonics of the transmission error as JSON values: order, amplitude [arcsec] and phase [deg].
 
-        The error is the amplitude times cos(order * crank angle + phase). Under a braking load, the output is at the
-        stop opposite to its rotation. `sense` is 1 if the output turns in the direction of the crank, else -1. `rated`
-        is the nominal torque on the output [N m].
+        Amplitudes and phases are those in either direction of the crank and at each load. The error is the amplitude
+        times cos(order * crank angle + phase). Under a braking load, the output is at the stop opposite to its
+        rotation. `sense` is 1 if the output turns in the direction of the crank, else -1. `rated` is the nominal torque
+        on the output [N m].
         """
         for direction, high in (("forward", sense < 0), ("reverse", sense > 0)):
             stop_name = "high" if high else "low"

@@ -206,7 +206,7 @@ def try_time_step(
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
-    """Return the trial with the longest accurate time step; None if none is accurate.
+    """Return the trial with the longest accurate time step of a joint; None if none is accurate.
 
     Only trials of this level, integrator and load (a key of `INERTIAS`) count. Starting from the shortest accurate
     step, longer steps count up to the first that is not accurate.
@@ -311,9 +311,10 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> 
 
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
-    """Yield the trials at `STUDY.steps`; if the shortest is not accurate, also at `STUDY.finer_steps` until one is.
+    """Yield the trial simulations at the time steps `STUDY.steps` of a joint with an integrator and an inertia [kg m2].
 
-    The arguments are those of `try_time_step`.
+    If the shortest step is not accurate, those at `STUDY.finer_steps` follow until one is. `load` is the name of the
+    inertia.
     """
     runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
     yield from runs

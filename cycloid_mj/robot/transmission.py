@@ -40,9 +40,10 @@ RIPPLE = RippleSettings()
 
 
 def solve_ripple(reducer: Reducer, on_part: Callable[[], None]) -> Ripple:
-    """Compute the significant harmonics of the transmission error at `RIPPLE.loads` and with nearly no load.
+    """Compute the strongest harmonics of the transmission error at the loads `RIPPLE.loads` and nearly without load.
 
-    They are computed in both directions of the crank; `on_part` is called after each of the `count_parts` parts.
+    They are computed in both directions of the crank; `on_part` is called after each of the `count_parts` parts of a
+    turn that are solved.
     """
     lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)

@@ -120,7 +120,10 @@ class TrialScene:
 def create_trial_scene(
     reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete"
 ) -> TrialScene:
-    """Create the MuJoCo scene of a joint at its level, with an inertia on the output [kg m2] and a time step [s]."""
+    """Create the MuJoCo scene of a joint and an inertia on its output [kg m2], with a time step [s], for a test.
+
+    The joint has its own level of detail.
+    """
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})
     # instability is detected by its values, not by a log of warnings in the user's folder

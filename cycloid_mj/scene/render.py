@@ -115,10 +115,15 @@ def render_part(
 def render_model(
     model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: Sequence[dict[str, Any]] = ()
 ) -> Image:
-    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); raises the errors of `render`.
+    """Render a MuJoCo model with arrows as an image, shape (height, width, 3) of colours from 0 to 255.
 
-    `camera` is an ``MjvCamera``, `size` is width and height [pixels], and `arrows` has the arguments of `_add_arrow`
-    for each arrow.
+    `camera` is an ``MjvCamera``, `size` is width and height [pixels], and `arrows` has tail, tip, width and colour of
+    each arrow.
+
+    Raises
+    ------
+    CycloidError
+        OpenGL is not available.
     """
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
@@ -141,7 +146,7 @@ def render_model(
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return the arrows of the contact forces of a sample, as arguments of `_add_arrow`: tail, tip, width and colour.
+    """Return the arrows of the contact forces of a sample: tail and tip [m], width [m] and colour of each.
 
     The tip is at the contact, on a face of the disc. The longest arrow of each kind of contact has the length
     `ARROWS.length` times the radius of the pin circle. Forces of zero have no arrow.

@@ -217,7 +217,7 @@ def _compute_vertices(
     friction_slip: Array,
     reversals: Array,
 ) -> list[tuple[Array, Array]]:
-    """Compute the vertices of each branch, torque [N m] and rotation [rad], as `locked_branches`.
+    """Compute torque [N m] and rotation [rad] at the vertices of each branch of a loop, which is piecewise linear.
 
     Parameters
     ----------

@@ -63,7 +63,8 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
 def line_loads(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> tuple[Array, Array]:
     """Return the forces of the line contacts of a kind [N] and their relative curvatures [1/m], shape (m, n) each.
 
-    The arguments are those of `peak_pressure`; a rolling cam has the force of its most loaded roller.
+    `contact_loads` are the forces on the `springs` at m crank angles, `kind` is ``pin_gear``, ``tooth``, ``output`` or
+    ``cam``. A rolling cam has the force of its most loaded roller.
     """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.relative_curvature
@@ -135,7 +136,7 @@ def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: 
     """Return whether Hertz theory applies at the largest pressure among all contacts of one kind.
 
     The contact with this pressure must be loaded, and its strip must be narrow compared with the thinner body.
-    `springs` and `contact_loads` are arguments of `peak_pressure`, `kind` is ``pin_gear``, ``tooth``, ``output`` or
+    `contact_loads` are the forces on the `springs` at m crank angles, `kind` is ``pin_gear``, ``tooth``, ``output`` or
     ``cam``.
     """
     contact = reducer.contacts[kind]

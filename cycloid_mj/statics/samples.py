@@ -303,9 +303,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
 
 
 def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Array:
-    """Compute the changes of the gaps by profile waves of the flanks, (k, n, 1 + 2 orders): `Effects.waves`.
+    """Compute the changes of the gaps of k x n contacts by profile waves of the flanks, (k, n, 1 + 2 orders).
 
-    The arguments are those of `_error_effects`. Gaps of output pins do not change.
+    The first column is the change by `common_waves` [m], amplitudes that all samples have; the others are the
+    derivatives by the amplitude of the cosine, then of the sine, of each of `orders` [1]. `springs` are those at k
+    crank angles. Gaps of output pins do not change.
     """
     phase, teeth = springs.contacts.phase, springs.teeth
     foot = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes

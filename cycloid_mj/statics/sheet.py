@@ -199,10 +199,22 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the main quantities of `sheet` in less than half of the time; raises as `sheet`.
+    """Compute the main quantities of the static data sheet in less than half of the time of `sheet`.
 
     These are backlash, lost motion and stiffness, the forward transmission error under the load, forces and pressures
-    with the torque at first yield, and the efficiency.
+    with the torque at first yield, and the efficiency. `load` is the torque on the output [N m]; None: the design's
+    load, or its nominal torque.
+
+    Raises
+    ------
+    UsageError
+        The torque is not positive.
+    DesignError
+        The crank does not rotate.
+    ContactError
+        The load flattens a pin beyond the range of a line contact.
+    RunError
+        There is no static equilibrium.
     """
     if isinstance(reducer, RvReducer):
         rv_parts: tuple[SheetPart, ...] = ("motions", "loads", "losses")
@@ -404,9 +416,10 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
 
 
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
-    """Yield peak-to-peak and rms values [arcsec] of rotations [rad], which have the keys "gear" and "output".
+    """Yield peak-to-peak and rms values [arcsec] of the rotations [rad] of the disc ("gear") and the output.
 
-    `case` and `direction` are arguments of `_compute_rotations`, and part of the keys of the quantities.
+    `rotations` has arrays of shape (m,) over a turn, by these keys. `case` is the loading, and `direction` that of the
+    crank; both are part of the keys of the quantities.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"

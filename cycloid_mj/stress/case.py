@@ -64,7 +64,7 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness of a part, and return its load case, whose `response` solves for any crank angles.
+    """Factorise the stiffness of a part, and return its load case, which solves for the displacements at crank angles.
 
     The loads at an angle are contact pressure, weight and inertia. The load torque of the output acts at its hub, where
     the supports carry it. Loads on a part without supports are balanced by its acceleration (d'Alembert).

@@ -174,7 +174,8 @@ class PartFrame:
 def part_frame(turn: Turn, part: str) -> PartFrame:
     """Return the moving frame of a part along a turn: origin [m] (k, 2) and angle [rad] (k,), relative to the ring.
 
-    `part` is a name as in `list_contacts`. The frame of the ring does not move.
+    `part` is "shaft", the name of a disc ("gear", "gear_1", ...), "ring", "output" or "pin_1". The frame of the ring
+    does not move.
     """
     zeros = np.zeros_like(turn.angle)
     origin = np.zeros((zeros.size, 2))
@@ -311,9 +312,9 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of a disc with ring, cam and output pins, as `list_contacts`; `disc` is its index from 0.
+    """List force, position and patch width of each contact of a disc with ring, cam and output pins over a turn.
 
-    In an RV reducer, the contacts are those with the ring and the cranks.
+    `disc` is its index from 0. In an RV reducer, the contacts are those with the ring and the cranks.
     """
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
@@ -329,10 +330,10 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
 
 
 def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
-    """List the contacts of the cranks with the bores of a disc (index from 0), in its frame.
+    """List force, position and patch width of the contacts of the cranks with the bores of a disc, in its frame.
 
-    Position and width of a contact are those of the load on the bore; its line contact is that of the most loaded
-    needle.
+    `disc` is its index from 0. Position and width of a contact are those of the load on the bore; its line contact is
+    that of the most loaded needle.
     """
     frame, contacts = _disc(turn, disc), []
     bores = reducer.stage.crank_positions([0.0])[0]
@@ -350,7 +351,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
     """Compute Hertz's pressure [Pa] and half width [m] of the most loaded needle between an eccentric and a disc.
 
     `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
-    eccentric, or the negative curvature of the bore. The third result is whether Hertz's theory is valid.
+    eccentric, or the negative curvature of the bore. The result also states whether Hertz's theory is valid.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
     load = force * STRIBECK / cranks.needles
@@ -363,7 +364,10 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
 
 
 def _ring_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the ring, as `list_contacts`: its lobes with discs, or its sockets with ring pins."""
+    """List force, position and patch width of the contacts of the ring over a turn.
+
+    They are those of its lobes with discs, or of its sockets with ring pins.
+    """
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _tooth_contacts(turn, "ring", disc)]
@@ -373,7 +377,7 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _output_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the output pins, as `list_contacts`: with the discs, or with the bores of their rollers.
+    """List force, position and patch width of the contacts of the output pins with discs or bores of rollers.
 
     Each combination of pin and disc is one contact.
     """
@@ -390,7 +394,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the shaft, as `list_contacts`: each cam with the bore of its disc."""
+    """List force, position and patch width of the contact of each cam of the shaft with the bore of its disc."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -403,7 +407,7 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _pin_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of ring pin 1, as `list_contacts`: with each disc, then with its socket.
+    """List force, position and patch width of the contacts of ring pin 1 over a turn: with each disc, then its socket.
 
     A free pin has a single contact with its socket. A fixed pin has one for the force of each disc.
     """

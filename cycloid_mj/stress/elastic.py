@@ -285,7 +285,10 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
-        """Find all pairs of nodes that share an element of `grid`; the attribute `pair_count` is their number."""
+        """Find all pairs of nodes that share an element of `grid`: the nonzero entries of its stiffness matrix.
+
+        The attribute `pair_count` is their number.
+        """
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
@@ -383,7 +386,10 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric stiffness matrix by SuperLU; arguments, result and errors are those of `_factorise`."""
+    """Factorise a symmetric stiffness matrix by SuperLU; return a function that solves for the unknowns under loads.
+
+    `lower` is the lower triangle of the matrix, and `part` the name of the part for messages.
+    """
     matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -38,10 +38,11 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     """Mesh a part other than the shaft by solid finite elements (quadratic tetrahedra).
 
-    `part` is a name as in `contacts.list_contacts`. The output is one body of its disc, its pins and, with support at
-    both ends, its second disc. The attribute `section` of the result is the planar grid of the part, from which contact
-    forces are distributed over the face width of each disc. Fillets are not meshed. Nodes near the roots of the output
-    pins and the rims of the hubs are therefore excluded from the search for the bulk stress (`stress.bulk`).
+    `part` is the name of a disc ("gear", "gear_1", ...), "ring", "output" or "pin_1". The output is one body of its
+    disc, its pins and, with support at both ends, its second disc. The attribute `section` of the result is the planar
+    grid of the part, from which contact forces are distributed over the face width of each disc. Fillets are not
+    meshed. Nodes near the roots of the output pins and the rims of the hubs are therefore excluded from the search for
+    the bulk stress (`stress.bulk`).
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear

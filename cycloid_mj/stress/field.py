@@ -303,7 +303,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 
 
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
-    """Compute the fields on a part at the crank angle with `index`: displacement and stresses, as `stress_map`.
+    """Compute displacement [m] and stresses [Pa] at all nodes of a part at the crank angle with `index`, for a picture.
 
     Nodes beyond a `distance` [m] from contacts count as bulk, except those next to sharp corners. The default distance
     is that of the grid.

@@ -83,7 +83,9 @@ The largest stress, the largest contact pressure, and the smallest safety factor
 
 
 def part_figure(reducer: Reducer, kind: str, name: str) -> float:
-    """Compute one of `FIGURES_OF_PARTS`, by its `name`, for the parts of a kind, from a run of one turn.
+    """Compute the largest bulk stress, contact pressure or safety of the parts of a kind, from a run of one turn.
+
+    `name` is that of the figure in `FIGURES_OF_PARTS`.
 
     Raises
     ------

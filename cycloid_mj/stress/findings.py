@@ -96,7 +96,7 @@ class Peak:
     safety: float
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the maximum to JSON values; keys end in their units, and ``place_mm`` is the position.
+        """Convert a stress maximum to JSON values; keys end in their units, and ``place_mm`` is the position.
 
         Values that are not finite become None.
         """
@@ -144,7 +144,7 @@ class Refinement:
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison of both grids to JSON values; keys end in their units.
+        """Convert the comparison of the stresses on two finite-element grids to JSON values; keys end in their units.
 
         ``unknowns`` has an entry for each grid, ``bulk_mpa`` the largest bulk stress on each grid by ``angle_deg``, the
         crank angles. ``change`` and ``scatter_rms`` [1] are the properties `change` and `scatter`. ``holds`` is whether
@@ -264,7 +264,7 @@ class PartFindings:
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to JSON values; keys end in their units, and values that are not finite become None.
+        """Convert the stresses of a part to JSON values; keys end in their units, infinite and missing values are None.
 
         ``bulk_mpa`` and ``contact_mpa`` are the largest stresses by crank angle ``angle_deg``. Lists of pairs, such as
         ``sensitivity``, become lists of dicts. ``range`` is the stress range for fatigue, or None.
@@ -362,10 +362,10 @@ class StressFindings:
         return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to JSON values; keys end in their units.
+        """Convert the stresses of all parts to JSON values; keys end in their units.
 
-        ``parts`` has the findings of each part and its published stress (``reference``, or None).
-        ``cranks_and_gears`` is None except for an RV reducer.
+        ``parts`` has the findings of each part and its published stress (``reference``, or None). ``cranks_and_gears``
+        is None except for an RV reducer.
         """
         references = {part: reference.as_json() for part, reference in self.references.items()}
         return {

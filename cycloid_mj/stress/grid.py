@@ -26,7 +26,10 @@ class FoldedError(CycloidError):
     """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
-        """Compute centres and longest edges of the folded elements (`folds`) from their corners (k, d + 1, d) [m]."""
+        """Create the error of a part whose grid has elements that are folded over (with negative volume).
+
+        Centres and longest edges of these elements (`folds`) follow from their `corners` (k, d + 1, d) [m].
+        """
         super().__init__(
             f"cannot generate a finite-element mesh of the {part}: a curved edge folds its element; increase the "
             "refinement"
@@ -195,7 +198,10 @@ def planar_grid(
 
 
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
-    """Mesh a planar region once; arguments are those of `planar_grid`, with `short_edges` (n, 3) [m] as its `focus`.
+    """Mesh a planar region once by second-order triangles.
+
+    `length` is the unit of the edge lengths in the settings [m]; `short_edges` (n, 3) [m] are positions x, y with their
+    edge lengths. `section` is whether the grid is to be extruded.
 
     Raises
     ------

@@ -123,7 +123,12 @@ def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
 def _output_region(reducer: Reducer, rim: Array) -> Region:
     """Return the region of the output disc, for meshing: rim, fixed hub and circles of the pins.
 
-    `rim` is its outline (n, 2) [m]. Raises as `part_region`.
+    `rim` is its outline (n, 2) [m].
+
+    Raises
+    ------
+    UsageError
+        The pins leave no space for a hub.
     """
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:

@@ -67,8 +67,12 @@ def _friction(reducer: RvReducer, springs: RvSprings) -> RunningFriction:
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Return positions and contact forces over a turn of the cranks in static equilibrium, as a run would log them.
 
-    `angles` [rad] (k,) are those of the cranks relative to the carrier. Weight and inertia are left out. Raises as
-    `balance_turn`.
+    `angles` [rad] (k,) are those of the cranks relative to the carrier. Weight and inertia are left out.
+
+    Raises
+    ------
+    RunError
+        No static equilibrium exists.
     """
     crank = np.ravel(np.asarray(angles, dtype=np.float64))
     springs, loads = balance_turn(reducer, crank)

@@ -101,11 +101,10 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def rank_by_range(states: Array) -> Array:
-    """Compute the quantity [Pa] (n,) by which nodes are ranked to select those whose stress ranges are then computed.
+    """Compute an upper bound of the stress range plus mean of each node [Pa], shape (n,), to preselect critical nodes.
 
-    It is an upper bound of the stress range, sqrt(3) times the norm of the ranges of the stress components, plus half
-    the norm of their largest magnitudes. `states` (c, components, n) [Pa] are the components at c instants, NaN where a
-    state does not count.
+    It is sqrt(3) times the norm of the ranges of the stress components, plus half the norm of their largest magnitudes.
+    `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.
     """
     largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
     level = np.maximum(np.abs(largest), np.abs(smallest))

@@ -240,9 +240,16 @@ def in_order(parts: Sequence[str]) -> list[str]:
 
 
 def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Compute the stress of one part over a turn; return its grid, loads, maxima, map and findings.
+    """Compute the stress of one part over a turn by finite elements; return its grid, loads, maxima, map and findings.
 
-    If `grid` is None, the part is meshed with the `settings`. Raises as `stress_study`.
+    If `grid` is None, the part is meshed with the `settings`.
+
+    Raises
+    ------
+    UsageError
+        The design has no such part.
+    CycloidError
+        The part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
     start = time.perf_counter()
     loads = loads_in_turn(turn, part)

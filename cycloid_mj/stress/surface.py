@@ -43,7 +43,7 @@ class SolidSurface:
 def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSurface:
     """Return nodes, normals and quadrature points (order 6) of selected faces on the surface of a solid grid.
 
-    `is_selected` maps the centres (3, f) [m] of all f surface faces to a mask (f,).
+    `is_selected` maps the centres (3, f) [m] of all f surface faces to a mask (f,): true for the faces to select.
     """
     skfem, quadrature = import_package("skfem"), import_package("skfem.quadrature")
     mesh = grid.mesh

@@ -154,7 +154,10 @@ class HalfRoot(NamedTuple):
 
 @njit(inline="always")
 def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
-    """Write gap [m], position (x, y) [m], stiffness factor [1] and normal (nx, ny) of a `Touch` at an address."""
+    """Write a contact point at an address: gap [m], position (x, y) [m], stiffness factor [1] and unit normal (nx, ny).
+
+    The six numbers are those of a `Touch`.
+    """
     write_float(address, gap)
     write_float(address + 8, x)
     write_float(address + 16, y)
@@ -165,7 +168,7 @@ def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx:
 
 @njit(inline="always")
 def read_touch(address: int) -> Touch:
-    """Read the six numbers of a `Touch` at an address."""
+    """Read gap, position, stiffness factor and normal of a contact point, six numbers, at an address."""
     return Touch(
         read_float(address),
         read_float(address + 8),
@@ -433,10 +436,9 @@ def _write_root(
 
     The half root is divided into pieces, each of which is searched for a minimum of the gap. If the gap between the
     contacts on arc and root is below the deflection of the teeth, both share one patch: their stiffness is reduced.
-
-    `arc` is the contact on the arc. `lobe` is the pose of the lobe in the world, `gear` that of the teeth in the frame
-    of the lobe; other arguments as in `lobe_touches`. Returns the new number of contacts, and `arc` with its new
-    stiffness.
+    `profile` are the teeth of the disc, `arc` is the contact on the arc of the lobe, whose radius is `arc_radius` [m].
+    `lobe` is the pose of the lobe in the world, `gear` that of the teeth in the frame of the lobe, and `margin` [m] the
+    largest gap of a contact. Returns the new number of contacts, and `arc` with its new stiffness.
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)

@@ -70,7 +70,7 @@ def callback(name: str) -> ctypes.c_void_p:
 
 
 def set_callback(name: str, address: int) -> None:
-    """Set one of MuJoCo's global callbacks to the address of a compiled function.
+    """Set the global callback of MuJoCo named `name` to the address of a compiled function; 0 removes it.
 
     Raises
     ------

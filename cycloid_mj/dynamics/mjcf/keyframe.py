@@ -85,9 +85,10 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
 
 
 def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute the displacements of all joints from the ideal mesh to the best fit [m], [rad], by joint name.
+    """Compute the displacements of all joints that seat parts with errors or modified flanks best, by joint name.
 
-    Directions are those of the foundation's frame. `crank` is the crank angle [rad].
+    They are added to the positions in the ideal mesh, in [m] or [rad], along directions of the foundation's frame.
+    `crank` is the crank angle [rad].
     """
     fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)

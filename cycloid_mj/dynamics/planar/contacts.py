@@ -185,10 +185,10 @@ def _find_lobe_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a disc and all lobes after `count` others, and return the new number of contacts.
+    """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
-    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of `scratch`; other
-    arguments as in `find_contacts`.
+    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of `scratch`. `q`
+    and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
@@ -214,10 +214,10 @@ def _find_pin_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a disc and all ring pins after `count` others, and return the new number of contacts.
+    """Write the contacts of a disc and all ring pins to `contacts` after `count` others; return the new number.
 
-    `mating` is the pair of the disc and the first pin, `ring` the pose of the ring; other arguments as in
-    `find_contacts`.
+    `mating` is the pair of the disc and the first pin, `ring` the pose of the ring. `q` and `v` are positions and
+    speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
     gear, teeth, pin_values = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
@@ -259,10 +259,10 @@ def _find_seat_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of moving pins with their seats after `count` others; return the new number of contacts.
+    """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `pair` is the index of the first pin's pair, `ring` the pose of the ring, `address` that of `scratch`; other
-    arguments as in `find_contacts`.
+    `pair` is the index of the first pin's pair, `ring` the pose of the ring, `address` that of `scratch`. `q` and `v`
+    are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     first_pin = len(system.inertia)
     for i in range(len(system.place)):

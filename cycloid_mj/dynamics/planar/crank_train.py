@@ -228,10 +228,11 @@ def _find_planet_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of both flanks of a planet on the sun; return the new number of contacts.
+    """Write the contacts of both flanks of a planet on the sun after `count` others; return the new number of contacts.
 
-    `crank` is the index of the planet's rotation in q, `planet_index` that of the planet; other arguments as in
-    `find_crank_contacts`. The normals are directions of the force on the sun, opposite to those of ``PlanetMesh``.
+    `crank` is the index of the planet's rotation in q, `planet_index` that of the planet, `mating` its pair with the
+    sun. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s]. The normals are
+    directions of the force on the sun, opposite to those of ``PlanetMesh``.
     """
     sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)

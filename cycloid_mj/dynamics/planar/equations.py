@@ -159,8 +159,11 @@ def _assemble(
 ) -> None:
     """Assemble the linear equations of an iteration in `equations`: inertia, gravity, servos, drags and contacts.
 
-    Arguments as in `solve_step`. Sliding friction is in proportion to the normal force of this iteration if
-    `coupled_friction`, else of the previous iteration.
+    `count` is the number of `contacts`. `q0` and `v0` are positions and speeds of all unknowns at the beginning of the
+    step, `predicted` are the midpoint speeds at which the contacts were linearised. `command` (2,) are the commands of
+    output and crank, `timestep` is in [s], and `pin_span` is the time [s] in which forces accelerate pins. Sliding
+    friction is in proportion to the normal force of this iteration if `coupled_friction`, else of the previous
+    iteration.
     """
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right

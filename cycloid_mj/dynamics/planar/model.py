@@ -72,10 +72,9 @@ class PlanarModel:
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:
-    """Return the planar model of a reducer with a time step [s], by default that of `choose_step`.
+    """Return a reducer prepared for the planar solver: arrays, contact laws, servo gains, warnings and time step [s].
 
-    It has the arrays of the solver, contact laws, servo gains and warnings. `held` is the shaft with a position servo,
-    as in ``mjcf.build``.
+    The time step is by default that of `choose_step`. `held` is the shaft with a position servo, as in ``mjcf.build``.
 
     Raises
     ------

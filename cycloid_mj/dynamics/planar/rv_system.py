@@ -18,9 +18,9 @@ FIXED_SUN_STIFFNESS = 1e10
 
 
 def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
-    """Return the `System` of an RV reducer; its cranks are returned by `make_crank_train`.
+    """Return bodies, contacts, laws and servos of an RV reducer as arrays for the planar solver, without its cranks.
 
-    `held` is the shaft with a servo: "crank" for the sun, or "output".
+    The cranks are returned by `make_crank_train`. `held` is the shaft with a servo: "crank" for the sun, or "output".
 
     Raises
     ------

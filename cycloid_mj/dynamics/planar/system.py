@@ -135,7 +135,9 @@ class System(NamedTuple):
 
 
 def make_system(reducer: Reducer, held: Held = "crank") -> System:
-    """Return the `System` of a reducer; a servo drives the shaft `held`, a torque acts on the other shaft.
+    """Return bodies, contacts, laws and servos of a reducer as arrays for the planar solver.
+
+    A servo drives the shaft `held`, a torque acts on the other shaft.
 
     Raises
     ------

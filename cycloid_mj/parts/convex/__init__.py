@@ -52,7 +52,10 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
     whose radius deviates from that of the first disc has its own teeth. All discs share the bore and the holes of the
     first disc. Discs of an RV reducer have teeth only.
 
-    Raises the errors of `gear_teeth`.
+    Raises
+    ------
+    DesignError
+        A disc is undercut, its flanks are rotated or have waves, or a slice is not convex.
     """
     ring: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":

@@ -68,7 +68,8 @@ def _describe_misfits(
 ) -> list[str]:
     """Return the reasons why a motor flange does not fit, as clauses; empty if it fits.
 
-    The other arguments are those of `choose_motor_flange`.
+    `outer`, `seat` and `max_cavity` are the radii of the cover, of the seat of the shaft bearing, and of the largest
+    cavity for the heads of screws from within [m]; `wall` is the minimum wall [m].
     """
     problems, crank = [], reducer.design.shaft.radius
     hole = counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)

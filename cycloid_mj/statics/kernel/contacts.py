@@ -466,7 +466,7 @@ def _find_foot_point(
 def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, use_foot_point: bool) -> float:
     """Compute a lower bound of the width of a contact's gap [m]; 0 if the gap may be closed.
 
-    The arguments are those of `gap_at`: indices of crank angle `k` and contact `i`, and the `offset` from
+    `k` and `i` are the indices of crank angle and contact, and `offset` is the displacement of the contact point from
     `curve_offset`. If `use_foot_point` is true, the bound is valid for the gap that `gap_at` computes at the foot
     point.
     """

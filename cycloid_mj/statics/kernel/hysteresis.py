@@ -188,10 +188,12 @@ def _follow_path(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[Residual, int]:
-    """Follow the equilibrium of springs with friction along a `path` of loads (loads, u) [N], with a given workspace.
+    """Follow the equilibrium of springs with friction along a `path` of loads (m, u) [N], with a given workspace.
 
-    Arguments and results are those of `follow_path`; `increment`, `old` and `new` are the workspace, from
-    `_allocate_increment` and `_allocate_state`.
+    Arguments and results are those of `follow_path`: friction elements `rubbing`, displacement of the output
+    `max_motion` [m] above which a step is halved, output arrays `positions` (rows,) and `z` (rows, u) [m], residual and
+    number of filled rows. `increment`, `old` and `new` are the workspace, from `_allocate_increment` and
+    `_allocate_state`.
     """
     count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
@@ -597,7 +599,8 @@ def _add_contact(
 
     The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` (u,) must be the gradient
     of the depth. A further spring along the normal, which slips at a limit, represents the force that the material
-    retains during unloading. The forces are written to `new`. The other arguments are those of `_assemble_step`.
+    retains during unloading. `old` is the state before the step; the forces are written to `new`. With `fixed_limits`,
+    the limits of friction and material are those of `increment`.
     """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
