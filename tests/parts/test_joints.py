@@ -1,17 +1,19 @@
 """Joints of the casing: their holes, bought parts and places agree with each other and with the bill of materials."""
 
+import math
 from collections import Counter
 
 import numpy as np
 import pytest
 from designs import cases, design_file
 
-from cycloid_mj.design import PRESETS, fits, load, stock
+from cycloid_mj.design import PRESETS, fits, load, override, stock
 from cycloid_mj.parts import mesh
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export import bill, casing, place_parts, shaft_bearing
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.crank_joints import cam_key
+from cycloid_mj.parts.export.crank_rings import hub_radius
 from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
@@ -151,6 +153,17 @@ def test_cams_too_thin_for_a_keyway_are_glued():
     reducer, sizes, joints = joints_of("twodisc")
     assert cam_key(reducer, sizes) is None
     assert next(one for one in joints if one.name == "cams on the shaft").kind is JointKind.GLUED
+
+
+def test_a_key_that_pierces_the_faces_of_the_spacer_is_replaced_by_adhesive():
+    """Shaft of 20 mm: the keyway reaches 13.1 mm from the axis, the faces of the spacer only 12.4 mm."""
+    reducer = Reducer(override(PRESETS["twodisc"], ["shaft.radius_mm=10"]))
+    sizes = casing(reducer)
+    key = stock.key_for(20e-3, reducer.design.gear.stack_width)
+    assert math.hypot(10e-3 + key.in_hub, 0.5 * key.width) > hub_radius(reducer, sizes)
+    assert cam_key(reducer, sizes) is None
+    assert list(describe_violations(reducer, sizes)) == []
+    assert len(mesh(assembly_parts(reducer, sizes)["spacer"].solid(5e-6)).faces) > 10
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.casing_rules import (
     RULES,
     in_one_piece,
 )
+from cycloid_mj.parts.export.crank_rings import hub_radius
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.keyway import KeyContour
 from cycloid_mj.parts.export.round_part import Hole, RoundPart
@@ -89,7 +90,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for a single disc.
 
     Its keyways fix the phases of the cams. Shrunk cams have none. The key is at the angle at which the walls of the
-    cams over it are thickest, and must leave a wall in the cams, and in the shaft over the motor's bore.
+    cams over it are thickest. It must leave a wall in the cams, and in the shaft over the motor's bore, and stay within
+    the faces of the spacer, which touch the cams but not their bearings.
     """
     design = reducer.design
     if design.gear.discs == 1 or design.shaft.cam_joint == "shrink":
@@ -107,7 +109,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), sizes.motor_bore
     core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
-    does_fit = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
+    reach = math.hypot(radius + key.in_hub, 0.5 * key.width)
+    does_fit = walls[best] >= reach + RULES.min_wall and hub_radius(reducer, sizes) >= reach
     if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     midpoint = 0.5 * (low + high)
