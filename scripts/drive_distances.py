@@ -33,6 +33,7 @@ from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
     shoulder_radius,
 )
+from cycloid_mj.parts.export.crank_end import SHAFT_SEAL
 from cycloid_mj.parts.export.step import occ, planar_face
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
@@ -184,8 +185,8 @@ def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float
 
 
 def _is_raceway(families: tuple[str, ...]) -> bool:
-    """Return whether needles of a bearing roll on a part, or a bearing is compared with its own elements."""
-    return bool({CAM_BEARING, SHAFT_BEARING} & {*families} and NEEDLES_ON & {*families})
+    """Return whether needles of a bearing roll on a part, or the lip of a seal slides on it."""
+    return bool({CAM_BEARING, SHAFT_BEARING, SHAFT_SEAL} & {*families} and NEEDLES_ON & {*families})
 
 
 def face_of(section: PartSection) -> Face:

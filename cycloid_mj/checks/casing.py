@@ -23,13 +23,15 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     sizes, reason = casing_or_none(reducer)
     if sizes is None:
         shaft = design.shaft
-        if shaft.bore_radius or shaft.cam_joint != "key" or design.output.main_bearing_seat != "hub":
+        is_requested = shaft.bore_radius or shaft.cam_joint != "key" or shaft.retaining_rings or shaft.seal_ring
+        if is_requested or design.output.main_bearing_seat != "hub":
             yield Check(
                 name="joints",
                 passed=False,
                 got="not possible",
                 limit="possible",
-                why="a through bore, shrunk cams or bearings around the output disc need covers that fit",
+                why="a through bore, shrunk cams, retaining rings, a seal ring or bearings around the output disc need "
+                "covers that fit",
                 remedy=reason,
                 severity="warning",
                 key="drive with covers",

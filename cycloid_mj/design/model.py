@@ -327,6 +327,13 @@ class Shaft(Section):
         ge=0.0,
         le=5000.0,
     )
+    retaining_rings: bool = switch(
+        False,
+        "retaining rings (DIN 471, 472) that locate the crank along its axis, next to ball bearings in the motor cover",
+    )
+    seal_ring: bool = switch(
+        False, "seal ring of a crank in drawn-cup needle bearings, next to the bearing on the motor side"
+    )
     fillet_radius: float = quantity(
         0.0,
         "fillet at the shoulders; 0: a tenth of the shaft's radius, at most 0.3 mm, which bearings clear",

@@ -270,6 +270,38 @@ _INSERTS = """
 (ruthex.de, 2025)."""
 
 
+_SHAFT_RINGS = """
+3 0.4 2.8 2 0.8      4 0.4 3.8 2.2 0.9    5 0.6 4.8 2.5 1.1    6 0.7 5.7 2.7 1.3    7 0.8 6.7 3.1 1.4
+8 0.8 7.6 3.2 1.5    9 1 8.6 3.3 1.7      10 1 9.6 3.3 1.8     11 1 10.5 3.3 1.8    12 1 11.5 3.3 1.8
+13 1 12.4 3.4 2      14 1 13.4 3.5 2.1    15 1 14.3 3.6 2.2    16 1 15.2 3.7 2.2    17 1 16.2 3.8 2.3
+18 1.2 17 3.9 2.4    20 1.2 19 4 2.6      22 1.2 21 4.2 2.8    24 1.2 22.9 4.4 3    25 1.2 23.9 4.4 3
+26 1.2 24.9 4.5 3.1  28 1.5 26.6 4.7 3.2  30 1.5 28.6 5 3.5    32 1.5 30.3 5.2 3.6  35 1.5 33 5.6 3.9
+40 1.75 37.5 6 4.4   45 1.75 42.5 6.7 4.7 50 2 47 6.9 5.1
+"""
+"""DIN 471:2011, retaining rings for shafts: shaft, thickness, groove, largest height of the eyes from the shaft,
+largest width of the ring; as in ``FsData/din471def.csv`` of FreeCAD's Fasteners workbench."""
+
+_BORE_RINGS = """
+10 1 10.4 3.2 1.4     13 1 13.6 3.6 1.8     16 1 16.8 3.8 2       19 1 20 4.1 2.2      22 1 23 4.2 2.5
+24 1.2 25.2 4.4 2.6   26 1.2 27.2 4.7 2.8   28 1.2 29.4 4.8 2.9   30 1.2 31.4 4.8 3    32 1.2 33.7 5.4 3.2
+35 1.5 37 5.4 3.4     37 1.5 39 5.5 3.6     40 1.75 42.5 5.8 3.9  42 1.75 44.5 5.9 4.1 47 1.75 49.5 6.4 4.4
+52 2 55 6.7 4.7       55 2 58 6.8 5         58 2 61 6.9 5.2       62 2 65 7.3 5.5      65 2.5 68 7.6 5.8
+68 2.5 71 7.8 6.1     72 2.5 75 7.8 6.4     75 2.5 78 7.8 6.6     78 2.5 81 8.5 6.8    80 2.5 83.5 8.5 7
+85 3 88.5 8.6 7.2     90 3 93.5 8.6 7.6
+"""
+"""DIN 472:2017, retaining rings for bores: as `_SHAFT_RINGS`, from ``FsData/din472def.csv``."""
+
+_SEAL_RINGS = """
+4 8 2    5 9 2    6 10 2   7 11 2   8 12 3   9 13 3   10 14 3  12 16 3  12 18 3  13 19 3  14 20 3  15 21 3  16 22 3
+17 23 3  18 24 3  20 26 4  22 28 4  25 32 4  28 35 4  30 37 4  35 42 4  40 47 4  45 52 4  50 58 4
+"""
+"""Seal rings with one lip for needle bearings, type G of INA and NTN (CAT. 2300): shaft, outside, width. They have the
+outside diameter of drawn cups, and are pressed into the same bore. Widths are from memory (not checked)."""
+
+SNAP_LAND = 3.0
+"""Length of the shaft or bore beyond the groove of a retaining ring, relative to the depth of the groove (DIN 471)."""
+
+
 @dataclass(frozen=True)
 class Dowel:
     """A round pin: designation, diameter and length [m]."""
@@ -367,6 +399,42 @@ class Washer:
     bore: float
     outside: float
     thickness: float
+
+
+@dataclass(frozen=True)
+class RetainingRing:
+    """A retaining ring: designation, and diameters of its shaft or bore and of its groove [m].
+
+    Further dimensions are its `thickness` and largest `width` across, and the `height` of its eyes from the shaft or
+    bore [m].
+    """
+
+    designation: str
+    diameter: float
+    groove: float
+    thickness: float
+    height: float
+    width: float
+
+    @property
+    def groove_width(self) -> float:
+        """Width of the groove [m] (DIN 471)."""
+        return self.thickness + (0.1e-3 if self.thickness < 2e-3 else 0.15e-3)
+
+    @property
+    def room(self) -> float:
+        """Length of the groove with the land beyond it [m]."""
+        return self.groove_width + SNAP_LAND * 0.5 * abs(self.diameter - self.groove)
+
+
+@dataclass(frozen=True)
+class SealRing:
+    """A seal ring of a shaft: designation, bore, outside diameter and width [m]."""
+
+    designation: str
+    bore: float
+    outside: float
+    width: float
 
 
 @cache
@@ -680,6 +748,32 @@ def bolt_under(head: float) -> Bolt | None:
 def insert_of(thread: float) -> Insert | None:
     """Find the heat-set insert of a thread [m]."""
     return next((item for item in inserts() if abs(item.thread - thread) < ROUNDING), None)
+
+
+def shaft_ring(diameter: float) -> RetainingRing | None:
+    """Return the retaining ring (DIN 471) of a shaft diameter [m]; None if none is in stock."""
+    return _retaining_ring("DIN 471", _SHAFT_RINGS, diameter)
+
+
+def bore_ring(diameter: float) -> RetainingRing | None:
+    """Return the retaining ring (DIN 472) of a bore [m]; None if none is in stock."""
+    return _retaining_ring("DIN 472", _BORE_RINGS, diameter)
+
+
+def _retaining_ring(standard: str, table: str, diameter: float) -> RetainingRing | None:
+    for size, thickness, groove, height, width in _rows(table, 5):
+        if abs(size * MM - diameter) < ROUNDING:
+            values = (round(value * MM, 9) for value in (size, groove, thickness, height, width))
+            return RetainingRing(f"{standard} - {size:g} x {thickness:g}", *values)
+    return None
+
+
+def seal_ring(shaft: float, outside: float) -> SealRing | None:
+    """Return the seal ring of a shaft diameter and an outside diameter [m]; None if none is in stock."""
+    for bore, outer_diameter, width in _rows(_SEAL_RINGS, 3):
+        if abs(bore * MM - shaft) < ROUNDING and abs(outer_diameter * MM - outside) < ROUNDING:
+            return SealRing(f"G {bore:g} x {outer_diameter:g} x {width:g}", *_si(bore, outer_diameter, width))
+    return None
 
 
 def _si(first: float, second: float, third: float) -> tuple[float, float, float]:

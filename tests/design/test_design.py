@@ -52,6 +52,8 @@ ASSUMED_HERE = {
         "radius_mm",
         "bore_radius_mm",
         "cam_joint",
+        "retaining_rings",
+        "seal_ring",
         "length_mm",
         "counterweight_radius_mm",
         "mounting",

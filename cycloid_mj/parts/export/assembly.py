@@ -34,6 +34,7 @@ from cycloid_mj.parts.export.casing_parts import place_casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
 )
+from cycloid_mj.parts.export.crank_end import RETAINING_RINGS, SHAFT_SEAL
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
 from cycloid_mj.parts.export.edges import broken_edges
@@ -73,6 +74,8 @@ COLOURS: Mapping[str, Colour] = {
     SHAFT_BEARING: (0.8, 0.82, 0.85, 1.0),
     OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
     CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
+    **dict.fromkeys(RETAINING_RINGS, (0.3, 0.3, 0.32, 1.0)),
+    SHAFT_SEAL: (0.15, 0.15, 0.15, 1.0),
 }
 """Colours by family of parts."""
 

@@ -36,6 +36,7 @@ from cycloid_mj.parts.export.casing_rules import (
     thread_radius,
 )
 from cycloid_mj.parts.export.cover_screws import Screws, choose_cover_screws, choose_dowels
+from cycloid_mj.parts.export.crank_end import CrankEnd, choose_crank_end
 from cycloid_mj.parts.export.motor_mount import (
     Motor,
     choose_motor_flange,
@@ -108,6 +109,8 @@ class Casing:
         Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
     hub_bore, flange_bore
         Largest radii of bores on the axis of hub and flange, inside screws and dowels.
+    crank_end
+        Retaining rings or seal ring next to the bearings of the crank in the motor cover.
     cover_material
         Material of both covers, a name of the library; empty: that of the ring.
     """
@@ -145,7 +148,13 @@ class Casing:
     hub_bore: float
     flange_bore: float
     retainer: Retainer | None
+    crank_end: CrankEnd
     cover_material: str = ""
+
+    @property
+    def seat_start(self) -> float:
+        """Start of the seat of the bearings in the motor cover along z [m], which a seal ring shares."""
+        return self.near[0] - self.crank_end.seal_width
 
     @property
     def bearings(self) -> tuple[tuple[float, float], ...]:
@@ -283,6 +292,7 @@ class _MotorSide(TypedDict):
     pocket: float
     step: float
     slim: float
+    crank_end: CrankEnd
 
 
 def _size_motor_side(
@@ -327,7 +337,9 @@ def _size_motor_side(
         - wall
     )
     bearing_start = near_seat[0] if design.shaft.mounting == "straddle" else far_seat[0]
-    face, journal = _input_side(reducer, flange, bearing_start, wall, min(floor, screw_tip) - floor_thickness)
+    ring_parts = choose_crank_end(reducer, near_seat[1] - near_seat[0], seat, floor - near_seat[1])
+    max_face = min(floor, screw_tip) - floor_thickness
+    face, journal = _input_side(reducer, flange, bearing_start, ring_parts, wall, max_face)
     return {
         "motor": flange,
         "face": face,
@@ -337,6 +349,7 @@ def _size_motor_side(
         "pocket": min(face + floor_thickness, floor),
         "step": max(min(screw_tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
         "slim": max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
+        "crank_end": ring_parts,
     }
 
 
@@ -435,7 +448,7 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
 
 
 def _input_side(
-    reducer: Reducer, motor: MotorFlange, bearing_start: float, wall: float, max_face: float
+    reducer: Reducer, motor: MotorFlange, bearing_start: float, ring_parts: CrankEnd, wall: float, max_face: float
 ) -> tuple[float, float]:
     """Return the position of the motor's flange face and the start of the crank along z [m].
 
@@ -448,19 +461,22 @@ def _input_side(
         The reducer, and the flange of its motor.
     bearing_start
         Start of the bearing next to the motor along z [m].
+    ring_parts
+        Retaining ring on the crank or seal ring on the motor side of this bearing.
     wall
         Minimum wall of the cover [m].
     max_face
         Largest z of the flange face [m].
     """
-    journal = crank_segments(reducer)["journal"].z0
+    crank_start = bearing_start - ring_parts.journal
+    journal = min(crank_segments(reducer)["journal"].z0, crank_start)
     bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
     is_hollow = reducer.design.shaft.bore_radius > 0.0
     is_shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
-    start = bearing_start if is_shortened or is_hollow else journal
-    face = min(min(start - axial_play(reducer), bearing_start - wall) - RULES.pilot_depth, max_face, bore_limit)
+    start, seat_start = crank_start if is_shortened or is_hollow else journal, bearing_start - ring_parts.seal_width
+    face = min(min(start - axial_play(reducer), seat_start - wall) - RULES.pilot_depth, max_face, bore_limit)
     if is_shortened:
-        journal = max(journal, min(bearing_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
+        journal = max(journal, min(crank_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
     return face, journal
 
 

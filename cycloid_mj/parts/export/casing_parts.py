@@ -159,7 +159,7 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
     """
     if family == names.SHAFT:
-        segments = (replace(segments[0], z0=sizes.journal), *segments[1:])
+        segments = (*_cut_groove(sizes, replace(segments[0], z0=sizes.journal)), *segments[1:])
     if reducer.design.gear.discs == 1:
         counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, segments)
         for segment in segments:
@@ -174,7 +174,8 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     if key is None:
         yield from pieces
     elif family == names.SHAFT:
-        (shaft,) = pieces
+        *grooved, shaft = pieces
+        yield from grooved
         slot = KeywayContour(radius, key.bought.width, -key.bought.in_shaft, key.angle)
         yield replace(shaft, z1=key.low)
         yield replace(shaft, outline=slot, z0=key.low, z1=key.high)
@@ -182,6 +183,19 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     else:
         slot = KeywayContour(radius, key.bought.width, key.bought.in_hub, key.angle)
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
+
+
+def _cut_groove(sizes: Casing, journal: Segment) -> Iterator[Segment]:
+    """Split the journal of a crank at the groove of its retaining ring; yield the pieces along z."""
+    ring = sizes.crank_end.shaft_ring
+    if ring is None:
+        yield journal
+        return
+    end = sizes.near[0]
+    start = end - ring.groove_width
+    yield replace(journal, z1=start)
+    yield replace(journal, outline=CircleContour(0.5 * ring.groove), z0=start, z1=end)
+    yield replace(journal, z0=end)
 
 
 def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Segment]:

@@ -87,7 +87,7 @@ def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment
     `segments` are those of the crank by name.
     """
     shaft = reducer.design.shaft
-    radius = shoulder_radius(shaft.radius, sizes.seat)
+    radius = min(shoulder_radius(shaft.radius, sizes.seat), sizes.crank_end.max_collar - sizes.play)
     if COUNTERWEIGHT not in segments:
         radius = min(radius, hub_radius(reducer, sizes))
     cams = [segment for name, segment in segments.items() if names.family(name) == names.CAM]

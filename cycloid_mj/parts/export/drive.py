@@ -5,11 +5,15 @@ from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import COVERS, FLANGE, Casing, casing, casing_or_none
+from cycloid_mj.parts.export.crank_end import SHAFT_SEAL
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
+
+SEAL_FILL = 0.5
+"""Mass of a seal ring relative to a solid ring of steel: a steel ring in rubber, with a hollow lip (assumed)."""
 
 TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, *COVERS)}
 """Parts that rotate with the loaded body, by body."""
@@ -41,8 +45,8 @@ def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
 
 
 def filling(part: str) -> float:
-    """Return the mass of a part relative to that of its solid: less than 1 for rolling bearings."""
-    return BEARING_FILL if part.endswith("_bearing") else 1.0
+    """Return the mass of a part relative to that of its solid of steel: less than 1 for rolling bearings and seals."""
+    return SEAL_FILL if part == SHAFT_SEAL else BEARING_FILL if part.endswith("_bearing") else 1.0
 
 
 def casing_inertia(reducer: Reducer) -> float:

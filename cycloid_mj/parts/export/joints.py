@@ -8,10 +8,11 @@ from collections.abc import Iterable, Iterator
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import in_mm
 from cycloid_mj.design import stock
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments
-from cycloid_mj.parts.export.bearings import DOWEL_FIT, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
+from cycloid_mj.parts.export.bearings import DOWEL_FIT, cup_fit, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
     DOWEL,
     FLANGE,
@@ -52,6 +53,7 @@ from cycloid_mj.parts.export.casing_rules import (
     shoulder_radius,
     thickest_bolt,
 )
+from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
 from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
 from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
@@ -63,6 +65,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
     *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, RETAINER_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
+    *(SHAFT_RING, BORE_RING, SHAFT_SEAL),
     *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, RETAINER_INSERT, DOWEL, FLANGE_DOWEL, KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
@@ -87,6 +90,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         *_motor_shaft_joint(reducer, sizes),
         _motor_pilot_joint(sizes),
         _cover_bearing_joint(reducer, sizes),
+        *_crank_end_joints(reducer, sizes),
         *_cavity_joints(sizes),
         _output_bearing_joint(sizes),
         *_retainer_joint(reducer, sizes),
@@ -123,11 +127,11 @@ def _motor_pilot_joint(sizes: Casing) -> Joint:
 
 def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of the shaft and the motor cover: one bearing, or both of an overhung shaft."""
-    bearing_start = sizes.near[0]
+    seat_start = sizes.seat_start
     shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
-        (AXIS, shoulder, sizes.face + RULES.pilot_depth, bearing_start),
-        (AXIS, sizes.seat, bearing_start, sizes.floor),
+        (AXIS, shoulder, sizes.face + RULES.pilot_depth, seat_start),
+        *_seat_holes(sizes, seat_start),
     )
     numbers = (2,) if sizes.far else (1, 2)
     return Joint(
@@ -141,6 +145,70 @@ def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
         2.0 * reducer.design.shaft.radius,
         bearing_width_of(reducer),
     )
+
+
+def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
+    """Yield the seat of the bearings in the motor cover from its start along z [m], with the groove of its ring."""
+    ring, low = sizes.crank_end.bore_ring, sizes.near[1]
+    if ring:
+        high = low + ring.groove_width
+        yield AXIS, sizes.seat, start, low
+        yield AXIS, 0.5 * ring.groove, low, high
+        start = high
+    yield AXIS, sizes.seat, start, sizes.floor
+
+
+def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joints of the parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
+    parts, (start, end) = sizes.crank_end, sizes.near
+    if (on_shaft := parts.shaft_ring) and (in_bore := parts.bore_ring):
+        inner = 0.5 * on_shaft.groove
+        ring = _retaining_ring(SHAFT_RING, on_shaft, (inner, inner + on_shaft.width), names.SHAFT, start, -1.0)
+        yield Joint("retaining ring on the crank", JointKind.LOCATED, (names.SHAFT, SHAFT_BEARING), (), (ring,))
+        outer = 0.5 * in_bore.groove
+        ring = _retaining_ring(BORE_RING, in_bore, (outer - in_bore.width, outer), names.HOUSING, end, 1.0)
+        yield Joint("retaining ring in the motor cover", JointKind.LOCATED, (MOTOR_COVER, SHAFT_BEARING), (), (ring,))
+    if seal := parts.seal:
+        fit = f"{cup_fit(reducer, names.HOUSING)} outside, lip on the hardened and ground crank (Ra 0.2 to 0.8 um)"
+        sizes_of_seal = ("outside diameter", seal.outside), ("bore", seal.bore), ("length", seal.width)
+        ring = BoughtPart(
+            SHAFT_SEAL,
+            tube(0.5 * seal.bore, 0.5 * seal.outside, seal.width),
+            names.HOUSING,
+            ((0.0, 0.0, start - 0.5 * seal.width),),
+            sizes_of_seal,
+            "nitrile rubber on steel",
+            seal.designation,
+            fit,
+        )
+        yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, MOTOR_COVER), (), (ring,), fit)
+
+
+def _retaining_ring(
+    item: str,
+    ring: stock.RetainingRing,
+    radii: tuple[float, float],
+    body: str,
+    face: float,
+    direction: float,
+) -> BoughtPart:
+    """Return a retaining ring at a face of a bearing as a bought part; its groove is wider by the axial play.
+
+    Parameters
+    ----------
+    item, body
+        Name of the ring, and of the body that it moves with.
+    ring
+        Ring in stock.
+    radii
+        Inner and outer radius [m].
+    face, direction
+        Height of the face [m], and 1 or -1 for a ring above or below it.
+    """
+    middle = face + direction * 0.5 * ring.thickness
+    solid, dimensions = tube(*radii, ring.thickness), (("diameter", ring.diameter), ("length", ring.thickness))
+    fit = f"groove {in_mm(ring.groove)} x {in_mm(ring.groove_width)} mm"
+    return BoughtPart(item, solid, body, ((0.0, 0.0, middle),), dimensions, "spring steel", ring.designation, fit)
 
 
 def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:

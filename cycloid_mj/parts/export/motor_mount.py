@@ -75,6 +75,8 @@ def _describe_misfits(
     hole = counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
     if reducer.design.shaft.bore_radius and (flange.shaft or flange in MOTORS.values()):
         problems.append(f"it closes the through bore of the crank: {COAXIAL_REMEDY}")
+    if reducer.design.shaft.retaining_rings and flange.tapped:
+        problems.append("it hides the retaining ring of the crank, which is put on after the cover")
     needed_radius, available_radius = (
         (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole + wall, outer)
     )

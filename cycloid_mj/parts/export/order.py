@@ -29,6 +29,7 @@ from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_plastic,
 )
+from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
 from cycloid_mj.parts.export.crank_joints import KEY, cam_key, shrink_fit
 from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING, bearing_spacers, crank_rings
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
@@ -40,7 +41,10 @@ ALONG = (
     MOTOR_COVER,
     MOTOR_SCREW,
     SCREW_INSERT,
+    SHAFT_SEAL,
+    SHAFT_RING,
     SHAFT_BEARING,
+    BORE_RING,
     names.SHAFT,
     BEARING_SPACER,
     CRANK_RING,
@@ -94,7 +98,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         _describe_crank(reducer, sizes),
         f"{_describe_motor_cover(reducer, sizes)}, put it on{dowels} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
-        f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
+        f"{MILLIMETRES * screws.length:g} crosswise from the output's side"
+        f"{f'; snap the {SHAFT_RING} on the {names.SHAFT}' if sizes.crank_end.shaft_ring else ''}.",
         _describe_last_step(reducer, sizes),
     )
 
@@ -129,7 +134,9 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
     """Describe how bearings are pressed into the motor cover, after a tapped motor is bolted on from within."""
     count = "the" if sizes.far else "both"
     between = f", both {BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
-    step = f"press {count} {SHAFT_BEARING} into the {MOTOR_COVER}{between}"
+    seal = f"the {SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
+    ring = f", snap the {BORE_RING} in" if sizes.crank_end.bore_ring else ""
+    step = f"press {seal}{count} {SHAFT_BEARING} into the {MOTOR_COVER}{between}{ring}"
     if not sizes.motor.tapped:
         return f"P{step[1:]}"
     bolt, length = motor_screw(sizes.motor, sizes.wall)

@@ -31,6 +31,7 @@ from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
     shoulder_radius,
 )
+from cycloid_mj.parts.export.crank_end import RETAINING_RINGS, SHAFT_SEAL
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
 from cycloid_mj.parts.export.step import PlacedPart
@@ -48,6 +49,7 @@ _MATES = (
     {names.GEAR, names.ROLLER, OUTPUT_PIN, names.OUTPUT},
     {ROLLING_ELEMENTS, SHAFT_BEARING, OUTPUT_BEARING},
     {names.SHAFT, SHAFT_BEARING},
+    {names.SHAFT, SHAFT_SEAL},
 )
 """Families that overlap along z with a clearance of their own, or none."""
 
@@ -113,8 +115,8 @@ def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) ->
     `radial` are the distances of the annuli [m], negative where they overlap.
     """
     families = {names.family(annulus.part), names.family(other.part)}
-    if ROLLING_ELEMENTS in families and radial > -SAME_LENGTH:
-        return True
+    if ROLLING_ELEMENTS in families and (radial > -SAME_LENGTH or families & {SHAFT_SEAL, *RETAINING_RINGS}):
+        return True  # they are inside of the faces of the bearing
     if {annulus.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_LENGTH:
         return True  # pins stay in their sockets
     return axial < -SAME_LENGTH and any(families <= mates for mates in _MATES)
