@@ -14,8 +14,9 @@ from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import casing
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.casing import flange_centres, flange_screw_depth
-from cycloid_mj.parts.export.casing_rules import hub_shoulders, thread_radius
+from cycloid_mj.parts.export.casing_rules import counterbore, hub_shoulders, thread_radius
 from cycloid_mj.parts.export.drive import drive_length
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.reducer import Reducer
 
 SHORT = {
@@ -72,6 +73,21 @@ def test_the_screws_of_the_flange_are_between_the_pins(name: str) -> None:
     assert gaps.min() - hole - output.root_radius >= sizes.wall * (1.0 - 1e-9)
     depth = flange_screw_depth(reducer, sizes.flange_bolt, sizes.flange_thickness)
     assert sizes.top - depth >= 0.5 * reducer.design.gear.stack_width + 1e-3 + sizes.wall - 1e-12, "blind threads"
+
+
+@pytest.mark.parametrize("mounting", ["overhang", "straddle"])
+def test_the_retainer_of_a_short_pin_drive_ends_at_the_heads_of_the_cover_screws(mounting: str) -> None:
+    """RA 6008: bore 60 mm around pins that end at 59 mm; the retainer of 86.9 mm clears heads from 87.1 mm on."""
+    sets = "output.main_bearings=crossed_roller", "output.main_bearing_seat=disc", f"shaft.mounting={mounting}"
+    reducer = Reducer(override(PRESETS["pin"], [*sets]))
+    sizes = casing(reducer)
+    assert sizes.hub.designation == "RA 6008 UU CC0"
+    assert sizes.retainer is not None
+    heads = sizes.screws.circle - counterbore(sizes.screws.bolt)
+    assert heads - sizes.wall < sizes.retainer.cover_radius <= heads
+    assert list(describe_violations(reducer, sizes)) == []
+    usual = Reducer(override(PRESETS["pin"], [f"shaft.mounting={mounting}"]))
+    assert 1e3 * (drive_length(usual) - drive_length(reducer)) == pytest.approx(22.0, abs=0.05)
 
 
 def test_designs_without_room_are_refused() -> None:

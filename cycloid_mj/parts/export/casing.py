@@ -436,14 +436,22 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return the bearings in stock of the kind that the output has, the smallest first.
+    """Return the bearings in stock of the kind that the output has, the best choice last.
 
-    Crossed roller bearings leave room for their retainer within `max_radius` [m], with a minimum `wall` [m].
+    The larger of two is the better choice. Crossed roller bearings leave room for their retainer inside of the heads of
+    the cover screws, which begin two minimum walls, `wall` [m], outside of `max_radius` [m]. A retainer that ends one
+    wall before the heads is preferred to one that reaches up to them.
     """
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":
-        retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
-        return tuple(bearing for bearing, ring in retainers if ring and ring.cover_radius <= max_radius + wall)
+        retainers = [(bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings()]
+        apart = [bearing for bearing, ring in retainers if ring and ring.cover_radius <= max_radius + wall]
+        next_to_heads = [
+            bearing
+            for bearing, ring in retainers
+            if ring and max_radius + wall < ring.cover_radius <= max_radius + 2.0 * wall
+        ]
+        return (*next_to_heads, *apart)
     return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
 
 
