@@ -1,6 +1,7 @@
 """Exploded view: the section of an assembled drive, and its parts along the axis in the order of assembly."""
 
-from collections import Counter
+from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -48,21 +49,17 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the axial section of a drive twice: assembled, and below it exploded along the axis.
 
-    In the exploded view, equal parts stay together, with a label that has their number. Parts follow each other in the
-    order of `ALONG`, from input to output; parts that are not in `ALONG` are left out of both views. Parts beside the
-    axis are rotated about it into the plane of the section. `sizes` are the dimensions of the casing.
+    In the exploded view, the groups of `exploded_groups` follow each other, with a label that has the number of their
+    parts. Parts beside the axis are rotated about it into the plane of the section. `sizes` are the dimensions of the
+    casing.
     """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     assembled_axes, exploded_axes = figure.subplots(2, 1)
-    counts, gap = (
-        Counter(names.family(component.part) for component in components),
-        GAP * reducer.design.housing.outer_radius,
-    )
-    start = 0.0
-    for position, family in enumerate([family for family in ALONG if counts[family]]):
-        members = [component for component in components if names.family(component.part) == family]
+    gap, start = GAP * reducer.design.housing.outer_radius, 0.0
+    for position, members in enumerate(exploded_groups(components)):
+        family = names.family(members[0].part)
         end_heights = [
             component.origin[2] + z
             for component in members
@@ -76,7 +73,7 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
             largest_radius = max(largest_radius, _draw_section(exploded_axes, component, prisms[component.part], shift))
         start += max(end_heights) - min(end_heights) + gap
         mid_height = MILLIMETRES * (shift + 0.5 * (min(end_heights) + max(end_heights)))
-        text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
+        text = family.replace("_", " ") + (f" x{len(members)}" if len(members) > 1 else "")
         exploded_axes.annotate(
             f"{position + 1}  {text}",
             (mid_height, MILLIMETRES * largest_radius),
@@ -92,6 +89,26 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
         axes.plot(axes.get_xlim(), (0.0, 0.0), **AXIS)
     assembled_axes.set_title(f"{reducer.design.name}, assembled: motor on the left, output on the right")
     return figure
+
+
+def exploded_groups(components: Sequence[PlacedPart]) -> tuple[tuple[PlacedPart, ...], ...]:
+    """Return the parts of a drive in groups that stay together in the exploded view, from input to output.
+
+    Groups follow each other in the order of `ALONG`; other parts are left out. Equal parts are one group, but cams and
+    spacers of several discs stand alone, because each spacer is between two cams.
+    """
+    by_family: dict[str, list[PlacedPart]] = {}
+    for component in components:
+        by_family.setdefault(names.family(component.part), []).append(component)
+    spacers = by_family.pop(names.SPACER, [])
+    groups: list[tuple[PlacedPart, ...]] = []
+    for family in (family for family in ALONG if family in by_family):
+        if family == names.CAM:
+            pairs = zip_longest(by_family[family], spacers)
+            groups += [(part,) for pair in pairs for part in pair if part]
+        else:
+            groups.append(tuple(by_family[family]))
+    return tuple(groups)
 
 
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:

@@ -42,6 +42,7 @@ from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, separate
 from cycloid_mj.parts.export.round_part import RoundPart
 from cycloid_mj.parts.parts import tint
 from cycloid_mj.parts.polygon import area_moments, rotate_points
+from cycloid_mj.plots.exploded import exploded_groups
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.sizing.search import first_drive
@@ -381,6 +382,16 @@ def test_a_drives_mass_is_that_of_its_solids(name: str) -> None:
         density = laid[part].density if part in laid else STEEL
         mass += counts[part] * share * density * sum(map(volume_of, drawn))
     assert figure("drive_mass_kg").value(reducer) == pytest.approx(mass, rel=3e-3)
+
+
+@pytest.mark.parametrize("discs", [2, 3])
+def test_the_exploded_view_has_each_spacer_between_its_cams(discs: int) -> None:
+    reducer = Reducer(PRESETS["twodisc"].but(gear={"discs": discs}))
+    placed = place_parts(reducer, 0.0, casing(reducer))
+    groups = exploded_groups(placed)
+    order = [group[0].name for group in groups if family(group[0].part) in ("cam", "spacer")]
+    assert order == ["cam_1", "spacer_1", "cam_2", "spacer_2", "cam_3"][: 2 * discs - 1]
+    assert sum(map(len, groups)) == len(placed)
 
 
 def test_the_command_writes_the_assembly(tmp_path: Path, monkeypatch, capsys) -> None:

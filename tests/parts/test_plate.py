@@ -255,6 +255,9 @@ def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
     assert f"bore {2e3 * seat:g} x" in bearing.size
     shaft = mesh(manufactured_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
     assert trimesh.Trimesh(shaft.vertices, shaft.faces, process=False).body_count == 1
+    cam = shaft.vertices[shaft.vertices[:, 2] >= -0.5 * design.gear.face_width] - [0.0, design.gear.eccentricity, 0.0]
+    largest = np.linalg.norm(cam[:, :2], axis=1).max()
+    assert largest == pytest.approx(seat, abs=1e-8), "not widened to enclose the journal, as the STEP file is not"
 
 
 def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -9,11 +9,12 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from designs import cases, design_file
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, presets_for
-from cycloid_mj.parts import part_sections
+from cycloid_mj.design import PRESETS, load, presets_for
+from cycloid_mj.parts import mesh, part_sections
 from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Spline
 from cycloid_mj.parts.export import bill, casing, dxf_bytes, plates
@@ -22,7 +23,10 @@ from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bill import consumables, out_of_stock
 from cycloid_mj.parts.export.drawing import part_drawings
 from cycloid_mj.parts.export.drive import drive_mass
+from cycloid_mj.parts.export.order import assembly_order
+from cycloid_mj.parts.export.printing import manufactured_parts
 from cycloid_mj.parts.export.rules import describe_violations
+from cycloid_mj.parts.export.triangles import read_stl, stl_bytes
 from cycloid_mj.reducer import Reducer
 
 PRINTED, PIN = Reducer(PRESETS["printed"]), Reducer(PRESETS["pin"])
@@ -114,9 +118,42 @@ def test_the_bill_states_exact_sizes_threads_and_what_is_out_of_stock():
     assert not list(out_of_stock(line for line in lines.values() if line.item != "output_roller"))
 
 
-@pytest.mark.parametrize("name", presets_for("measure"))
-def test_counts_of_the_bill_are_those_of_the_solids(name):
+def test_the_bill_states_the_bore_of_a_bought_shaft():
+    """The shaft of twodisc is a ground bar, bored for the motor shaft of a NEMA 34."""
+    reducer = Reducer(PRESETS["twodisc"])
+    radius, start, end = casing(reducer).motor_bore
+    (shaft,) = [line for line in bill(reducer, 0.0, casing(reducer)) if line.item == "shaft"]
+    assert shaft.made_or_bought == "bought"
+    assert f"bored {2e3 * radius:g} x {1e3 * (end - start):g} mm" in shaft.size
+
+
+def test_ring_pins_in_half_open_sockets_are_glued():
+    """A press fit would push them out of sockets of 184 to 190 degrees."""
+    reducer = Reducer(PRESETS["printed"])
+    sizes = casing(reducer)
+    (pin,) = [line for line in bill(reducer, 0.0, sizes) if line.item == "pin"]
+    assert "glued: its socket is open" in pin.fit
+    assert "m6" not in pin.fit
+    assert "glue the pins into their sockets" in " ".join(assembly_order(reducer, sizes))
+
+
+@pytest.mark.parametrize("name", cases(("printed", "pin", "twodisc"), "printed"))
+def test_no_triangle_of_an_stl_file_has_zero_area(name):
+    """In the single precision of the file, as a program reads it: at least 1e-12 mm2."""
     reducer = Reducer(PRESETS[name])
+    for part, made in manufactured_parts(reducer, 1e-6, 0.0, casing(reducer)).items():
+        corners = read_stl(stl_bytes(mesh(made.solid), 1e3)).astype(float)
+        first, second, third = corners.transpose(1, 0, 2)
+        areas = 0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1)
+        assert areas.min() > 1e-12, part
+
+
+SLEEVED = "sleeved-n27-d1-carrier-3um"
+
+
+@pytest.mark.parametrize("name", [*presets_for("measure"), SLEEVED])
+def test_counts_of_the_bill_are_those_of_the_solids(name):
+    reducer = Reducer(load(design_file(name)) if name == SLEEVED else PRESETS[name])
     sizes = casing(reducer)
     counts: dict[str, int] = {}
     for place in place_parts(reducer, 0.0, sizes):
