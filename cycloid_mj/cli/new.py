@@ -1,6 +1,7 @@
 """``cycloid-mj design new``: write a design file from a preset, or find drives for a requirement."""
 
 import itertools
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -89,7 +90,8 @@ MotorFlag = Annotated[
     str,
     Parameter(
         metavar="NAME|FILE",
-        help="Motor frame (nema17, nema23, nema34) or CSV file of a motor's curve, columns speed_rpm and torque_nm: "
+        help="Motor frame (nema17, nema23, nema34), bolt pattern (bldc16, bldc19, bldc25: no limit of speed and "
+        "torque) or CSV file of a motor's curve, columns speed_rpm and torque_nm: "
         "the crank turns as fast as the motor delivers the required torque (a frame by its usual power, and no faster "
         "than the default) unless a lower speed is set. The shaft of a frame fits into the crank.",
     ),
@@ -522,7 +524,8 @@ def _frame(motor: str) -> "MotorName":
 def _motor_speed(motor: str, torque: float) -> float:
     """Return the largest speed [rpm] at which a motor delivers a torque [N m].
 
-    `motor` is the name of a frame, or a CSV file with the motor's curve, which is interpolated linearly.
+    `motor` is the name of a frame or bolt pattern, or a CSV file with the motor's curve, which is interpolated
+    linearly. Motors of a bolt pattern differ too much for a limit: the result is infinite.
 
     Raises
     ------
@@ -534,7 +537,10 @@ def _motor_speed(motor: str, torque: float) -> float:
     from cycloid_mj.base.units import RPM
     from cycloid_mj.parts.export.motors import MOTORS
 
-    if (frame := MOTORS.get(motor)) and frame.torque:
+    frame = MOTORS.get(motor)
+    if frame and not frame.torque:
+        return math.inf
+    if frame:
         if torque > frame.torque:
             raise UsageError(
                 f"--motor {motor}: the crank needs {torque:.4g} N m, but motors of this frame size typically deliver "
@@ -546,7 +552,7 @@ def _motor_speed(motor: str, torque: float) -> float:
             curve = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
         problem = reason(error) if isinstance(error, OSError) else "its rows are not pairs of speed and torque"
-        frames = ", ".join(key for key, frame in MOTORS.items() if frame.torque)
+        frames = ", ".join(MOTORS)
         raise UsageError(
             f"--motor {motor}: {problem}. Choose one of {frames}, or a CSV file with the columns speed_rpm and "
             "torque_nm"

@@ -514,7 +514,7 @@ def test_settings_hold_for_every_candidate() -> None:
     assert candidate(SMALL.but(changes=("gear.bore_radius_mm=9",))).design.gear.bore_radius == 9e-3
 
 
-@pytest.mark.parametrize("motor", ["nema17", "nema23"])
+@pytest.mark.parametrize("motor", ["nema17", "nema23", "bldc25"])
 def test_the_shaft_of_the_motor_fits_into_the_crank(motor: MotorName) -> None:
     """The thinnest crank that carried the load was chosen, and `export --motor` refused it."""
     asked = Requirement(20, 0.09, 3.0, process="printed")
@@ -708,7 +708,7 @@ def test_the_command_states_the_largest_feasible_torque(tmp_path: Path, monkeypa
         ),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],
-            "Choose one of nema17, nema23, nema34, or a CSV file",
+            "Choose one of nema17, nema23, nema34, bldc16, bldc19, bldc25, or a CSV file",
         ),
     ],
 )
