@@ -10,12 +10,14 @@ import shutil
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 from numba import config
 from numba.core.caching import FunctionCache
+from numba.np import linalg
 
 _log = logging.getLogger(__name__)
 PACKAGE = Path(__file__).parents[1]
@@ -71,6 +73,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Return the cached machine code for a signature and a `target`; None if there is none or it is damaged."""
+        _import_array_functions()
         try:
             return super().load_overload(signature, target)
         except Exception:  # whatever a damaged pickle raises
@@ -91,6 +94,20 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
                 f"compiled code cannot be stored in {cache_folder()} ({problem.strerror}) and is used for this run "
                 "only: free disk space, or set NUMBA_CACHE_DIR to a writable folder",
             )
+
+
+@cache
+def _import_array_functions() -> None:
+    """Import numba's array functions without ``scipy.linalg``, which takes 0.2 s of CPU per process.
+
+    numba imports it at this point only to find out whether there is a BLAS, and again when a compiled function uses the
+    BLAS. SciPy is a dependency of this package, so the first import is left out.
+    """
+    test_for_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = test_for_blas
 
 
 def _digest_of_sources() -> str:

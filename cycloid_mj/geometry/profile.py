@@ -387,7 +387,7 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
         turning_rate=lambda t: turning_rate(gear, t),
         arc_rate=lambda t: arc_rate(gear, t, offset),
     )
-    ends = np.unique([0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes])
+    ends = sorted({0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes})
     pieces = [sagitta_nodes(flank, low, high, chord_error)[:-1] for low, high in itertools.pairwise(ends)]
     increasing = np.concatenate(pieces)
     lobe_angle = 2 * np.pi / gear.lobes

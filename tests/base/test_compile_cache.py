@@ -4,6 +4,7 @@ import importlib.util
 import logging
 import pickle
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -171,3 +172,17 @@ def test_a_damaged_cache_is_reported_in_one_line(tmp_path):
     assert len(said) == 1, said
     assert "is damaged" in said[0]
     assert "compil" not in third.stderr
+
+
+@pytest.mark.slow
+def test_statics_does_not_import_the_linear_algebra_of_scipy() -> None:
+    """numba imports it for compiled functions that multiply matrices, and only then."""
+    code = (
+        "import sys, numba, numpy as np\n"
+        "import cycloid_mj as cm\n"
+        "cm.statics('pin')\n"
+        "assert 'scipy.linalg' not in sys.modules\n"
+        "assert numba.njit(lambda a: a @ a)(2.0 * np.eye(2))[1, 1] == 4.0\n"
+        "assert 'scipy.linalg' in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=300)

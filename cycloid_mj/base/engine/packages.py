@@ -2,7 +2,6 @@
 
 import platform
 from functools import cache
-from importlib.metadata import version
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.version import __version__
@@ -17,6 +16,8 @@ Versions = tuple[tuple[str, str], ...]
 @cache
 def versions() -> Versions:
     """Return the versions of this process."""
+    from importlib.metadata import version  # 10 ms, which not every command needs
+
     local = (("python", platform.python_version()), ("cycloid_mj", __version__))
     return local + tuple((name, version(name)) for name in PACKAGES)
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from xml.sax.saxutils import escape
+from html import escape
 
 from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.units import MILLIMETRES
