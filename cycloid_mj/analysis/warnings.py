@@ -197,7 +197,10 @@ def _ramp_warning(motion: Series) -> str:
 
 
 def _short_run_warning(motion: Series, window: Window) -> str:
-    """Return the warning for a run with less than a crank turn at constant speed, with the required drive.hold_s."""
+    """Return the warning for a run with less than a crank turn at constant speed, with the required drive.hold_s.
+
+    `window` are the evaluated samples of the run.
+    """
     speed = abs(motion.reducer.orbit_speed)
     settling_duration = window.start_s - motion.design.drive.ramp
     remedy = (

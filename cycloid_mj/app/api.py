@@ -134,7 +134,7 @@ def remedies(content: Content) -> dict[str, Any]:
 
 
 def compare(content: Content) -> dict[str, Any]:
-    """Return the values in which the designs ``a`` and ``b`` of a request differ, as ``rows``.
+    """Return the values in which two designs differ, as ``rows``; the request `content` has designs ``a`` and ``b``.
 
     Each row has the ``key`` of the design file, its ``label`` in words, and the values ``a`` and ``b`` as text.
     """

@@ -137,7 +137,7 @@ class LimitedConnection(H11Protocol):
             longest.transport.abort()
 
     def _watch_progress(self, unsent: int) -> None:
-        """Abort the connection if the client takes none of the `unsent` bytes within the time-out."""
+        """Abort the connection if the client takes none of the `unsent` bytes of a response within the time-out."""
 
         def check() -> None:
             remaining = self.transport.get_write_buffer_size()

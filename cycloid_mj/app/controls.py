@@ -179,8 +179,9 @@ def _all_controls(design: Design) -> Iterator[Control]:
 def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
     """Return a slider for a key, from 0 to `SLIDER.span` times its value; the slider has the unit of the design file.
 
-    `value` is in SI units, and `meaning` is the description of the key. For a negative value the slider begins at the
-    negative end, for the value 0 it ends at 1. An integer has steps of 1, any other number steps of a power of ten.
+    `value` is in SI units, `label` names the slider, and `meaning` is the description of the key. For a negative value
+    the slider begins at the negative end, for the value 0 it ends at 1. An integer has steps of 1, any other number
+    steps of a power of ten.
     """
     shown = value if isinstance(value, int) else unit.from_si(value)
     low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, SLIDER.span * shown))

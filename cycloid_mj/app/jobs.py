@@ -177,7 +177,10 @@ class Jobs:
         return job
 
     def _run(self, queue: Queue, job: Job, work: Work, args: tuple[Any, ...]) -> None:
-        """Wait for the earlier jobs of the queue, then run a job unless it was stopped; runs in a thread."""
+        """Wait for the earlier jobs of the queue, then run a job unless it was stopped; runs in a thread.
+
+        `work` is the function of the job, and `args` are its arguments.
+        """
         queue.waiting.append(job)
         with queue.turn:
             queue.waiting.remove(job)

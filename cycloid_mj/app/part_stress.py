@@ -65,9 +65,9 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
 
 
 def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
-    """Return, for each kind of part, its ``name``, its ``rated`` stresses from a rating, and an empty list ``bulk``.
+    """Return the contact and fatigue stresses of a rating as rows for the page, by kind of part.
 
-    The rated stresses are those of contact and fatigue, as rows for the page.
+    A kind has its ``name``, the rows ``rated`` with value, limit and bar of each stress, and an empty list ``bulk``.
     """
     parts: dict[str, dict[str, Any]] = {
         kind: {"name": name, "rated": [], "bulk": []} for kind, (name, *_) in PARTS.items()

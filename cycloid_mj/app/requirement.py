@@ -159,7 +159,7 @@ def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
 
 
 def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
-    """Convert a drive to JSON values, and judge it by the requirement.
+    """Convert a drive to JSON values with verdicts on the requirement, `required`.
 
     Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
     """

@@ -163,7 +163,7 @@ def start_values(design: Design) -> dict[str, Any]:
 
 
 def process_defaults(limits: ProcessLimits) -> dict[str, Any]:
-    """Return the usual values of a manufacturing process, by the fields of the start form.
+    """Return the usual values of a manufacturing process with some `limits`, by the fields of the start form.
 
     These are the material, the life [h], the crank speed [rpm] and the share of the time under load [%].
     """

@@ -117,7 +117,10 @@ def _number_steps(moves: Sequence[Move]) -> dict[str, int]:
 
 
 def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
-    """Yield each step of the assembly in words: the added parts with their counts, and the group into which they go."""
+    """Yield each step of the assembly in words: the added parts with their counts, and the group into which they go.
+
+    `moves` are the moves that assemble the drive, in order.
+    """
     for group_name, new_parts in _parts_of_moves(moves):
         counts = Counter(names.family(name).replace("_", " ") for name in new_parts)
         listed = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())
@@ -130,8 +133,9 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
 def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
     """Compute the shift of each family of parts along the axis [m] in the exploded view, by the name of the family.
 
-    A family is a part with its numbered copies, such as all discs. In the exploded view the families follow one another
-    in the order of `ALONG`, unlisted families last, with a gap between them, and are centred about z = 0.
+    A family is a part with its numbered copies, such as all discs. `parts` are those of the drive by name, `components`
+    their copies with positions. In the exploded view the families follow one another in the order of `ALONG` (from
+    input to output), unlisted families last, with a gap between them, and are centred about z = 0.
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     families = {names.family(component.part) for component in components}

@@ -671,7 +671,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert the fit of a model to JSON values.
+    """Convert the fit of one of several compared models to JSON values.
 
     ``residual_shares`` are the rms deviations from the loops over their heights, ``bic`` and ``aic`` the Bayesian and
     Akaike's information criterion, and ``values`` the fitted values in the units of the parameters.
@@ -728,7 +728,7 @@ def _advise_loops(
 
 
 def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
-    """Return remarks on omitted points, values at bounds, intervals and torque offsets of a fit, a sentence each."""
+    """Return remarks on a fit to loops, a sentence each: omitted points, values at bounds, intervals, offsets."""
     notes, sign = [], "counts deflection against the torque: its sign was changed"
     for loop in fitted.loops:
         notes += [f"{loop.name} {sign}"] if loop.flipped else []

@@ -118,7 +118,10 @@ class BenchComparison(Presented):
         return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
     def table(self, max_rows: int = 20) -> Table:
-        """Return a table of the strongest orders: amplitudes [arcsec], phase [deg], explained share and causes."""
+        """Return a table of the strongest orders, at most `max_rows`: amplitudes, phase, explained share and causes.
+
+        Amplitudes are in [arcsec], the phase is in [deg].
+        """
         rows = tuple(
             (
                 f"{self.order[index]:.6g}",

@@ -243,7 +243,7 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
     """Compare logged runs, and return their comparison as printable results.
 
     `names` are the files of the logs, `q` is the point of the disc whose motion is compared [m]; None: the default
-    point.
+    point. `destination` has the paths of the output files.
     """
     from cycloid_mj.comparison import compare as compared
 
@@ -286,7 +286,8 @@ def _compare_runs(
 ) -> Outcome:
     """Simulate all runs of a plan into logs, and return their comparison as printable results.
 
-    `q` is the point of the disc whose motion is compared [m], or None for the default point.
+    `q` is the point of the disc whose motion is compared [m], or None for the default point. `destination` has the
+    paths of the output files, `delivery` the output flags.
     """
     from cycloid_mj.cli.batch import run_all
 

@@ -134,9 +134,9 @@ def claim_page(
 
 
 def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
-    """Write the files of an outcome, print it as text, or as JSON with ``--json``, and return its exit code.
+    """Write the files of a command's results, print them as text, or as JSON with ``--json``, and return the exit code.
 
-    `flags` are the output flags of the command.
+    `destination` has the paths of the files, `flags` are the output flags of the command.
     """
     write(outcome, destination, flags)
     if flags.json:
@@ -190,9 +190,9 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
-    """Write the files of an outcome, all or none; print the names of the files that its text does not mention.
+    """Write the files of a command's results, all or none; print the names of those that the text does not mention.
 
-    With ``--quiet`` among the `flags` nothing is printed.
+    `destination` has their paths. With ``--quiet`` among the `flags` nothing is printed.
     """
     files = dict(_encode_files(outcome, destination))
     if files:

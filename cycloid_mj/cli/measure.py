@@ -97,7 +97,7 @@ def _in_si(name: str, value: Any) -> Any:
 
 
 def positive_values_flag(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
-    """Declare a flag for one or more positive values within the limits of a design value, for example speeds.
+    """Declare the flag `name` for one or more positive values within the limits of a design value, for example speeds.
 
     `quantity` is the design value, `text` the help of the flag, `default` its default in words.
     """
@@ -351,7 +351,7 @@ def commands(sort_key: int) -> App:
 
 
 def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
-    """Return the function of a measure's command, with the flags of `options` and the flags that all measures share.
+    """Return the function of the command of the measure `name`, with the flags of `options` and those of all measures.
 
     Cyclopts reads flags and help from the signature and docstring of this function.
     """

@@ -222,7 +222,7 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
 
 
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
-    """Yield command lines to continue with.
+    """Yield command lines to continue with after a simulated run, with reasons.
 
     The first rates the drive, or runs it under load if it had none. One follows for each kind of user: who prints an
     actuator, designs reducers or, except for RV reducers, simulates robots.

@@ -215,7 +215,10 @@ def stress(
 
 
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes: bool) -> None:
-    """Raise UsageError if neither designs nor logs are named, or if flags change designs whose runs are logged."""
+    """Raise UsageError if neither designs nor logs are named, or if flags change designs whose runs are logged.
+
+    `has_changes` is whether flags such as ``--set`` change the designs.
+    """
     if not designs and not logs:
         raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
     if logs and has_changes:

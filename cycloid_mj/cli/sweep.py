@@ -207,8 +207,8 @@ def _choose_points(
 def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destination) -> Outcome:
     """Convert a sweep to printable results, with tables and a figure of `quantities`, numbers of points, and the page.
 
-    `destination` has the folder in which the sweep wrote its tables (by default `OUT`), and the path of the page.
-    Failed points are counted. The exit code is 1 if all points failed, else 0.
+    `destination` has the folder in which the sweep wrote its tables, and the path of the page. Failed points are
+    counted. The exit code is 1 if all points failed, else 0.
     """
     from cycloid_mj.explore.ranks import tabulate_quantities
     from cycloid_mj.explore.sweeps import PARQUET, TABLE

@@ -128,7 +128,7 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 
 
 def capacity_of(case: Design) -> float:
-    """Compute the torque [N m] at which a contact of a loaded design first yields, by statics under its load.
+    """Compute the torque [N m] at which a contact of the design `case` first yields, by statics under its load.
 
     If there is no equilibrium under the load, statics is solved under a tenth of the load. The result is NaN if this
     has no equilibrium either, or if the design has no load.

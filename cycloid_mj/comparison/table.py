@@ -94,9 +94,10 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Return a data frame of the quantities of all trials: a row per quantity and trial, with the columns `COLUMNS`.
+    """Return a data frame of the quantities of simulated designs under each load: a row per quantity and design.
 
-    Mean, least and largest value are over the independent starts; quantities without a value are omitted.
+    Columns are `COLUMNS`. Mean, least and largest value are over the independent starts of a trial; quantities without
+    a value are omitted.
     """
     rows: list[dict[str, Cell]] = [
         {

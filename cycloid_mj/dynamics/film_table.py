@@ -108,9 +108,9 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 def film_table(reducer: Reducer) -> Array:
     """Compute the friction coefficients of a drive by the law ``film`` [1], shape (4, phases, forces).
 
-    The rows are the kinds of pairs `TEETH`, `SEAT`, `CAM` and `OUTPUT`; phases [rad] and forces [N] are those of
-    `TABLE`. With massless pins, `TEETH` has the smaller of the coefficients of flank and seat. With the law
-    ``coulomb``, the result is the empty `NO_TABLE`.
+    The rows are the kinds of pairs: teeth, seats of ring pins, cams and output pins. Phases of the pins [rad] and
+    forces [N] are those of `TABLE`. With massless pins, the row of the teeth has the smaller of the coefficients of
+    flank and seat. With the law ``coulomb``, the result is the empty `NO_TABLE`.
     """
     if not reducer.design.has_film:
         return NO_TABLE
@@ -149,8 +149,8 @@ def look_up(table: int, kind: int, cosine: float, force: float) -> float:
     """Interpolate the friction coefficient [1] of a contact in the film table, bilinearly in phase and log force.
 
     `table` is the address of the table, and `kind` the row of the contact. `cosine` is the cosine of the phase of the
-    contact's pin, see `phase_cosine`. `force` is the normal force [N]; outside of the table, the coefficient is that of
-    the nearest force in it.
+    contact's pin, the angle between the directions of the pin and of the disc's centre. `force` is the normal force
+    [N]; outside of the table, the coefficient is that of the nearest force in it.
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP

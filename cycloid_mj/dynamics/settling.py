@@ -75,10 +75,10 @@ def output_period(reducer: Reducer) -> float:
 
 
 def swing_period(reducer: Reducer) -> float:
-    """Compute the longest oscillation period [s] at a locked driven shaft, at the stiffness under rated load.
+    """Compute the longest oscillation period of output and load at a locked driven shaft [s].
 
-    It is `output_period`, or that of the cranks of an RV reducer with a floating sun, which may oscillate against each
-    other on their bearings, if that is longer.
+    The stiffness is that under rated load. The cranks of an RV reducer with a floating sun may oscillate against each
+    other on their bearings; their period counts if it is longer.
     """
     period = output_period(reducer)
     if isinstance(reducer, RvReducer) and reducer.planet.sun_support == "floating":

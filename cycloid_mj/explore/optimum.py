@@ -346,7 +346,7 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 
 
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
-    """Tabulate the quantities of statics of the start design and the best design, with the change of each.
+    """Tabulate the checks of the best design: first the quantities of statics next to those of the start design.
 
     Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
     follow. Tables without results are left out.

@@ -187,6 +187,8 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
 def parse_axis(key: str, requested_values: Wanted) -> Axis:
     """Parse the values of a study for a design key: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
 
+    `requested_values` are in the unit of the design file, as values or text.
+
     Raises
     ------
     UsageError

@@ -472,7 +472,8 @@ def _solve_batches(
 def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: Engine) -> Tolerances:
     """Return a study with the simulations of its `count` worst samples in full dynamics, the worst sample first.
 
-    Raises StudyInterrupted with the finished simulations if Ctrl-C is pressed.
+    `solver` is "planar" or "mujoco", `engine` has the workers. Raises StudyInterrupted with the finished simulations if
+    Ctrl-C is pressed.
     """
     checks: dict[int, DynamicsCheck] = {}
     drives = [reducer_of(worst) for worst in tolerances.worst[:count]]

@@ -64,7 +64,11 @@ def _make_figure(
     deprecated: tuple[str, ...] = (),
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return a row of the catalogue that needs dimensions and materials only; arguments are fields of `Figure`."""
+    """Return the row of the catalogue of figures for one that needs dimensions and materials only.
+
+    `function` computes the figure from a reducer, or is the name of a function that does. `aliases` and `deprecated`
+    are further keys; the other arguments are the fields of `Figure` with these names.
+    """
     return Figure(
         key=key,
         name=name,

@@ -45,10 +45,7 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Solve the static equilibrium of samples in some of `STATES`, without friction, weight and inertia.
-
-    Inertia vanishes because the crank turns at `CREEP_SHARE` of its speed. `angles` is the number of crank angles over
-    a turn.
+    """Solve the static equilibrium of many samples of a reducer, loaded and unloaded, without friction and weight.
 
     Returns
     -------

@@ -134,7 +134,7 @@ def _make_torque_figure(
     definition: str,
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return the row of the catalogue for a torque [N m] that is not in the sheet.
+    """Return the row of the catalogue of figures for a torque [N m] that the static data sheet does not have.
 
     Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
     interval under the friction law ``film``. RV reducers have the figure under this law only, because statics leaves

@@ -73,7 +73,7 @@ class RatedItem:
         return math.inf if self.life is None else self.life / required_life
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the item to JSON values, without its key.
+        """Convert a rated item (load, limit, safety or life) to JSON values, without its key.
 
         `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety factor, from no life at
         all.

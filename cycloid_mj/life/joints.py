@@ -216,8 +216,9 @@ def gaping_moment(retainer: ScrewedJoint) -> float:
 
 
 def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Yield the item of the retainer of a crossed roller bearing under the tilting moment of discs and shaft.
+    """Yield the rated item of the screws of a retainer: the moment at which the clamped outer ring gapes.
 
+    The retainer clamps the outer ring of a crossed roller bearing, which the tilting moment of discs and shaft loads.
     `force_scale` [1] multiplies the forces of `loading`. Yields nothing for a pair of ball bearings.
     """
     if casing(reducer).retainer is None:
@@ -451,7 +452,7 @@ def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, lengt
 
 
 def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
-    """Return the item of cams that are shrunk on the shaft: one of them carries the whole torque [N m] (assumed)."""
+    """Return the item `name` of cams that are shrunk on the shaft: one carries the whole torque [N m] (assumed)."""
     press = shrunk.press
     item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press, shrunk.zones, shrunk.yield_pressure)
     largest = -fits.clearances(shrunk.zones, press.diameter)[0]

@@ -137,7 +137,10 @@ def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Arr
 
 
 def _output_planes(reducer: Reducer, loading: Loading) -> Planes:
-    """Return the forces of discs and shaft on the output [N] with the positions of their planes [m]."""
+    """Return the forces of discs and shaft on the output [N] at m crank angles, with the positions of their planes [m].
+
+    `loading` has the solved forces.
+    """
     sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
     forces = loading.on_output
     if sizes.far:

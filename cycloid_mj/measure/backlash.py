@@ -223,8 +223,9 @@ def press_to_stops(
 ) -> StopPair:
     """Simulate the output pressed against both stops, with the cranks locked at an angle [rad]; return their angles.
 
-    The torque follows the sequence `PRESS.levels`; at each stop the line through the angles at two torques is
-    extrapolated to zero torque. The design has no friction and no weight.
+    A large torque seats the parts, then two smaller torques follow (`PRESS.levels`); the line through the angles at
+    these two is extrapolated to zero torque. The same follows in the other direction. The design has no friction and no
+    weight.
 
     Parameters
     ----------

@@ -124,7 +124,10 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
 
 
 def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """Return the efficiency at the rated point and in the ideal limit, and the residual of the energy balance [%]."""
+    """Return the efficiency at the rated point and in the ideal limit, and the residual of the energy balance [%].
+
+    `efficiency_map` has the simulated operating points.
+    """
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, formula = ideal_efficiency(reducer, load), published_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)

@@ -162,7 +162,7 @@ class HysteresisLoop:
     def _fit_branch(
         self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None
     ) -> Array:
-        """Fit a line by least squares to a branch between two shares of the nominal torque.
+        """Fit a line by least squares to a branch of the loop between two shares of the nominal torque.
 
         The torque is a sine to an odd power, so that each branch is a quarter of the period.
 

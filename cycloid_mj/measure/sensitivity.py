@@ -132,8 +132,8 @@ def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) ->
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
     """Return a table of the output rate of each friction variant, in percent and as a torque, and its change.
 
-    `rate_by_variant` are the rates [1]. The change, in percentage points, is that from the design's friction with the
-    same support of the ring's pins.
+    The output rate is the output torque over that without losses. `rate_by_variant` are the rates [1]. The change, in
+    percentage points, is that from the design's friction with the same support of the ring's pins.
     """
     rated_torque = reducer.design.rated_torque
     design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
@@ -150,7 +150,8 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
 def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
     """Return curves of the output rate [%] over the common friction, by support of the pins, with the published rates.
 
-    `rate_by_variant` are the rates [1]. Published rates outside of the range that was run are omitted.
+    The output rate is the output torque over that without losses. `rate_by_variant` are the rates [1] of the designs.
+    Published rates outside of the range that was run are omitted.
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     result = []

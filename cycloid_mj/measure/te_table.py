@@ -70,9 +70,11 @@ def quantities(
 
 
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
-    """Return curves of the errors [arcsec] over the crank angle, and amplitude spectra of the `evaluated_conditions`.
+    """Return curves of the transmission errors [arcsec] over the crank angle, and the amplitude spectra of some.
 
-    The loaded error is drawn first and in a panel of its own, because the unloaded error is larger.
+    `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. Spectra are those of
+    the `evaluated_conditions`. The loaded error is drawn first and in a panel of its own, because the unloaded error is
+    larger.
     """
     paces = dict.fromkeys(condition.pace for condition in traces)
     result = [
@@ -95,8 +97,9 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
 def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
     """Yield the error [arcsec] of a `shaft`, "gear" or "output", over the crank angle, simulated and by statics.
 
-    Only conditions at one `pace`, "slow" or "speed", are drawn. With a `load`, only its conditions are drawn, and the
-    mean is subtracted from each error; otherwise, all loads are drawn with their means.
+    `traces` are the simulated errors by condition. Only conditions at one `pace`, the speed "slow" or "speed" (full),
+    are drawn. With a `load`, only its conditions are drawn, and the mean is subtracted from each error; otherwise, all
+    loads are drawn with their means.
     """
     panel, with_mean = f"{shaft}, {f'{load}, ' * bool(load)}{_PACES[pace]}{', minus its mean' * bool(load)}", not load
     labels = {
@@ -124,7 +127,7 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 
 
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
-    """Return the strongest orders of each condition with their causes, as JSON values.
+    """Return the strongest orders (cycles per crank turn) of each condition with their causes, as JSON values.
 
     `turns` is the number of crank turns. In the result, "turns_that_part_orders" is the smallest number of turns that
     separates the orders of the ring from those of the holes, and "apart" is whether `turns` separates them.

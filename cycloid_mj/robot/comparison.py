@@ -248,9 +248,10 @@ def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
 
 
 def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
-    """Compare the efficiencies of a reduced joint and of the full model at the rated speed, at `COMPARISON.loads`.
+    """Compare the efficiencies of a reduced joint and of the full model at the rated speed, at several loads.
 
-    Both are computed with the crank driving and with the output driving.
+    The loads are `COMPARISON.loads` times the nominal torque. Both are computed with the crank driving and with the
+    output driving.
 
     Returns
     -------

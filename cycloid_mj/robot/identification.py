@@ -210,7 +210,7 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
 
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
-    """Compute the friction torques on the crank [N m] at the output torques and crank speeds of `GRID`.
+    """Compute the friction torques on the crank [N m] over a grid of output torques and crank speeds, `GRID`.
 
     The map has a table for a driving crank and one for a driving output. `on_step` is called after each computed
     torque. Raises RunError where the crank cannot turn against a load.

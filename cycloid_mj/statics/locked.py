@@ -140,7 +140,10 @@ def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> Lock
 
 
 def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
-    """Return the curve from the rotations [rad] under negative and positive torques, `SHARES` times `max_torque`."""
+    """Return the curve of rotation over torque from the rotations [rad] under negative and under positive torques.
+
+    The torques are `SHARES` of `max_torque` [N m], the same on both sides.
+    """
     shares = np.array(SHARES)
     # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]

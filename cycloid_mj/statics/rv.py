@@ -300,10 +300,10 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
 
 
 def _needle_directions(reducer: RvReducer, crank: Array) -> Array:
-    """Return the directions of the separate needles of an eccentric [1], shape (m, Z, 2), equal for all eccentrics.
+    """Return the directions of the Z separate needles of an eccentric as unit vectors, shape (m, Z, 2).
 
-    The cage rolls with the crank in the disc. A needle is on +y at the crank angle 0. `crank` are crank angles against
-    the ring [rad], shape (m,).
+    They are equal for all eccentrics, because the cage rolls with the crank in the disc. A needle is on +y at the crank
+    angle 0. `crank` are crank angles against the ring [rad], shape (m,).
     """
     count = reducer.separate_needles
     disc = -crank / reducer.design.lobes

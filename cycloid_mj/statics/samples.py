@@ -277,11 +277,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
-        """Compute the derivatives of distances or shifts of the contacts by four errors, shape (k, n, 4).
+        """Compute the derivatives of distances or shifts of n contacts by four manufacturing errors, shape (k, n, 4).
 
-        The errors are those of `Effects`: position of the pin or hole in x and in y, pin circle of the disc, and
-        rotation of its flanks. `all_gradients` (k, n, u) [1] are the gradients of the distances or shifts by all
-        unknowns.
+        The errors are the position of the pin or hole in x and in y, the pin circle of the disc, and the rotation of
+        its flanks. `all_gradients` (k, n, u) [1] are the gradients of the distances or shifts by all u unknowns at k
+        crank angles.
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))

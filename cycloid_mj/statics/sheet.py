@@ -372,11 +372,12 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 
 
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission errors of disc and output [arcsec] for each of `CASES` and `DIRECTIONS`, with friction.
+    """Yield the transmission errors of disc and output [arcsec], unloaded and loaded, in both directions.
 
-    Then yield two differences of mean angles [arcsec]: the reversal error, between forward and reverse motion without
-    load, and the wind-up, between load and no load in forward motion. A reducer with a central crank also has the
-    relative inertia torque of a load that follows the error. `load` is the torque on the output [N m].
+    They include friction. Two differences of mean angles follow [arcsec]: the reversal error, between forward and
+    reverse motion without load, and the wind-up, between load and no load in forward motion. A reducer with a central
+    crank also has the relative inertia torque of a load that follows the error. `load` is the torque on the output [N
+    m].
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
@@ -400,9 +401,9 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
-    """Compute the rotations of "gear" and "output" from their ideal angles [rad] over a turn, shape (m,) each.
+    """Compute the rotations of "gear" (disc) and "output" from their ideal angles [rad] over a turn, shape (m,) each.
 
-    `case` is a key of `CASES` (shares of the `load` [N m]), `direction` a key of `DIRECTIONS` (signs of the speed).
+    `case` is "unloaded" or "loaded" with the `load` [N m], `direction` the sense of the crank by name (`DIRECTIONS`).
     Crank angles are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of
     the carrier.
     """

@@ -19,10 +19,10 @@ TORSION = (3.4, 19.0, 1.0, 2.0)
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
-    """Compute the notch factor alpha [1] of a shoulder of a round shaft, by DIN 743-2.
+    """Compute the notch factor alpha [1] of a shoulder of a round shaft in bending or torsion, by DIN 743-2.
 
     At the shoulder, the radius of the shaft increases from `radius` to `outer` [m]; inf is a wide disc. `fillet` [m] is
-    the radius of the fillet between them. `terms` are `BENDING` or `TORSION`.
+    the radius of the fillet between them. `terms` are the coefficients of the formula: `BENDING` or `TORSION`.
     """
     a, b, c, z = terms
     depth = outer - radius

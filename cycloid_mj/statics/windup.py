@@ -114,8 +114,9 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns a `Windup` per crank angle, with the poses under both signs of each torque share of `SHARES`. With
-    `warm_start`, each solution starts from the previous equilibria, which halves the time if the angles vary smoothly.
+    Returns a `Windup` per crank angle, with the poses under both signs of each torque share of `SHARES` (1, 0.5 and
+    0.03). With `warm_start`, each solution starts from the previous equilibria, which halves the time if the angles
+    vary smoothly.
 
     Raises
     ------
@@ -183,10 +184,10 @@ def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated
 
 
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work of the force increments from a low to a high load in each of `SPRINGS` [J], shape (m,) by name.
+    """Compute the work of the force increments from a low to a high load in teeth, cam and output pins [J].
 
-    The work is force increment times relative displacement, summed over the contacts. The work that bends the output
-    pins is the separate entry "bending".
+    The result has shape (m,) by name of the spring (`SPRINGS`). The work is force increment times relative
+    displacement, summed over the contacts. The work that bends the output pins is the separate entry "bending".
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)

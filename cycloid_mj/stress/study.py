@@ -361,10 +361,11 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Compute the bulk stress [Pa] of a part with each of its `SUPPORTS` that the design does not have.
+    """Compute the bulk stress [Pa] of a part with other supports than the design's, such as a clamped rim.
 
-    Returns pairs of the support as text, "key = value", and the stress; none for parts without a choice of supports.
-    The stress is the largest at five crank angles, the first of which is that of the largest bulk stress in `stress`.
+    Returns pairs of the support as text, "key = value", and the stress; none for parts without a choice of supports
+    (`SUPPORTS`). The stress is the largest at five crank angles, the first of which is that of the largest bulk stress
+    in `stress`.
     """
     if part not in SUPPORTS:
         return ()

@@ -100,10 +100,11 @@ def random_pose(unknowns: int, size: float) -> Array:
 
 
 def state_rows(layout: str) -> list[ValidationRow]:
-    """Compare energy and forces of the springs at a random pose with those of the reference springs.
+    """Compare energy and forces of the statics' springs at a random pose with those of springs with exact gaps.
 
-    `layout` is a key of `LAYOUTS`. Displacements of the pose are at most `BALANCE.near`. The generalised loads are
-    random, too, and at most 100 N. For rotations, both limits are multiplied by three.
+    `layout` is that of the reducer, a key of `LAYOUTS`. Displacements of the pose are at most `BALANCE.near`. The
+    generalised loads are random, too, and at most 100 N. For rotations, both limits are multiplied by three. Returns
+    rows of `cycloid-mj validate`.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
@@ -207,10 +208,10 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
-    """Compare the residual forces after a step between two random poses with those of the reference springs.
+    """Compare residual forces after a step of the statics with friction with those of springs with exact gaps.
 
-    Both have stick-slip friction, and some surfaces stick during the step while others slip. `layout` is a key of
-    `LAYOUTS`.
+    The step leads between two random poses; some surfaces stick during it while others slip. `layout` is that of the
+    reducer, a key of `LAYOUTS`. Returns rows of `cycloid-mj validate`.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]

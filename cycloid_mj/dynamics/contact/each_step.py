@@ -178,7 +178,10 @@ class EachStep:
         return rows
 
     def _state_record(self) -> Any:
-        """Return the record of addresses and sizes that compiled code reads, see `STEP_STATE`."""
+        """Return the addresses and sizes of a run's arrays in memory as a record, for compiled code in each step.
+
+        Its fields are those of `STEP_STATE`.
+        """
         model, data, index = self._model, self._data, self._index
         layout = find_step_layout()._asdict()
         values = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}

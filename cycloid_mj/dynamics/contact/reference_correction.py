@@ -116,8 +116,10 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
     """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or the errors of their mean speeds.
 
-    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by
-    (w dt)^2/6 v, with the angular speed w and the time step dt. The product is written to ``efc_force``.
+    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by (w
+    dt)^2/6 v, with the angular speed w and the time step dt. The product is written to ``efc_force``. `model` and
+    `data` are the addresses of MuJoCo's structures, `layout` the offsets of their arrays, and `run` the state of the
+    run.
     """
     half_timestep = read_float(run.half_timestep)
     for k in range(run.discs):

@@ -41,7 +41,7 @@ SETTINGS = RootSettings()
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
     """Compute a point of the curve S at the phase B [rad]: a root of the internal gear, offset by the pin radius.
 
-    S leads from the centre of one lobe's arc to the next (see the module).
+    S leads from the centre of one lobe's arc to the next (see the module). `ring` has the shape of the gear.
 
     Returns
     -------
@@ -125,7 +125,7 @@ class Minimum(NamedTuple):
 def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[float, float, float, float, float, float]:
     """Compute the gap of the root at the phase B [rad] to the gear's flank, and its slope along the root.
 
-    `gear` is the pose of the gear in the frame of the root.
+    `ring` has the shape of the root, and `gear` is the pose of the gear in the frame of the root.
 
     Returns
     -------
@@ -159,8 +159,9 @@ def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
 def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
     """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
 
-    The gap must fall at the first phase and rise at the last. `gear` is the pose of the gear in the frame of the root.
-    The method is Newton's on the slope of the gap, with bisection.
+    `ring` has the shape of the root, `flank` that of the gear, and `gear` is the pose of the gear in the frame of the
+    root. The gap must fall at the first phase and rise at the last. The method is Newton's on the slope of the gap,
+    with bisection.
 
     Returns
     -------

@@ -154,10 +154,11 @@ def _find_needle_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write a contact for each needle of a crank bearing; return the new number of contacts.
+    """Write a contact for each needle of a crank bearing after `count` others; return the new number of contacts.
 
     The friction of a bearing acts on the resultant of its needles, so that the coefficient of each is reduced by the
-    ratio of the resultant to the sum of their forces.
+    ratio of the resultant to the sum of their forces. `train` are the cranks of the reducer `system`, `mating` is the
+    pair of eccentric and bore, `v` are the speeds of all unknowns and `half_step` is half of the time step [s].
 
     Parameters
     ----------

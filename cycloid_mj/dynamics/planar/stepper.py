@@ -226,8 +226,8 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
     """Advance the state of a run to the end of a step, from the speeds at its midpoint.
 
-    All but the first `size` unknowns are those of pins. `timestep` and `pin_span` [s] are those of
-    ``equations.solve_step``.
+    All but the first `size` unknowns are those of pins. `timestep` is in [s], and `pin_span` [s] is the time in which
+    forces accelerate pins, half a step or a step.
     """
     of_pins = timestep / pin_span
     for i in range(len(midpoint)):

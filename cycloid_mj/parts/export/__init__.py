@@ -371,12 +371,15 @@ def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[s
 
 
 def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
-    """Encode all parts of an RV reducer; measure the clearances of the discs in the ring."""
+    """Encode all parts of an RV reducer as files; measure the clearances of the discs in the ring.
+
+    `encoding` has the file format and its settings.
+    """
     part_list = rv_parts(reducer)
     error = encoding.chord_error
 
     def encode(name: str, part: Part) -> bytes:
-        """Encode a part in the format of `encoding`."""
+        """Return the content of the file of the part `name` in the format of `encoding`."""
         if encoding.is_mesh:
             return encoding.mesh(name, mesh(part.solid(error)))
         if encoding.is_polylines:

@@ -656,7 +656,11 @@ def flange_screw_depth(reducer: Reducer, bolt: stock.Bolt, thickness: float) -> 
 
 
 def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wall: float) -> None:
-    """Raise DesignError unless the seat of the shaft's bearing [m] in an output disc stays inside of the pins."""
+    """Raise DesignError unless the seat of the shaft's bearing in an output disc stays inside of the output pins.
+
+    `seat` is the radius of the seat and `wall` the minimum wall around it [m]; `straddles` is whether the shaft has a
+    bearing on either side of the discs, and so one in an output disc.
+    """
     inside = reducer.design.output.pin_circle_radius - reducer.design.output.root_radius - wall
     if straddles and seat > inside:
         raise DesignError(

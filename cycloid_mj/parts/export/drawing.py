@@ -149,7 +149,8 @@ def lay_out_drawing(
 ) -> PartDrawing:
     """Return the drawing of a part with its section, its front view, and its lengths from the lower face.
 
-    `title` are the lines of the title block, `diameters` the dimensions of `section_diameters`.
+    `name` is that of the part, `title` are the lines of the title block, `diameters` the dimensions of
+    `section_diameters`, and `notes` the lines of text.
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
@@ -217,7 +218,10 @@ def _deviations(zone: str, size: float) -> str:
 
 
 def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
-    """Yield a note for each group of holes off the axis: number, diameter or thread, depth, circle and first angle."""
+    """Yield a note for each group of holes of the part `name` off its axis, from the joints that need them.
+
+    A note has number, diameter or thread, depth, circle and first angle.
+    """
     for joint in joints:
         threads = [item.thread for item in joint.threads if item.part == name]
         for centres, radius, low, high in joint.holes_in(name):
@@ -235,7 +239,10 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
 
 
 def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
-    """Yield the notes on datums, run-out of the seats, and position and profile of teeth and pin holes."""
+    """Yield the notes on datums, run-out of the seats, and position and profile of teeth and pin holes of a part.
+
+    `name` is that of the part, and `diameters` are the dimensions of its section.
+    """
     design, seats = reducer.design, [item for item in diameters if " " in item.text and "eccentric" not in item.text]
     if seats:
         yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
@@ -274,7 +281,7 @@ def describe_ring_teeth(design: Design, datum: str) -> str:
 
 
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
-    """Yield the notes on roughness, edges and general tolerances of a part, by its name."""
+    """Yield the notes on roughness, edges and general tolerances of the part `name`, by its material and process."""
     if is_printed_part:
         yield PRINTED
     else:

@@ -166,7 +166,10 @@ def _is_blocked(moving_sections: Sections, present_sections: Sections, direction
 
 
 def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
-    """Yield the moves that assemble a drive, in order: output, ring, discs and crank, motor cover."""
+    """Yield the moves along the axis that assemble a drive, in order: output, ring, discs and crank, motor cover.
+
+    `placements` are all parts of the drive with their final positions.
+    """
     yield from _list_output_moves(sizes, placements)
     yield from _list_crank_moves(reducer, placements)
     yield Move((MOTOR_COVER,), MOTOR_COVER)
@@ -195,7 +198,10 @@ def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0)
 
 
 def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
-    """Yield the moves that assemble the output, its bearings and flange, then the ring and its pins."""
+    """Yield the moves along the axis that assemble the output, its bearings and flange, then the ring and its pins.
+
+    `placements` are all parts of the drive with their final positions.
+    """
     yield Move((names.OUTPUT,), "hub")
     yield Move(_names_of_family(placements, FLANGE_INSERT), "hub", DOWN)
     yield Move(_names_of_family(placements, OUTPUT_PIN), "hub", UP)
@@ -222,7 +228,10 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
 
 
 def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
-    """Yield the moves of a single disc and then of the crank, or of the crank together with its several discs."""
+    """Yield the moves along the axis that insert a single disc and then the crank, or the crank with its several discs.
+
+    `placements` are all parts of the drive with their final positions.
+    """
     rings, shaft = _names_of_family(placements, CRANK_RING), names.SHAFT
     second_disc = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:

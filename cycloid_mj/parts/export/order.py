@@ -77,7 +77,7 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten sentences, with parts and tools of each step; see ``insertion``."""
+    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of a step."""
     screws = sizes.screws
     has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
@@ -105,7 +105,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
 
 
 def _describe_output_bearings(sizes: Casing) -> str:
-    """Describe how the bearings of the output are mounted in their cover."""
+    """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover."""
     hub, ring = sizes.hub.designation, sizes.retainer
     if ring:
         return (
@@ -131,7 +131,10 @@ def _describe_preload(sizes: Casing) -> str:
 
 
 def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
-    """Describe how bearings are pressed into the motor cover, after a tapped motor is bolted on from within."""
+    """Return the sentence of the assembly instructions on the motor cover, into which bearings are pressed.
+
+    A motor with tapped holes is first bolted on from within.
+    """
     count = "the" if sizes.far else "both"
     between = f", both {BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
     seal = f"the {SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
@@ -146,7 +149,7 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
 
 
 def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:
-    """Describe the last step: mount the motor, or turn the drive with a motor that is mounted already."""
+    """Return the last sentence of the assembly instructions: mount the motor, or turn the drive."""
     motor = sizes.motor
     if reducer.design.shaft.bore_radius:
         return (
@@ -172,7 +175,7 @@ def _describe_output_pins(reducer: Reducer) -> str:
 
 
 def _describe_ring_pins(reducer: Reducer) -> str:
-    """Describe how the ring pins are inserted and what keeps them there; empty for an internal gear."""
+    """Return the sentence of the assembly instructions on how the ring pins are inserted; empty without pins."""
     ring = reducer.design.ring
     if ring.kind != "pin":
         return ""
@@ -184,7 +187,7 @@ def _describe_ring_pins(reducer: Reducer) -> str:
 
 
 def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
-    """Describe the step that mounts a single disc, or assembles several discs with their crank."""
+    """Return the sentence of the assembly instructions that mounts a single disc, or several discs with their crank."""
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
@@ -217,7 +220,7 @@ def _describe_cam_bearing(reducer: Reducer) -> str:
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
-    """Describe the step that mounts the crank or, with several discs, the crank together with them."""
+    """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
     first_ring, second_ring = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
     ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (
