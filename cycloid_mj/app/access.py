@@ -55,9 +55,9 @@ class AccessControl:
         await (refusal or self._inner)(scope, receive, _add_headers(send))
 
     def _refusal(self, scope: Scope) -> Response | None:
-        """Return the response that refuses a request from another host or origin, or without the token.
+        """Return the response that refuses a request to the server from another host or origin, or without the token.
 
-        Return None if the request is allowed.
+        `scope` describes the request (ASGI). Return None if the request is allowed.
         """
         headers = Headers(scope=scope)
         if len(scope["raw_path"]) + len(scope["query_string"]) > LIMITS.path_length:

@@ -43,7 +43,10 @@ class LimitedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Parse received data, and start the deadline of a request at its first byte; ignore data after a refusal."""
+        """Parse data that a client of the page's server sent, and start the deadline of a request at its first byte.
+
+        Data after a refusal is ignored.
+        """
         if self._refused:
             return
         if self._idle and self._waiting_since is not None:

@@ -65,7 +65,7 @@ class Job:
     page: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert number, state, progress, result and error of the job to JSON values.
+        """Convert number, state, progress, result and error of a background job of the page to JSON values.
 
         ``files`` are only the names of its files, ``page`` says whether it has a report.
         """
@@ -146,7 +146,7 @@ class Jobs:
         return job.as_json() | {"progress": {"doing": words}}
 
     def get(self, number: int) -> Job:
-        """Return the job with a number.
+        """Return the background job of the page with a number.
 
         Raises
         ------

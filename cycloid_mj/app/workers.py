@@ -94,7 +94,10 @@ class Worker:
         self._process.terminate()
 
     def _start(self, warm_up: WarmUp = ()) -> None:
-        """Start a process; one that replaces another is not warmed up, because a request may already wait for it."""
+        """Start the process that runs the functions of the page; `warm_up` are functions that load its code.
+
+        A process that replaces another is not warmed up, because a request may already wait for it.
+        """
         context = multiprocessing.get_context("spawn")
         self._pipe, child_end = context.Pipe()
         process = context.Process(target=_serve, args=(child_end, tuple(warm_up), self._nice), daemon=False)

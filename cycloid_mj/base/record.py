@@ -89,7 +89,7 @@ class Run(Presented):
     source: str = ""
 
     def __post_init__(self) -> None:
-        """Lock all arrays and mappings, and check times, columns, units and topics."""
+        """Lock all arrays and mappings of a run, and check times, columns, units and topics."""
         columns = {name: _lock_array(values) for name, values in self.columns.items()}
         object.__setattr__(self, "time", _lock_array(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
@@ -145,7 +145,7 @@ class Run(Presented):
         return f"<table>{rows}</table>"
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return name and text of the main properties: samples, columns, time span, attachments, completeness."""
+        """Return name and text of the main properties of a run: samples, columns, times, attachments, completeness."""
         end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
         time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (
@@ -201,7 +201,7 @@ class Run(Presented):
         return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
 
     def of_topic(self, topic: str) -> "Run":
-        """Return the run with the columns of one topic alone; raise LogError if there is no such topic."""
+        """Return a run with the columns of one topic alone; raise LogError if there is no such topic."""
         if topic not in self.topics:
             remedy = f"choose one of {', '.join(self.topics)}" if self.topics else "simulate the design again"
             raise LogError(f"{self.label} has no {'' if self.topics else 'columns, and no '}topic {topic!r}: {remedy}")
@@ -210,7 +210,7 @@ class Run(Presented):
         return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})
 
     def select(self, rows: Mask | slice) -> "Run":
-        """Return the run with only some of its samples.
+        """Return a run with only some of its samples.
 
         `rows` is a mask of shape (n,), or a slice with a positive step.
         """

@@ -68,7 +68,7 @@ class Quantity:
     causes: tuple[tuple[str, float], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """Return name, value, unit, error, reference, source and note as JSON values, and the interval if any."""
+        """Convert a quantity to JSON values: name, value, unit, error, reference, source, note, and interval if any."""
         return {
             "name": self.name,
             "value": self.value,
@@ -89,9 +89,9 @@ class Quantity:
         return f"{self.low:.4g} to {self.high:.4g} (5 to 95 %), mostly from {inputs}"
 
     def interval_json(self) -> dict[str, Any]:
-        """Return both ends of the interval, and its two main causes with their shares of the variance, as JSON values.
+        """Convert the interval of a quantity to JSON values: both ends, and main causes with shares of the variance.
 
-        The dict is empty if there is no interval.
+        There are at most two causes. The dict is empty if there is no interval.
         """
         if self.low is None:
             return {}

@@ -52,7 +52,7 @@ class ValidationRow:
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the row to a flat dict of JSON values.
+        """Convert a row of a validation to a flat dict of JSON values.
 
         ``ours`` and ``reference`` are in ``unit``, ``error`` and ``bound`` in ``error_unit``. ``rung`` is the name of
         the validation step.

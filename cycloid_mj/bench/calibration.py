@@ -169,7 +169,7 @@ class Calibration(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table of the fitted values in their units, with the ends of their 95 % intervals, a row each."""
+        """Table of the values fitted to measured loops in their units, with the ends of their 95 % intervals."""
         names = ("key", "value", "unit", "low", "high", "identified")
         rows: list[dict[str, Cell]] = [
             dict(zip(names, (key, item.value, item.unit, *item.ci95, item.identified), strict=True))

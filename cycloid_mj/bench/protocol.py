@@ -155,7 +155,7 @@ class Protocol(Presented):
         return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
-        """Return a table of text with the values of model and bench, a row for each line of `LINES`."""
+        """Return a table of text with the standard test figures of model and bench, a row for each line of `LINES`."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -176,7 +176,7 @@ class Protocol(Presented):
         return Frame({**text, **columns})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the protocol to JSON values.
+        """Convert the standard test figures of model and bench to JSON values.
 
         ``lines`` has an entry for each test figure, by the keys of `LINES`, which end in the unit. Each has name, unit,
         definition and source of the figure. Its ``model`` and ``bench`` are the simulated and the measured figure:

@@ -144,7 +144,7 @@ class BenchComparison(Presented):
         return Table(f"{self.measured.name} compared with {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison to JSON values; keys end in their units.
+        """Convert the comparison of measured and computed transmission error to JSON values; keys end in units.
 
         ``explained`` is the share of the variance, or of the power of an order, that the model explains. ``orders`` has
         the amplitudes of each order, the strongest first. Its ``phase`` is positive if the model leads.

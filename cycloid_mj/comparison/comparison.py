@@ -78,10 +78,10 @@ class Comparison(Presented):
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison to JSON values.
+        """Convert the comparison of simulated designs to JSON values; the keys are the names of the attributes.
 
-        The keys are the names of the attributes. ``runs`` are the `trials`, with the measures of the first start and
-        the spreads over all starts. ``sensitivity`` has the changes of the figures with each assumption.
+        ``runs`` are the `trials`, with the measures of the first start and the spreads over all starts. ``sensitivity``
+        has the changes of the figures with the assumptions.
         """
         content = {
             "designs": self.designs,

@@ -47,7 +47,7 @@ class Inheritance:
 
     @property
     def note(self) -> str:
-        """List the values in a sentence; empty if there are none."""
+        """List the values that a design file takes from its preset in a sentence; empty if there are none."""
         if not self.values:
             return ""
         listed = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())
@@ -57,7 +57,7 @@ class Inheritance:
 
     @property
     def remedy(self) -> tuple[str, ...]:
-        """Advice to scale the lengths if they are those of another pin circle; empty if they fit it."""
+        """Advice to scale the lengths taken from a preset if they are those of another pin circle; else empty."""
         lengths = [key for key in self.values if key.endswith("_mm")]
         if self.factor is not None or not lengths or PIN_CIRCLE in self.values:
             return ()

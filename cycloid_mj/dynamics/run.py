@@ -550,7 +550,7 @@ class _Recorder:
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
-        """Take the next `samples` of the run, and check them.
+        """Take the next `samples` of a simulated run, and check them.
 
         Returns
         -------

@@ -264,7 +264,9 @@ class _PointEvaluator:
         return [self._rows.by_index[index] for index in range(self._count) if index in self._rows.by_index]
 
     def evaluate_points(self, points: Sequence[Point]) -> list[PointResult]:
-        """Evaluate points, record their results, and return these in order; recorded points are not evaluated again.
+        """Evaluate points of an optimisation, record their results, and return these in order.
+
+        Recorded points are not evaluated again.
 
         Raises
         ------

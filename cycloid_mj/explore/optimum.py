@@ -76,7 +76,7 @@ class Optimum(Tabular):
 
     @property
     def line(self) -> str:
-        """Line with design, numbers of points and of feasible points, and objectives and values of the best point."""
+        """Line on an optimisation: design, numbers of points and feasible points, objectives and best values."""
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
@@ -176,7 +176,7 @@ class Optimum(Tabular):
         return make_frame(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the result to JSON values, without the list of evaluations.
+        """Convert the result of an optimisation to JSON values, without the list of evaluations.
 
         ``best`` and ``start`` have values by keys of the design file, in its units; ``figures`` are by key of the
         figure. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
@@ -223,7 +223,7 @@ class Optimum(Tabular):
 
     @property
     def words(self) -> str:
-        """Sentence with objectives, limits, number of feasible points, start design and random seed."""
+        """Sentence on an optimisation: objectives, limits, number of feasible points, start design and random seed."""
         objectives = " and ".join(map(str, self.task.objectives))
         limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
         front = f", {len(self.front)} on the front" if len(self.task.objectives) > 1 else ""

@@ -204,7 +204,7 @@ class _Run:
                 break
 
     def _generation(self, searches: Sequence[EvolutionSearch]) -> None:
-        """Evaluate the next generation of each search together, report the scores to it, and update the best point."""
+        """Evaluate the next generation of points of each CMA-ES search together, and update searches and best point."""
         generations = [search.ask() for search in searches]
         rows = self._evaluate([point for points in generations for point in points])
         self._used += len(rows)

@@ -98,7 +98,7 @@ class Sweep(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """Table with a row for each point: number, inputs, quantities, warnings, error, CPU time [s], and versions."""
+        """Table of a sweep, a row per point: number, inputs, quantities, warnings, error, CPU time [s], versions."""
         packages = ", ".join(f"{name} {version}" for name, version in versions())
         linked_keys = tuple(link.key for link in self.task.links)
         units = {key: unit_of(declaration_of(key)).suffix for key in (*self.task.keys, *linked_keys)} | {CPU: "s"}

@@ -169,7 +169,7 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """Sentence with yield and its interval, limits, share of jammed samples, number of samples and random seed."""
+        """Sentence on a tolerance study: yield, its interval, limits, share of jammed samples, samples, random seed."""
         low, high = self.yield_interval
         limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
@@ -203,7 +203,7 @@ class Tolerances(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences about jams, missing distributions, the error budget, omissions of design files and failed runs."""
+        """Sentences on a tolerance study: jams, missing distributions, error budget, omissions, failed runs."""
         failed_checks = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
@@ -244,7 +244,7 @@ class Tolerances(Tabular):
         }
 
     def tables(self) -> tuple[Table, ...]:
-        """Tabulate the distributions of the figures, the error budget, and the runs in full dynamics, in this order.
+        """Tabulate the distributions of a tolerance study, its error budget, and its runs in full dynamics.
 
         Tables without results are left out.
         """
@@ -266,7 +266,7 @@ class Tolerances(Tabular):
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the study to JSON values, without the values of single samples.
+        """Convert a tolerance study to JSON values, without the values of single samples.
 
         ``samples`` of ``asked`` samples were computed. ``yield`` and ``jam_probability`` are shares of the samples [1],
         ``pressed_unloaded`` the share in which each kind of part is preloaded. ``quantities`` are the distributions of
@@ -525,7 +525,7 @@ class _Study:
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Assemble the result of the study from the leading batches that are solved, at least the first batch.
+        """Assemble the result of a tolerance study from the leading batches that are solved, at least the first batch.
 
         `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each.
         """
@@ -563,7 +563,7 @@ class _Study:
         )
 
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
-        """Return the designs of up to `MAX_WORST` samples with the worst values, the worst first.
+        """Return the designs of up to `MAX_WORST` samples of a tolerance study with the worst values, the worst first.
 
         `values` has the figure of the error budget and `eligible` whether a sample may be selected, shape (samples,)
         each. The largest values are the worst, unless the first limit is a lower bound.
@@ -576,7 +576,7 @@ class _Study:
     def _budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
-        """Return the shares of the error budget and "", or no shares and a sentence that states why there are none.
+        """Return the shares of tolerances in the variance of a figure and "", or no shares and the reason.
 
         There are none if the figure is constant, the study is too small or was stopped, or too many samples jam. A
         single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch, then by key;

@@ -101,7 +101,7 @@ class Figure:
         return compute
 
     def as_json(self) -> dict[str, str | list[str]]:
-        """Convert the figure's description to JSON values."""
+        """Convert the description of a figure of the catalogue to JSON values: key, name, unit, definition and need."""
         return {
             "name": self.name,
             "unit": self.unit,

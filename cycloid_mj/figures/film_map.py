@@ -62,7 +62,7 @@ class MapPoint:
     spread: Spread
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the point to JSON values; ``value`` and its interval, ``low`` to ``high``, are in ``unit``."""
+        """Convert a point of an efficiency map to JSON values: ``value``, ``low`` and ``high`` are in ``unit``."""
         return {
             "quantity": self.quantity,
             "unit": self.unit,

@@ -81,7 +81,7 @@ class MeasuredProfile:
 
     @property
     def words(self) -> str:
-        """Sentence for reports with number of points, mean, highest order of waves, rms of the rest, and alignment."""
+        """Sentence on a measured profile: number of points, mean, order of waves, rms of the rest, alignment."""
         waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
         mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
         text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"

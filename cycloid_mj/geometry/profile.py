@@ -51,7 +51,7 @@ class CycloidGear:
     pin_radius: float
 
     def __post_init__(self) -> None:
-        """Raise DesignError unless the dimensions define a profile without loops."""
+        """Raise DesignError unless the dimensions of a cycloid gear define a profile without loops."""
         if self.ring_teeth < 3:
             raise DesignError(
                 f"the number of ring teeth is {self.ring_teeth}, but at least 3 are needed: increase ring_teeth"

@@ -85,7 +85,10 @@ class WornSurface:
         return surface.count * surface.section * surface.length * float(depth.mean())
 
     def as_json(self) -> dict[str, Any]:
-        """Convert material, coefficient [mm3/(N m)], run-in and depth [um] by position [mm] to JSON values."""
+        """Convert the wear of a surface to JSON values: material, coefficient [mm3/(N m)], run-in and depth [um].
+
+        The depth is by position [mm].
+        """
         return {
             "key": self.surface.key,
             "name": self.surface.name,
@@ -200,7 +203,10 @@ class WearLife(Presented):
         return f"{self.design}, {self.condition}; accuracy life {self.life_text()} ({self.interval_text})"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return two tables: accuracy, forces and depths over time in the typical case, and wear of each surface."""
+        """Return two tables on the wear of a drive: accuracy, forces and depths over time, and wear of each surface.
+
+        Those over time are for the typical case of wear.
+        """
         surfaces = tuple(
             (
                 item.surface.name,

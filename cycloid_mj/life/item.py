@@ -231,7 +231,7 @@ class Rating(Presented):
         return f"{self.line_of(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
-        """Return the items as a text table, a row each: load, limit, safety or life, parts, source and assumptions."""
+        """Return the rated items of a drive as a text table: load, limit, safety or life, parts, source, notes."""
         header = ("item", "load", "limit", "safety or life", "parts", "formula and source", "assumptions")
         rows = tuple(
             (item.name, item.load_text, item.limit_text, item.verdict, self.parts, item.source, item.note)
@@ -240,7 +240,7 @@ class Rating(Presented):
         return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(5, 6))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the rating to JSON values.
+        """Convert the rating of a drive to JSON values.
 
         Keys are ``design`` (its name), ``condition`` (the duty in words), ``required_life_h`` [h], ``parts`` (the rated
         parts, see `Rating`), ``weakest`` (key of the weakest item), ``items`` (a dict for each key of an item) and

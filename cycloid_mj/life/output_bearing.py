@@ -109,7 +109,7 @@ class OutputBearings:
         return min(self.capacity / BALL_BEARINGS.axial_factor, self.static / BALL_BEARINGS.static_axial_factor)
 
     def tilting_stiffness(self, ball_load_factor: float = BALL_BEARINGS.no_clearance) -> float:
-        """Compute the tilting stiffness [N m/rad] of both bearings at half of the moment limit.
+        """Compute the tilting stiffness of a pair of output bearings [N m/rad] at half of their moment limit.
 
         The deflection of a ball follows from its force by Palmgren's formula. The most loaded of the Z balls of a
         bearing has the force Q; `ball_load_factor` is Z Q/F, with the force F on the bearing. Q and F are in the
@@ -180,16 +180,17 @@ class CrossedRollerBearing:
 
     @property
     def rollers(self) -> tuple[float, float]:
-        """Number of rollers [1] and their length [m], as long as thick, by their spacing and C0 (ISO 76).
+        """Number of rollers of a crossed roller bearing [1] and their length [m], as long as thick (ISO 76).
 
-        C0 = 44 Z L D cos 45 deg, without the factor of their curvature. Every second roller carries a direction.
+        They follow from the spacing of the rollers and the static rating C0 = 44 Z L D cos 45 deg, without the factor
+        of their curvature. Every second roller carries a direction.
         """
         total_thickness = math.pi * self.bearing.pitch / CROSSED_ROLLERS.roller_spacing
         length = 1e-6 * self.bearing.static / (44.0 * total_thickness * math.cos(CROSSED_ROLLERS.contact_angle))
         return total_thickness / length, length
 
     def tilting_stiffness(self) -> float:
-        """Compute the tilting stiffness [N m/rad] at half of the moment limit, by the approach of its rollers.
+        """Compute the tilting stiffness of a crossed roller bearing [N m/rad] at half of its moment limit.
 
         Each roller under a force Q approaches by Palmgren's formula; half of the rollers carry, with forces in
         proportion to the power 1/0.9 of the sine of their angle around the bearing. Rings and seats are rigid.

@@ -127,7 +127,7 @@ class Network:
 
     @cached_property
     def matrix(self) -> Array:
-        """Conductance matrix G [W/K], shape (n, n), with rows and columns in the order of `capacities`.
+        """Conductance matrix G of a thermal network [W/K], shape (n, n), in the order of `capacities`.
 
         The heat into the nodes [W] is G (T - T_ambient) in the steady state, with the temperatures T of the nodes.
         """

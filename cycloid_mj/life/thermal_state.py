@@ -110,7 +110,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Temperatures, temperature differences, warm play, losses and thermal limits, by key."""
+        """Temperatures, temperature differences, warm play, losses and thermal limits of a drive, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")
@@ -150,7 +150,7 @@ class ThermalState(Presented):
         )
 
     def tables(self) -> tuple[Table, ...]:
-        """Return five tables: parts, losses, torque limits by duty, warm clearances and conductances."""
+        """Return five tables on the heat of a drive: parts, losses, torque limits by duty, clearances, conductances."""
         parts = tuple(
             (part, value, self.peaks[part], self.heat[part], self.network.capacities[part])
             for part, value in self.temperatures.items()

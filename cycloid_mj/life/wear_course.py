@@ -85,7 +85,7 @@ class WearingDrive:
 
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
-        """Material, wear coefficient and run-in depth of each surface, by the surface's key."""
+        """Material, wear coefficient and run-in depth of each surface of a wearing drive, by the surface's key."""
         design = self.reducer.design
         laws = {}
         for surface in self.surfaces:

@@ -44,7 +44,7 @@ class ColumnGroup:
     units: Mapping[str, str]
 
     def __post_init__(self) -> None:
-        """Raise LogError if the topic or a column name is invalid."""
+        """Raise LogError if the topic or a column name of a group of logged columns is invalid."""
         if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
             raise LogError(
                 f"log topic {self.topic!r} is not valid: use a slash followed by a name in lower-case letters, digits "
@@ -90,7 +90,7 @@ class ColumnGroup:
         return np.setdiff1d(np.arange(self.zeros.size), self.offsets[:, np.newaxis] + np.arange(8))
 
     def encode(self, time: Array, values: Array) -> Bytes:
-        """Return the messages of k samples as an array of bytes, shape (k, bytes of a message).
+        """Return the log messages of k samples of a group of columns as bytes, shape (k, bytes of a message).
 
         `time` has shape (k,) [s], `values` has shape (k, columns).
         """
@@ -102,7 +102,7 @@ class ColumnGroup:
         return messages
 
     def decode(self, messages: Bytes) -> npt.NDArray[np.void]:
-        """Return k messages as a structured array with the fields ``time`` and the column names, shape (k,).
+        """Return k log messages of a group as a structured array (k,) with the fields ``time`` and the column names.
 
         The array is a view of `messages`, which have shape (k, bytes of a message).
 
@@ -121,9 +121,9 @@ class ColumnGroup:
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
-        """Return the serialized FileDescriptorSet of the message (protobuf, descriptor.proto), with units as comments.
+        """Return the schema of a group's log messages: a serialized FileDescriptorSet (protobuf, descriptor.proto).
 
-        The path [4, 0, 2, i] of a comment is that of field i of the first message in the file.
+        Units are its comments. The path [4, 0, 2, i] of a comment is that of field i of the first message in the file.
         """
         files = FileDescriptorSet()
         package, name = self.message.split(".")

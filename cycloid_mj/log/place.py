@@ -79,7 +79,7 @@ class LogFile:
             raise unwritable(path, problem) from problem
 
     def finish(self, complete: bool) -> None:
-        """Close the file and, if it is `complete`, rename it to the name of the log.
+        """Close the file of a log and, if it is `complete`, rename it to the name of the log.
 
         Raises
         ------

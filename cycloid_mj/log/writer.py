@@ -152,7 +152,7 @@ class LogWriter:
             start = stop
 
     def flush(self) -> None:
-        """Write all samples to the file, so that the log can be read up to the last sample."""
+        """Write all samples to the file of the log, so that it can be read up to the last sample."""
         if not self._is_open:
             return
         try:
@@ -242,7 +242,7 @@ class LogWriter:
         self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
-        """Raise LogError unless topics, shapes and times of samples are valid.
+        """Raise LogError unless topics, shapes and times of the samples to be logged are valid.
 
         `time` (k,) [s] and `values` by topic are the arguments of `write`.
         """

@@ -122,7 +122,7 @@ class BreakAway:
 
     @property
     def _over_starts(self) -> str:
-        """Range of the torque over the starts, their number, and the number of those from which nothing turns."""
+        """Range of the break-away torque over the starts, their number, and that of those from which nothing turns."""
         count, turning = len(self.starts), len(self.turning)
         if count == 1:
             return "one start, as there is no gravity"

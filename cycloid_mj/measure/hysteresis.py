@@ -148,10 +148,10 @@ class HysteresisLoop:
         return float(np.trapezoid(torque, turn))
 
     def compliance(self, values: Array | None = None) -> float:
-        """Compute the compliance: output rotation per torque [rad/(N m)], or `values` (n,) per torque.
+        """Compute the compliance of a torque loop: output rotation [rad/(N m)], or `values` (n,), per torque.
 
         It is the slope of the mean of the loading and the unloading branch, between the two shares of the nominal
-        torque in `STRAIGHT`. The result is the mean over both signs of the torque.
+        torque in `STRAIGHT` (1 and 0.5). The result is the mean over both signs of the torque.
         """
         low, high = STRAIGHT
         rises = [

@@ -122,9 +122,9 @@ def _name_runs(
     varied_inputs: Sequence[Input],
     published: Sequence[Published],
 ) -> dict[str, Reducer]:
-    """Return the drives of the test's runs by name of the run, for the warning about slow sliding.
+    """Return the simulated drives of the brake test by name of the run, for the warning about slow sliding.
 
-    Runs that vary the creep speed are left out.
+    Runs that vary the creep speed are left out. The drives are the design, its friction variants and varied inputs.
 
     Parameters
     ----------

@@ -262,7 +262,7 @@ def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Cu
 
 
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the amplitude spectra of signals at the design's speed, over the frequency [Hz].
+    """Yield the amplitude spectra of accelerations and forces at the design's speed, over the frequency [Hz].
 
     The amplitude of a vector is the root of the sum of the squared amplitudes of its components. Runs that are shorter
     than the window of the spectrum have none.

@@ -21,7 +21,7 @@ class SpurGearContour:
     gear: InvoluteGear
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the curves of all teeth in order: root arc, fillet and flank up, tip arc, flank and fillet down.
+        """Return the curves of all teeth of a spur gear: root arc, fillet and flank up, tip arc, flank, fillet down.
 
         Fillets and flanks are short, so each is one spline whatever the number of `splines`.
         """
@@ -46,7 +46,7 @@ class SpurGearContour:
         return tuple(rotate_curve(curve, -number * pitch) for number in range(gear.teeth) for curve in tooth)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the outline as a polygon (n, 2) [m] with a chord error [m] and vertices on the outline."""
+        """Return the outline of a spur gear as a polygon (n, 2) [m] with a chord error [m], vertices on it."""
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
         chords = _count_chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
         corner = np.linspace(0.0, gear.last_corner, chords + 1)

@@ -56,7 +56,7 @@ class TaggedPdfFile(PdfFile):
         super().writeObject(object, contents)
 
     def finalize(self) -> None:
-        """Write structure tree, catalog and end of the file; call it once, after the last page."""
+        """Write structure tree, catalog and end of a tagged PDF file; call it once, after the last page."""
         self.endStream()
         root, document, parents = (self.reserveObject(name) for name in ("structure", "document", "parent tree"))
         sections, numbers = [], []

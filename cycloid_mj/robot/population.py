@@ -98,7 +98,7 @@ class Population(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on the ranges of drawn inputs, on missing tolerances, and on drives that cannot be assembled."""
+        """Sentences on random drives: ranges of drawn inputs, missing tolerances, drives that cannot be assembled."""
         ranges = "; ".join(
             f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
             for input_range in self.ranges
@@ -112,7 +112,7 @@ class Population(Tabular):
         )
 
     def tables(self) -> tuple[Table, Table]:
-        """Tabulate the distribution of each parameter, and the correlations of the parameters."""
+        """Tabulate the distribution of each joint parameter over random drives, and their correlations."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
             (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))
@@ -126,7 +126,7 @@ class Population(Tabular):
         return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the population to JSON values.
+        """Convert the distribution of joint parameters over random drives to JSON values.
 
         ``parameters`` has unit, nominal value, mean, standard deviation and percentiles of each parameter.
         ``correlation`` has their correlation matrix, ``ranges`` the ranges from which inputs were drawn. ``samples`` of

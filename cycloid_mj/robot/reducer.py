@@ -174,7 +174,7 @@ class ReducedJoint(Presented):
         return sum(spring.stiffness for spring in self.springs if spring.start <= wind_up)
 
     def wind_up(self, torque: float) -> float:
-        """Compute how far [rad] a torque [N m] of either sign turns the output beyond the stop; the result is >= 0."""
+        """Compute how far [rad] a torque [N m] of either sign turns the joint's output beyond the stop (>= 0)."""
         start, torque_at_start, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
             if torque_at_start + slope * (spring.start - start) > abs(torque):
@@ -344,7 +344,11 @@ class ReducedJoint(Presented):
             yield JointAddresses(*output_addresses, *crank_addresses, tuple(tendons))
 
     def _step_with_springs(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Update the load-dependent friction, and the dead bands of the springs, which the transmission error moves."""
+        """Update the joint's load-dependent friction and the dead bands of its springs in a MuJoCo model.
+
+        It is called before each step, because the transmission error moves the dead bands. `addresses` are those of the
+        joint in `model` and `data`.
+        """
         angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
         deviation = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
         low, high = self.stops_at(angle, deviation)
@@ -360,7 +364,10 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=torque_on_crank * direction < 0.0)
 
     def _step_rigid(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Write the friction of a joint without springs, for the torque that it transmitted in the last time step."""
+        """Write the friction of a joint without springs to a MuJoCo model, for the torque of the last step.
+
+        `addresses` are those of the joint in `model` and `data`.
+        """
         import mujoco
 
         dof = addresses.output_speed
@@ -374,7 +381,7 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.ratio * friction_on_crank
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the joint to JSON values: identified quantities, efficiency maps, and all SI values (key `joint`)."""
+        """Convert a reduced joint to JSON: identified quantities, efficiency maps, and all SI values (key `joint`)."""
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, is_driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(is_driving)

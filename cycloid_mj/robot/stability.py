@@ -102,7 +102,7 @@ class StepTrial:
 
     @property
     def sentence(self) -> str:
-        """A sentence on the result of the impact test: relative error of the largest wind-up under the rated load.
+        """Sentence on a trial of a time step: relative error of the largest wind-up in an impact under the rated load.
 
         It is the `summary` if there is no valid impact test: the joint is unstable or rigid, or its static error is too
         large.
@@ -115,7 +115,7 @@ class StepTrial:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the trial to JSON values; keys end in their units, and errors are relative [1].
+        """Convert the trial of a time step to JSON values; keys end in their units, and errors are relative [1].
 
         ``static_error`` is that of the wind-up under the nominal torque, ``frequency_error`` that of the vibration, and
         ``impact_error`` that of the largest wind-up in an impact at ``impact_hz``. ``load`` is the inertia in words.

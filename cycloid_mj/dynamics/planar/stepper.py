@@ -72,11 +72,12 @@ class Stepper:
         midpoint_pins: bool = False,
         train: CrankTrain | None = None,
     ) -> None:
-        """Allocate contacts and equations, and set the positions half a step before time 0.
+        """Allocate contacts and equations of the planar solver, and set the positions half a step before time 0.
 
-        `positions` and `speeds` are those of all unknowns at time 0; the earlier positions are extrapolated with these
-        speeds. `timestep` is in [s], `stride` in steps per sample. `midpoint_pins` is whether moving pins are
-        integrated by the midpoint rule too. `train` has the cranks of an RV reducer.
+        `system` has the arrays of the reducer. `positions` and `speeds` are those of all unknowns at time 0; the
+        earlier positions are extrapolated with these speeds. `timestep` is in [s], `stride` in steps per sample.
+        `midpoint_pins` is whether moving pins are integrated by the midpoint rule too. `train` has the cranks of an RV
+        reducer.
         """
         self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
@@ -105,10 +106,10 @@ class Stepper:
         self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
-        """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns).
+        """Take the time steps of the planar solver up to and including a number of samples; return the samples.
 
-        When all rows of `command` are used, the last one is repeated. The columns are those of the slices `copied`,
-        `solver`, `pairs` and `drags`, see `sample_layout`.
+        They have the shape (samples, columns). When all rows of `command` are used, the last one is repeated. The
+        columns are those of the slices `copied`, `solver`, `pairs` and `drags`, see `sample_layout`.
         """
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._stride

@@ -91,7 +91,7 @@ class ConvexSettings:
     coacd: CoacdSettings = REST
 
     def __post_init__(self) -> None:
-        """Raise DesignError unless all lengths and counts are in range."""
+        """Raise DesignError unless all lengths and counts of the settings of a convex decomposition are in range."""
         for name in ("chord_error", "hull_chord_error", "play_error", "rest_chord_error"):
             value = getattr(self, name)
             if not 1e-11 <= value <= 1e-3:

@@ -261,7 +261,7 @@ class _Encoding:
     arcs: float | None = None
 
     def __post_init__(self) -> None:
-        """Raise UsageError if arcs or polylines do not apply to the format."""
+        """Raise UsageError if arcs or polylines do not apply to the file format."""
         if self.arcs is not None and (self.polylines or self.file_format != "dxf"):
             raise UsageError(
                 "arcs can be used only with the format dxf, and not together with polylines: choose dxf without "

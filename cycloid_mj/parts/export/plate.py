@@ -62,7 +62,7 @@ class PrintPlate:
 
     @property
     def mesh(self) -> Mesh:
-        """Surface of all parts and their supports as one mesh [m]."""
+        """Surface of all parts on a plate of a printer and their supports, as one mesh [m]."""
         meshes = [*self.meshes, *(item for supports in self.supports for item in supports)]
         first = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(

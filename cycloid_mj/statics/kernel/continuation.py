@@ -297,11 +297,12 @@ def _add_clearance_rate(
 def _update_tangent(
     springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: Path, system: System
 ) -> float:
-    """Write the unit tangent of the path at a `point` to `path.tangent`; return the sign of the determinant there.
+    """Write the unit tangent of the continuation path at a `point`; return the sign of the determinant there.
 
-    The determinant is that of the augmented system. If the system is singular, the result is 0 and the tangent is
-    unchanged. The tangent points forwards along the path; this direction follows from `sign`, the sign of the
-    determinant at the beginning of the path. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    The tangent is ``path.tangent``. The determinant is that of the augmented system of residual and path. If the system
+    is singular, the result is 0 and the tangent is unchanged. The tangent points forwards along the path; this
+    direction follows from `sign`, the sign of the determinant at the beginning of the path. `k` is the index of the
+    crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
