@@ -107,7 +107,7 @@ class Jobs:
         self._jobs: dict[int, Job] = {}
 
     def start(self, queue: str, name: str, work: Work, *args: Any) -> Job:
-        """Start a job in a queue, where it waits for the earlier jobs of this queue, and return it.
+        """Start a background job of the page in a queue, and return it; it waits for the earlier jobs of this queue.
 
         Parameters
         ----------

@@ -35,7 +35,7 @@ class Worker:
     """A process that runs one function after the other; it ends with this process, however that ends."""
 
     def __init__(self, warm_up: WarmUp = (), nice: bool = True) -> None:
-        """Start the worker process.
+        """Start a process that runs functions for the page.
 
         Parameters
         ----------
@@ -48,7 +48,7 @@ class Worker:
         self._start(warm_up)
 
     def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
-        """Call a function with arguments in the process, and return its result.
+        """Call a function with arguments in the worker process of the page, and return its result.
 
         Parameters
         ----------

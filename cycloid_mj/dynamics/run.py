@@ -513,7 +513,7 @@ class _Recorder:
     def __init__(
         self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, has_own_cycle: bool
     ) -> None:
-        """Store the indices of the columns that are checked, and the limits of the checks.
+        """Store the indices of the columns of a run that are checked, and the limits of the checks.
 
         Parameters
         ----------

@@ -75,7 +75,7 @@ class Journal:
         self._stream = stream
 
     def add(self, index: int, row: PointResult) -> None:
-        """Append the result of a point to the file of rows.
+        """Append the result of a point of a study to its file of rows.
 
         Parameters
         ----------

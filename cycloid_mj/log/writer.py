@@ -77,7 +77,7 @@ class LogWriter:
         viewer: Viewer | None = None,
         hidden: bool = False,
     ) -> None:
-        """Open the file, and write everything that precedes the samples.
+        """Open the file of a log, and write everything that precedes the samples.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class LogWriter:
         return self._file.path
 
     def write(self, time: Array, values: Mapping[str, Array]) -> None:
-        """Append k samples.
+        """Append k samples of a run to the log.
 
         Parameters
         ----------
@@ -162,7 +162,9 @@ class LogWriter:
         self._flushed_samples = self.samples
 
     def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
-        """Finish the log. A second call does nothing. An incomplete log without samples is removed.
+        """Finish the log of a run and close its file; a second call does nothing.
+
+        An incomplete log without samples is removed.
 
         Parameters
         ----------

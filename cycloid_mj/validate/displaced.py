@@ -91,7 +91,8 @@ def _tooth_contacts(
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m] as in ``reducer.gaps``, shape (u,).
+        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each disc,
+        then the arc length of the output's rotation.
     disc
         Index of the disc.
     pin_shift
@@ -120,7 +121,8 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m] as in ``reducer.gaps``, shape (u,).
+        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each disc,
+        then the arc length of the output's rotation.
     disc
         Index of the disc.
 
@@ -186,9 +188,10 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of the n contacts, then of the D cams, and their gradients by the unknowns.
+        """Compute the gaps of the n contacts, then of the D cams, with exact curves, and their gradients.
 
-        `unknowns` is the pose z [m] as in ``reducer.gaps``, shape (u,). The gaps include the free travel of ring pins.
+        The pose `unknowns` (u,) [m] has x, y and arc length of rotation of each disc, then that of the output's
+        rotation. The gaps include the free travel of ring pins. Gradients are those by the unknowns.
 
         Returns
         -------
@@ -238,10 +241,11 @@ class DisplacedSprings:
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Solve for the equilibrium by modified Newton steps; return its pose z [m] as in ``reducer.gaps``, shape (u,).
+        """Solve for the equilibrium of springs with exact gaps by modified Newton steps; return its pose (u,) [m].
 
-        `load` (u,) [N] is the generalised force on each unknown. `start` (u,) [m] is a pose near the solution. All
-        steps use the stiffness matrix at this pose, which is computed by finite differences.
+        The pose has x, y and arc length of rotation of each disc, then the arc length of the output's rotation. `load`
+        (u,) [N] is the generalised force on each unknown. `start` (u,) [m] is a pose near the solution. All steps use
+        the stiffness matrix at this pose, which is computed by finite differences.
 
         Raises
         ------

@@ -62,10 +62,10 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place
 
 
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
-    """Add the user sensor that calls `EachStep` in every step, and its user data, to the editable model `spec`.
+    """Add the user sensor whose callback takes and samples the steps of a run to the editable model `spec`.
 
-    With `changes_contacts` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT or
-    the friction law ``film`` to each contact.
+    The callback is that of `EachStep`, whose user data are added, too. With `changes_contacts` a second sensor is
+    added, which is evaluated before the forces, to apply the law IMPACT or the friction law ``film`` to each contact.
     """
     spec.nuserdata = 1
     stage_by_sensor = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
@@ -120,7 +120,7 @@ class EachStep:
         orbit_dofs: Sequence[int] = (),
         film: FilmRows | None = None,
     ) -> None:
-        """Allocate the arrays of the run, and store the address of its state record in the user data of the model.
+        """Allocate the arrays of a MuJoCo run, and store the address of its state record in the user data of the model.
 
         Parameters
         ----------

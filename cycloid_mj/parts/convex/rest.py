@@ -46,9 +46,10 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return the sectors of disc, housing, shaft and output that contain the material behind the sliced surfaces.
+    """Return the sectors of disc, housing, shaft and output with the material behind the working surfaces.
 
-    Spacers and output pins are not included. A bore through the shaft is filled, because nothing touches it.
+    The working surfaces are divided into slices of their own; the sectors, repeated around the axis, fill the rest of
+    each part. Spacers and output pins are not included. A bore through the shaft is filled, because nothing touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
