@@ -82,7 +82,7 @@ class HysteresisLoop:
     """The complete run."""
 
     def read_branch(self, share: float, loading: bool, sign: int, values: Array | None = None) -> float:
-        """Read the rotation on a branch of the torque loop at a share of the nominal torque, by a line through points nearby.
+        """Read the rotation on a branch of the torque loop at a share of the nominal torque, by a line fit nearby.
 
         Parameters
         ----------

@@ -91,8 +91,8 @@ def _tooth_contacts(
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each disc,
-        then the arc length of the output's rotation.
+        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each
+        disc, then the arc length of the output's rotation.
     disc
         Index of the disc.
     pin_shift
@@ -121,8 +121,8 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each disc,
-        then the arc length of the output's rotation.
+        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each
+        disc, then the arc length of the output's rotation.
     disc
         Index of the disc.
 

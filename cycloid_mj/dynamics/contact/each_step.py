@@ -120,7 +120,7 @@ class EachStep:
         orbit_dofs: Sequence[int] = (),
         film: FilmRows | None = None,
     ) -> None:
-        """Allocate the arrays of a MuJoCo run, and store the address of its state record in the user data of the model.
+        """Allocate the arrays of a MuJoCo run, and store the address of its state in the user data of the model.
 
         Parameters
         ----------
