@@ -79,7 +79,10 @@ class AccessControl:
 
 
 def _add_headers(send: Send) -> Send:
-    """Return a function that sends a response with the security headers of the page."""
+    """Return a function that sends a response with the security headers of the page.
+
+    `send` is the function of ASGI that sends without them.
+    """
 
     async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":

@@ -145,7 +145,7 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
 
 
 def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
-    """List name and diameter [mm] of the circles that get a dimension line."""
+    """List name and diameter [mm] of the circles of a reducer that get a dimension line in the page's cross-section."""
     design = reducer.design
     ring, output = design.ring, design.output
     radii = {

@@ -203,7 +203,10 @@ def open_socket(port: int) -> socket.socket:
 
 
 def create_server(app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection) -> uvicorn.Server:
-    """Return a uvicorn server of an application with limited connections; it runs until ``should_exit`` is set."""
+    """Return a uvicorn server of the page's application; it runs until ``should_exit`` is set.
+
+    `connection` is the class of its connections, which limits their number and the time of a request.
+    """
     return uvicorn.Server(
         uvicorn.Config(
             app,
@@ -293,7 +296,7 @@ def _no_job(_request: Request, error: Exception) -> Response:
 
 
 async def _read_body(request: Request) -> bytes | None:
-    """Read the body of a request; return None if it is too long."""
+    """Read the body of an HTTP request to the page; return None if it is longer than allowed."""
     if int(request.headers.get("content-length", "0")) > LIMITS.body_bytes:  # h11 has checked that these are digits
         return None
     body = bytearray()

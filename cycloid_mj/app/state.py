@@ -119,7 +119,7 @@ def _as_integer(key: str, value: Any) -> Any:
 
 
 def _flatten_design(design: Design) -> dict[str, Any]:
-    """Return the design file as one mapping: ``table.key`` -> value."""
+    """Return all values of the design file of a design as one mapping: ``table.key`` -> value in the file's unit."""
     flat: dict[str, Any] = {}
     for key, value in tomllib.loads(dump(design)).items():
         if isinstance(value, dict):

@@ -37,10 +37,11 @@ def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Re
     """
 
     def accept_old_name(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-        """Return the function with the former name of the argument accepted as well."""
+        """Decorate a function so that it also accepts an argument under its former name, with a warning."""
 
         @wraps(function)
         def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+            """Call the function; an argument under its former name is passed under its new name, with a warning."""
             if old in kwargs:
                 if new in kwargs:
                     raise TypeError(f"{function.__name__} got both {new} and {old}: remove {old}")

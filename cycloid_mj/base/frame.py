@@ -131,7 +131,7 @@ def write_rows(columns: Mapping[str, Column], stream: TextIO, missing: str = "")
 
 
 def _format_cells(column: Column, missing: str) -> list[str]:
-    """Format the cells of a column: floats with all digits, NaN as the text `missing`."""
+    """Format the values of a column of a table as text: floats with all digits, NaN as the text `missing`."""
     match column.dtype.kind:
         case "f":
             # the sum turns -0.0 into 0.0

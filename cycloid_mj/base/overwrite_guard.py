@@ -178,7 +178,7 @@ def require_replaceable(path: Path) -> None:
 
 
 def require_ending(path: Path, ending: str) -> None:
-    """Raise UsageError if a file name has the extension of another kind of file than `ending`."""
+    """Raise UsageError if a file name has the extension of another kind of file than `ending`, such as ".csv"."""
     suffix = path.suffix.lower()
     if suffix in KINDS and suffix != ending:
         raise UsageError(

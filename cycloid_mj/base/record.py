@@ -241,7 +241,7 @@ def own(array: Array) -> Array:
 
 
 def _check_time(time: Array) -> None:
-    """Raise LogError unless times are finite, strictly increasing and of shape (n,)."""
+    """Raise LogError unless the sample times of a run [s] are finite, strictly increasing and of shape (n,)."""
     if time.ndim != 1:
         raise LogError(
             f"the times of the run have shape {time.shape}: pass a 1-D array of shape (n,) with one time per sample"
@@ -263,7 +263,7 @@ def _check_time(time: Array) -> None:
 
 
 def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[str, str]) -> None:
-    """Raise LogError unless every column has shape (samples,) and a unit."""
+    """Raise LogError unless every column of a run has shape (samples,) and a unit."""
     for name, values in columns.items():
         if values.shape != (samples,):
             raise LogError(

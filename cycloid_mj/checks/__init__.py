@@ -49,7 +49,7 @@ __all__ = [
 
 
 def check(design: Named) -> Checks:
-    """Check a design; return the checks of `soundness`, and warnings about how well the design works.
+    """Check a design; return the checks whether it can be built, and warnings about how well it works.
 
     The result has passed and failed checks. The warnings are left out for a design that cannot be built, and for an RV
     reducer. The checks of the life are in ``life.checks``.

@@ -26,7 +26,7 @@ def assembly_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def _check_pins_in_sockets(reducer: Reducer) -> Check:
-    """Check that the free ring pin with the largest radius is smaller than its socket."""
+    """Return the check that the free ring pin with the largest radius is smaller than its socket."""
     radius_errors = reducer.deviations.pin_radius
     thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket

@@ -337,7 +337,7 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on."""
+    """Return the walls of disc and housing that pins press on: thickness, and force and diameter of the pin."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole_radius = output.hole_radius + design.clearance.output

@@ -105,7 +105,10 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
     socket = design.ring.pin_radius + play
 
     def pin_limits(relative_wall: float) -> tuple[Limit, ...]:
-        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between pin sockets."""
+        """Return the limits of radius, number and circle of the ring pins that leave a wall between their sockets.
+
+        The wall is `relative_wall` [1] times the pin-circle radius.
+        """
         relative_radius = math.sin(math.pi / N) - relative_wall / 2
         return (
             Limit("ring.pin_radius", "less than", E * relative_radius - play),

@@ -432,7 +432,10 @@ def _is_drawn(delivery: MeasureDelivery) -> bool:
 
 
 def _deliver_measurement(measurement: "Measurement", destination: Destination, delivery: MeasureDelivery) -> None:
-    """Write a measurement and the logs of its runs, and print it unless JSON is requested."""
+    """Write the files of a measurement and the logs of its runs, and print it unless JSON is requested.
+
+    `destination` has the paths, `delivery` the output flags.
+    """
     from cycloid_mj.log import write as write_log
 
     outcome = _outcome(measurement, _figure_encoders(measurement, destination.stem) if _is_drawn(delivery) else {})

@@ -294,10 +294,11 @@ def _outcome(
 
 
 def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
-    """Describe the error of a scene that is not accurate, and its remedy, in a list of one sentence; else empty.
+    """Describe the error of a test scene with too long a time step, and its remedy, in a list of one sentence.
 
-    The remedy is to leave out the flags that are set, or to increase the inertia of the load. `timestep_ms` and
-    `integrator` are the values of these flags, None if they are not set.
+    `scene` is the trial simulation; if it is accurate, the list is empty. The remedy is to leave out the flags that are
+    set, or to increase the inertia of the load. `timestep_ms` and `integrator` are the values of these flags, None if
+    they are not set.
     """
     if scene.accurate:
         return []

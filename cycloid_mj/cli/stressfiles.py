@@ -217,7 +217,7 @@ def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", referred: bool) -> I
 
 
 def _claim_json(claim: "Claim") -> dict[str, str]:
-    """Convert a claim of a paper and its verdict to JSON values."""
+    """Convert a claim of a paper on stresses and our verdict on it to JSON values."""
     return {
         "figure": claim.figure,
         "statement": claim.claim,

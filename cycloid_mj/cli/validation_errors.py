@@ -84,7 +84,7 @@ def _describe(error: CycloptsError) -> str:
 
 
 def _find_in_groups(word: str) -> list[str]:
-    """Return the full names of commands called `word` within groups: `design check` for `check`."""
+    """Return the full names of commands within groups that are called `word`: `design check` for `check`."""
     matches = []
     for name, command in ((name, command) for group in GROUPS.values() for name, command in group.items()):
         if command.function.endswith(":commands"):

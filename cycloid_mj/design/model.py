@@ -1146,7 +1146,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
-        """Raise ValueError for values of parts that the layout of the reducer does not have."""
+        """Raise ValueError if a design sets values of parts that the layout of its reducer does not have."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
             set_keys += [key for key, is_default in _unused_keys(self) if not is_default and key.startswith("contact.")]

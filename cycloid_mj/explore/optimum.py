@@ -234,7 +234,7 @@ class Optimum(Tabular):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences about objectives that have the same value at every point."""
+        """Sentences about those objectives of an optimisation that have the same value at every evaluated point."""
         evaluated_rows = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
         sentences = []
         for key in (objective.key for objective in self.task.objectives):

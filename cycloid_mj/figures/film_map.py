@@ -155,7 +155,7 @@ def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
     """
 
     def format_row(point: MapPoint) -> tuple[str, ...]:
-        """Format a point of the map as a row of text."""
+        """Format a point of an efficiency map as text: quantity, torque, speed, temperature, value, interval, unit."""
         spread = point.spread
         return (
             point.quantity,

@@ -291,9 +291,10 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 def _rating_rows(
     reducer: Reducer, life: float, rated_limit: tuple[float, RatedItem], momentary_limit: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
-    """Return rows of ratio, input speed [rpm], and rated, bearing, acceleration, momentary and nominal torque [N m].
+    """Return the rows of a data sheet on the ratio, the input speed [rpm] and the torques [N m].
 
-    `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
+    The torques are the rated, bearing, acceleration, momentary and nominal torque. `rated_limit` and `momentary_limit`
+    are each a torque [N m] and the item that limits it; `life` is in [h].
     """
     design = reducer.design
     speed = design.drive.speed
@@ -439,7 +440,7 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of the continuous, the intermittent and the largest input speed [rpm]."""
+    """Return the rows of a data sheet on the continuous, the intermittent and the largest input speed [rpm]."""
     return (
         figure_row(
             reducer,
@@ -482,7 +483,7 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _interface_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of bolt circles and diameters [mm] of motor flange, output flange and covers."""
+    """Return the rows of a data sheet on bolt circles and diameters [mm] of motor flange, output flange and covers."""
     covers = casing(reducer)
     motor, screws = covers.motor, covers.screws
     shaft_text = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
@@ -521,7 +522,10 @@ def _threads(count: int, thread: float) -> str:
 
 
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return rows of mass [kg], inertia [kg cm2] and dimensions [mm] of the mechanism and of a drive with covers."""
+    """Return the rows of a data sheet on mass [kg], inertia [kg cm2] and dimensions [mm].
+
+    They are those of the mechanism and of a drive with covers.
+    """
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -676,7 +680,7 @@ def _lubricant_text(design: Design) -> str:
 
 
 def _material_text(reducer: Reducer) -> str:
-    """Return a sentence on the material of each part, and a sentence on the clearances [um]."""
+    """Return a sentence for the data sheet on the material of each part, and one on the clearances [um]."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
     kinds = [kind for kind in design.pair_kinds if applies(design.layout, "clearance", kind)]

@@ -238,7 +238,7 @@ def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of mass [kg], inertia [kg cm2] and dimensions [mm]."""
+    """Yield the rows of an RV reducer's data sheet on mass [kg], inertia [kg cm2] and dimensions [mm]."""
     design, discs = reducer.design, reducer.design.gear.discs
     yield Quantity(
         "mass",

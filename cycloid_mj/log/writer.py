@@ -282,7 +282,10 @@ class LogWriter:
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
-        """Write attachments and end metadata, finish the MCAP file and rename the log to its final name."""
+        """Write the attached files and the metadata at the end of the log, and rename the file to its final name.
+
+        `note` states why the run ended early, unless it is `complete`; `attachments` are the contents by name.
+        """
         end = {"complete": "true" if complete else "false", "note": encodable_text(note), "samples": str(self.samples)}
         try:
             _attach(self._mcap, attachments)

@@ -367,9 +367,10 @@ def _curves(
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
-    """Return the sentences on the simulation of the stops: torques, friction, contact stiffness, step and errors.
+    """Return the assumptions of a measurement of the backlash by simulation as sentences.
 
-    `runs` are all runs of the measure, for their time steps.
+    They are about torques, friction, contact stiffness, time steps and errors. `runs` are all runs of the measure, for
+    their time steps.
     """
     torque = PRESS.share * reducer.design.rated_torque
     return (

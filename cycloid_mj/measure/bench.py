@@ -82,7 +82,7 @@ def crank_angles(reducer: Reducer, count: int) -> Array:
 
 
 def without_friction(reducer: Reducer) -> Reducer:
-    """Return the design without friction and weight, which closed forms of backlash and stiffness leave out."""
+    """Return a copy of a design without friction and weight, as closed forms of backlash and stiffness assume."""
     design = reducer.design
     values = {key: value for key, value in NO_FRICTION.items() if applies(design.layout, "friction", key)}
     friction = Friction().model_copy(update=values)

@@ -310,9 +310,10 @@ def _curve_over_torque(
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the sentences on friction, contact stiffness, averaging and numerical errors of the runs.
+    """Return the assumptions of a measurement of the efficiency as sentences.
 
-    `periods` is the number of mesh periods of the averages.
+    They are about friction, contact stiffness, averaging and numerical errors of the runs. `periods` is the number of
+    mesh periods of the averages.
     """
     kinds = reducer.mechanism.kinds
     creep_speed = 1e3 * reducer.contacts.creep_speed

@@ -105,7 +105,7 @@ def run_map(
     progress: Progress,
     solver: Solver,
 ) -> EfficiencyMap:
-    """Simulate all runs of the efficiency measure in threads, and collect their operating points.
+    """Simulate the operating points of an efficiency map and its further runs in threads; return all of them.
 
     If the ring pins can move, they have no mass in the runs of the map and in those with a varied input.
 

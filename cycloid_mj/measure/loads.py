@@ -494,7 +494,10 @@ BEARING_SENTENCES: Mapping[Layout, Callable[[Design], str]] = {
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
-    """Return the sentences on contact stiffness, Hertz pressure, ideal sharing, yield limits and numerical errors."""
+    """Return the assumptions of a measurement of contact forces as sentences.
+
+    They are about contact stiffness, Hertz pressure, ideal sharing, yield limits and numerical errors.
+    """
     return (
         "contacts have the secant stiffness of the load of each run, here "
         f"{reducer.contacts.working_forces_text(tuple(reducer.clearance_keys))}",

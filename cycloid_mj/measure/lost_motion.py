@@ -119,9 +119,10 @@ def _solve_statics(reducer: Reducer, crank_angles: list[float], rated: float) ->
 
 
 def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
-    """Return the sentences on torque loop, time steps, friction, structure and contact stiffness.
+    """Return the assumptions of a measurement of the lost motion by simulation as sentences.
 
-    `period` is that of the torque [s].
+    They are about torque loop, time steps, friction, structure and contact stiffness. `data` are the loops, `period` is
+    that of the torque [s].
     """
     timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]

@@ -136,7 +136,10 @@ def stiffness(loop: HysteresisLoop) -> float:
 
 
 def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
-    """Yield lost motion and backlash [arcmin], as designed and without friction and weight."""
+    """Yield lost motion and backlash [arcmin] that are read from the simulated torque loops of a drive.
+
+    Both are those of the drive as designed, and without friction and weight.
+    """
     static_values = [windup.lost_motion / ARCMINUTE for windup in data.statics]
     rigid_form = BACKLASH[data.reducer.LAYOUT](data)
     rigid_values, rigid_source = (rigid_form.turn, rigid_form.source) if rigid_form is not None else ((), "")

@@ -177,7 +177,10 @@ def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> E
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
-    """Return the sentences on bearings, drag, statics, contact stiffness, numerical errors and orders."""
+    """Return the assumptions of a measurement of the transmission error over some crank turns, as sentences.
+
+    They are about bearings, drag, statics, contact stiffness, numerical errors and orders.
+    """
     design = reducer.design
     ring, holes = base_orders(reducer)
     separation_sentence = (

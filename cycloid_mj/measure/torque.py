@@ -367,9 +367,10 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the sentences on friction, contact stiffness, averaging, motor and numerical errors of the test.
+    """Return the assumptions of a brake test in simulation as sentences.
 
-    `periods` is the number of mesh periods of the averages.
+    They are about friction, contact stiffness, averaging, motor and numerical errors. `periods` is the number of mesh
+    periods of the averages.
     """
     return (
         f"{_friction_text(reducer)}; {drag_assumption(reducer)}; the bearings of the shafts are neglected",

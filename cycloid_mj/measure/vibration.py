@@ -281,7 +281,10 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
 
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
-    """Return the sentences on bearings, references, sampling, load and numerical errors of the runs."""
+    """Return the assumptions of a measurement of the vibration as sentences.
+
+    They are about bearings, references, sampling, load and numerical errors of the runs.
+    """
     shaft_beam = (
         ""
         if isinstance(reducer, RvReducer)

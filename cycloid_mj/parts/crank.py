@@ -94,7 +94,10 @@ class ShaftDimensions:
 
 @once
 def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
-    """Return the dimensions of the balanced crank that its strength depends on, without spacers."""
+    """Return the dimensions of the balanced crank that determine its strength: radii, and positions along z.
+
+    Spacers between discs are left out.
+    """
     design = reducer.design
     segments_by_name = crank_segments(reducer)
     journal, weight = segments_by_name[JOURNAL], segments_by_name.get(COUNTERWEIGHT)

@@ -140,7 +140,7 @@ def _middle_hole(reducer: RvReducer) -> tuple[CircleContour, ...]:
 
 @once
 def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
-    """Return the parts of `rv_parts` by name; computed once for each reducer."""
+    """Return the parts of an RV reducer by name, each once and in its own frame; computed once for each reducer."""
     parts = [housing_part(reducer), *_discs(reducer), *_crank_and_gears(reducer), *_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
         parts.append(pin_part(reducer))

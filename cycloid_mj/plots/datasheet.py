@@ -222,7 +222,7 @@ def _curves_by_panel(sheet: Datasheet) -> list[list[Curve]]:
 
 
 def _draw_panel(axes: Axes, curves: Sequence[Curve]) -> None:
-    """Draw the curves of a panel with title, axis labels and legend."""
+    """Draw the curves of one diagram of a data sheet, with title, axis labels and legend."""
     for curve, colour in zip(curves, (ACCENT, SOFT), strict=False):
         axes.plot(curve.x, curve.y, color=colour, linewidth=1.4, marker="o", markersize=2.2, label=curve.name)
     first_curve, values = curves[0], np.concatenate([curve.y for curve in curves])

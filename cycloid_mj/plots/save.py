@@ -90,7 +90,7 @@ def encode_figure(figure: Figure, form: str) -> bytes:
 
 @with_style
 def document(pages: Sequence[Figure]) -> bytes:
-    """Encode figures as the pages of one tagged PDF file, and return its bytes."""
+    """Encode figures as the pages of one tagged (accessible) PDF file, and return its bytes."""
     from cycloid_mj.plots.tagged_pdf import BACKEND, TaggedPdfFile  # half the import time of matplotlib
 
     content = BytesIO()

@@ -467,8 +467,9 @@ class Contacts:
     def creep_speed(self) -> float:
         """Sliding speed [m/s] from which friction at the working force has its full value.
 
-        It is that of the design file. By default it is `CONTACT.creep_share` times the orbital speed of the disc's
-        centre or, if the crank is at rest, `CONTACT.slow_creep`.
+        Below it, friction is proportional to the speed (regularised Coulomb friction). It is that of the design file.
+        By default it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at rest,
+        `CONTACT.slow_creep`.
         """
         design = self._reducer.design
         return (

@@ -76,7 +76,7 @@ class RvReducer(Reducer):
 
     @property
     def kinematics(self) -> "RvKinematics":
-        """Speed ratios, and orders of periodic errors, which follow from the numbers of teeth."""
+        """Speed ratios of an RV reducer, and orders of periodic errors, which follow from the numbers of teeth."""
         from cycloid_mj.geometry.rv import RvKinematics
 
         design, planet = self.design, self.planet

@@ -120,9 +120,9 @@ class TrialScene:
 def create_trial_scene(
     reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete"
 ) -> TrialScene:
-    """Create the MuJoCo scene of a joint and an inertia on its output [kg m2], with a time step [s], for a test.
+    """Create a MuJoCo scene for tests of a reduced joint, with an inertia on its output [kg m2] and a time step [s].
 
-    The joint has its own level of detail.
+    The joint is `reduced`, at its own level of detail ("rigid", "backlash" or "full").
     """
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})

@@ -51,7 +51,7 @@ class _File:
         self._sections["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
 
     def encode(self) -> bytes:
-        """Return the file as bytes: header, JSON chunk with the description, binary chunk with the buffer."""
+        """Return a glTF file as bytes: header, JSON chunk with the description, binary chunk with the buffer."""
         description = {
             "asset": {"version": "2.0", "generator": "cycloid_mj"},
             "scene": 0,

@@ -252,7 +252,7 @@ class _LoadedContacts:
 
 
 def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> _LoadedContacts:
-    """Select the contacts that carry load in a solution of the equilibrium under the law ``film``."""
+    """Select the contacts that carry load in a solved equilibrium with film friction, and their forces."""
     assert springs.film is not None
     assert contact_loads.friction is not None
     count = springs.teeth

@@ -217,7 +217,7 @@ def _solve_rows(
     bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
 
     def solve_chunk(first_sample: int, end_sample: int) -> None:
-        """Solve samples `first_sample` to `end_sample` - 1; repeat those that fail with all continuation paths."""
+        """Solve the equilibria of samples `first_sample` to `end_sample` - 1; repeat failures with continuation."""
         inputs = springs.contacts, effects, deviations, load
         workspace = allocate_workspace(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples

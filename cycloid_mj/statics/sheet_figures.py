@@ -110,7 +110,7 @@ def _has_disc(number: int) -> Callable[[Reducer], bool]:
 
 # fmt: off
 def _motion_rows() -> Iterator[SheetFigure]:
-    """Yield the definitions of the figures of backlash, lost motion, stiffness and compliances."""
+    """Yield key, name, unit and definition of the figures of backlash, lost motion, stiffness and compliances."""
     yield SheetFigure(
         "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
@@ -139,7 +139,7 @@ def _motion_rows() -> Iterator[SheetFigure]:
 
 
 def _error_rows() -> Iterator[SheetFigure]:
-    """Yield the definitions of the figures of the transmission errors of disc and output."""
+    """Yield key, name, unit and definition of the static figures of transmission errors of disc and output."""
     for shaft in SHAFTS:
         prefix, layouts = ("", BOTH) if shaft == "output" else (f"{shaft}_", CENTRAL)
         for case, direction in product(CASES, DIRECTIONS):
@@ -167,7 +167,7 @@ def _error_rows() -> Iterator[SheetFigure]:
 
 
 def _load_rows() -> Iterator[SheetFigure]:
-    """Yield the definitions of the figures of load shares, forces, pressures and capacities."""
+    """Yield key, name, unit and definition of the static figures of load shares, forces, pressures and capacities."""
     for number in range(1, 5):
         name = f"share of disc {number} in the torque"
         yield SheetFigure(
@@ -202,7 +202,10 @@ def _load_rows() -> Iterator[SheetFigure]:
 
 
 def _rv_load_rows() -> Iterator[SheetFigure]:
-    """Yield the definitions of the figures of an RV reducer only: bearing and planet forces, transmission errors."""
+    """Yield key, name, unit and definition of the static figures that only RV reducers have.
+
+    They are bearing and planet forces, and transmission errors.
+    """
     ideal_condition = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
     balanced_condition = "by the balance of all springs with clearances and errors, over a turn of the carrier"
     for name, method, condition in (
@@ -230,7 +233,7 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
 
 
 def _loss_rows() -> Iterator[SheetFigure]:
-    """Yield the definitions of the figures of efficiencies and losses."""
+    """Yield key, name, unit and definition of the static figures of efficiencies and losses."""
     yield SheetFigure(
         "efficiency", "%", "efficiency",
         "Power of the output over that of the input under the load, at the design's speed, without the bearings of "

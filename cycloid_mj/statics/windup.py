@@ -65,10 +65,10 @@ class Windup:
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:
-        """Compute the slope of `values` over the torque in its linear range, as the mean of both directions.
+        """Compute the slope of rotations or displacements over the output torque between half and full rated torque.
 
         `values` are rotations [rad] or displacements [m], such as `turn`; their keys are torques relative to `rated`.
-        The result is in [rad/(N m)] or [m/(N m)].
+        The result is in [rad/(N m)] or [m/(N m)], the mean of both directions.
         """
         low, high = STRAIGHT
         rise = (values[high] - values[low], values[-low] - values[-high])

@@ -77,7 +77,7 @@ class GridSettings:
     solid: bool = False
 
     def __post_init__(self) -> None:
-        """Raise UsageError for a setting that is not positive."""
+        """Raise UsageError for a setting of the finite-element grid that is not positive."""
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
                 raise UsageError(

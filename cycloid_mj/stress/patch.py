@@ -165,7 +165,7 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> A
 
 
 def _collect_edges(grid: Grid) -> _Edges:
-    """Return nodes, positions [m] and arc lengths [m] of the edges of all outlines with contacts."""
+    """Return nodes, positions [m] and arc lengths [m] of the element edges along all outlines with contacts."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)

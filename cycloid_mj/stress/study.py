@@ -316,7 +316,7 @@ def _solve_part(
 
 
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
-    """Return the loads at the crank angles with the `indices`, in their order."""
+    """Return the loads of a part at only the crank angles with the `indices`, in their order."""
     index_array = np.asarray(indices)
     count = len(loads.angle)
     selected_fields: dict[str, Any] = {

@@ -131,7 +131,7 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_restitution(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Simulate an impact at `TWO_BODIES.speed` in MuJoCo; return the coefficient of restitution [1]."""
+    """Simulate the impact of two bodies in MuJoCo (`TWO_BODIES.speed`); return the coefficient of restitution [1]."""
     model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9

@@ -26,7 +26,7 @@ read_address = _make_reader(types.intp, "read_address")
 
 
 def make_pointer_cast(kind: types.Type) -> Any:
-    """Return a compiled function that casts an address to a pointer to a numba type."""
+    """Return a compiled function that casts an address to a pointer to values of the numba type `kind`."""
 
     def pointer(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

@@ -329,7 +329,7 @@ def disc_pose(q: Array, body: int, angle: float) -> Pose:
 
 @njit
 def _disc_teeth(system: System, disc: int) -> Teeth:
-    """Return the teeth of a disc by its index: `System.teeth` with the offset of this disc."""
+    """Return the tooth geometry of the disc with an index: that of all discs, with the flank offset of this disc."""
     common, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
     flank_of_disc = Flank(

@@ -85,7 +85,7 @@ def choose_crank_end(reducer: Reducer, width: float, seat: float, bore_room: flo
 
 
 def _describe_seal_problem(reducer: Reducer, is_ringed: bool) -> str:
-    """Return why a seal ring does not fit, with the remedy, as a clause."""
+    """Return why a seal ring does not fit on the shaft, with the remedy, as a clause; empty if it fits."""
     if is_ringed:
         return "the crank has ball bearings, which are sealed themselves: remove the key"
     if reducer.design.shaft.bore_radius:

@@ -113,7 +113,7 @@ def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]
 
 
 def _loop_key(loop: Loop) -> object:
-    """Return a value that is equal for equal loops, to use as a key."""
+    """Return a hashable value that is equal for equal outlines."""
     if isinstance(loop, np.ndarray):
         return loop.tobytes()
     curves = (loop,) if isinstance(loop, Circle) else loop

@@ -136,7 +136,7 @@ class _Edge:
 
 
 def _covered(segments: Iterable[Segment], points: Array) -> Mask:
-    """Return which points (n, 2) [m] the material of segments covers, shape (n,)."""
+    """Return which points (n, 2) [m] are inside the cross-section of at least one of several segments, (n,)."""
     covered = np.zeros(len(points), dtype=bool)
     for segment in segments:
         is_inside = within(points, segment.outline.polygon(VISUAL_CHORD_ERROR))
