@@ -257,7 +257,10 @@ class Calibration(Presented):
         return _advise_loops(self.fitted, self.unidentified, self.indistinguishable)
 
     def tables(self) -> tuple[Table, ...]:
-        """Return tables of fitted values, loop figures, loops, deviations by section of a loop, and compared models."""
+        """Return tables on a fit to measured loops: fitted values, loop figures, loops, deviations, compared models.
+
+        The deviations are those of the fitted model by section of a loop.
+        """
         compared = (
             ("candidate models of the loops", self.candidates),
             ("which losses explain the loops", self.variants),

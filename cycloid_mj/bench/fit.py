@@ -281,10 +281,10 @@ def _continue_search(
 
 
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
-    """Return residuals, uncertainties and intervals of a `problem` at scaled values, shape (v,), without a search.
+    """Return residuals, uncertainties and intervals of a fit to loops at given values, without a search.
 
-    Scaled values are defined in `bench.search`. The intervals are those of the linearised model and include
-    `MODEL_ERROR`.
+    `scaled_values` (v,) are those of the parameters and offsets of the `problem`, divided by the scale of each
+    (`bench.search`). The intervals are those of the linearised model and include `MODEL_ERROR`.
 
     Raises
     ------

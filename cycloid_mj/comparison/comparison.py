@@ -137,12 +137,14 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check cases as `compare` does, and return their distinct designs by name; a case is a design under a load.
+    """Check the designs to be compared, and return the distinct ones by name; a case is a design under a load.
 
     Raises
     ------
-    UsageError, DesignError
-        As in `compare`, except for the solvers, which are not checked.
+    UsageError
+        A name stands for several designs, or the designs cannot be compared.
+    DesignError
+        A design has massless pins.
     """
     by_name: dict[str, Design] = {}
     for case in cases:

@@ -140,9 +140,9 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _read_disc_profile(path: Path) -> Columns:
     """Read the measured profile of a disc from a CSV file; return its columns by name, in the units of the names.
 
-    The header must have the names in `ANGLES` (angle and deviation) or in `POINTS` (x and y). Without a header, the
-    columns are x, y and optionally z [mm], which is ignored. Raises DesignError for any other header, and for the
-    errors that `_parse_columns` describes.
+    The header names angle and deviation (`ANGLES`), or x and y (`POINTS`). Without a header, the columns are x, y and
+    optionally z [mm], which is ignored. Raises DesignError for any other header, for a value that is not a number or
+    out of range, and for a wrong number of cells.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]

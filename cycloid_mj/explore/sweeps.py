@@ -206,7 +206,7 @@ def define_task(
     quick, real_pins
         Whether measures use fewer angles and runs; whether loaded runs keep the inertia of moving pins.
     follow, solver
-        As in `sweep`.
+        Formulas ``KEY=FORMULA`` of keys that follow others; and the solver of runs, "planar" or "mujoco".
 
     Raises
     ------

@@ -288,7 +288,7 @@ def _rate_lubricated(
     contacts
         Entrainment speed at the design's speed [m/s], and reduced radius [m], at each point of the duty.
     pressures, load_rates
-        Arguments of `_rate_pitting`.
+        Largest pressure [Pa] and number of loads per time at each point of the duty, as for the item without factors.
     speed_ratios
         Speed at each point over that of the design [1].
     """

@@ -313,8 +313,10 @@ def _quantities(
 
     Parameters
     ----------
-    presses_by_kind, checks
-        From `_run_presses`.
+    presses_by_kind
+        Stops by case ("all" clearances, or the kind of a single clearance), one pair per crank angle.
+    checks
+        Stops at the first angle by case, with other settings, for the numerical error.
     closed_forms
         Closed forms by the same cases; a case without a closed form has no reference.
     """

@@ -170,8 +170,10 @@ class HysteresisLoop:
         ----------
         min_share, max_share
             Torques relative to the nominal torque.
-        loading, sign, values
-            As in `read_branch`.
+        loading, sign
+            Whether the branch is the loading branch, and the sign of its torque.
+        values
+            Values over the loop, shape (n,); by default the rotation of the output [rad].
 
         Returns
         -------

@@ -76,7 +76,7 @@ def _mean_quantity(
     Parameters
     ----------
     key, name, unit, source, note
-        As in `Quantity`.
+        Those of the quantity; `source` is that of the reference.
     read_value
         Function that reads the value from a loop, in `unit`.
     loops

@@ -121,7 +121,8 @@ def extreme_quantities(
     Parameters
     ----------
     key, name, unit, source
-        As in `Quantity`; `key` and `name` without the ending for smallest and largest.
+        Those of the quantities, `key` and `name` without the ending for smallest and largest; `source` is that of the
+        reference.
     values
         Values at some crank angles, shape (k,).
     numerical

@@ -129,9 +129,9 @@ def _name_runs(
     Parameters
     ----------
     steady_reducer, variants, varied_inputs
-        As in `_tested_drives`.
+        The design in steady motion, its friction variants, and its varied inputs.
     tested_drives
-        Result of `_tested_drives`.
+        Drive and number of mesh periods of each run, by key of the run.
     published
         Published torques from `explain_published`; the runs at their friction coefficients are included.
     """

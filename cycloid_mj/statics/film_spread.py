@@ -168,7 +168,7 @@ def extrapolate_losses(
     Returns
     -------
     tuple
-        As in `lost_powers`.
+        Power lost with the inputs of the design [W], and with each sample [W], shape (samples,), both with drag.
     """
     own_loss, outcomes = contact_power(DESIGN_INPUTS), []
     for inputs in sample_inputs(samples)[0]:

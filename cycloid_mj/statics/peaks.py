@@ -98,7 +98,7 @@ def torque_at_pressure(
     contact_loads
         Contact forces under `torque`, if known.
     warm_start
-        As in `loads`.
+        Whether to start each solution from the previous equilibria.
 
     Returns
     -------

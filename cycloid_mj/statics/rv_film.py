@@ -200,7 +200,10 @@ class RvFilmLosses:
 
 
 def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmLosses:
-    """Return the losses with film friction under the forces `loads` of a solution, at the speeds of the design."""
+    """Return the friction losses of an RV reducer with the law ``film`` under forces `loads`, at design speed.
+
+    The result computes the powers for any inputs of the law.
+    """
     reducer, is_loaded = film.reducer, loads.pins > 0.0
     unit_power = loads.pins * np.abs(springs.slip) * abs(reducer.speed_against_ring) / len(springs.crank)
     return RvFilmLosses(

@@ -43,11 +43,11 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE, _SUN, _PLANET, _ECCENTRIC = (int(role) for 
 
 
 def _compile_general_collider(layout: Layout) -> Any:
-    """Compile or load the collider of all exact pairs except teeth on lobes; return it as a numba ``cfunc``.
+    """Compile or load MuJoCo's collision function for all pairs with exact contact except teeth on lobes.
 
     Its pairs are the teeth of a disc and a ring pin, a cylinder or ring pin in a bore or socket, an eccentric in its
-    bore, and the sun and a planet. It passes all others to MuJoCo's own collider. `layout` has the offsets of the
-    arrays in MuJoCo's memory.
+    bore, and the sun and a planet. The result is a numba ``cfunc``, which passes all others to MuJoCo's own collider.
+    `layout` has the offsets of the arrays in MuJoCo's memory.
     """
 
     @cfunc(_SIGNATURE, cache=cacheable())
@@ -81,10 +81,11 @@ def _compile_general_collider(layout: Layout) -> Any:
 
 
 def _compile_lobe_collider(layout: Layout) -> Any:
-    """Compile or load the collider of the teeth of a disc and the lobes of the internal gear; return a numba ``cfunc``.
+    """Compile or load MuJoCo's collision function for the teeth of a disc and the lobes of the internal gear.
 
-    It passes all other pairs to the general collider. Its compilation takes as long as that of all other pairs
-    together; pinwheels do not need it.
+    The result is a numba ``cfunc``, which passes all other pairs to the general collider. Its compilation takes as long
+    as that of all other pairs together; pinwheels do not need it. `layout` has the offsets of the arrays in MuJoCo's
+    memory.
     """
 
     @cfunc(_SIGNATURE, cache=cacheable())

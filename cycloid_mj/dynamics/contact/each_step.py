@@ -180,7 +180,7 @@ class EachStep:
     def _state_record(self) -> Any:
         """Return the addresses and sizes of a run's arrays in memory as a record, for compiled code in each step.
 
-        Its fields are those of `STEP_STATE`.
+        Its fields are those of `STEP_STATE`, such as the number of steps per sample and the address of the forces.
         """
         model, data, index = self._model, self._data, self._index
         layout = find_step_layout()._asdict()

@@ -371,8 +371,10 @@ def _find_round_contacts(
 
     Parameters
     ----------
-    system, contacts, q, v, half_step
-        As in `find_contacts`.
+    system, contacts, half_step
+        The reducer, the array that is filled, and half of the time step [s].
+    q, v
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns.
     first_contact
         Index of the first contact to be written.
     mating

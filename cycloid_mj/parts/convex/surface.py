@@ -114,8 +114,10 @@ def convex_slice(
         Name of the surface, for the error.
     outline
         Corners (n, 2) [m].
-    width, curvature, radius, play
-        As in `Slice`.
+    width, curvature
+        Width of its working face [m], and relative curvature of the contact [1/m], convex positive.
+    radius, play
+        For a facet of a round hole its radius and the radial play of the part in it [m]; otherwise 0.
 
     Raises
     ------

@@ -328,7 +328,8 @@ def _curve_distance(
     Parameters
     ----------
     trochoid, phase
-        As in `KernelSprings`; used only for a tooth profile.
+        Pin circle radius [m], eccentricity [m] and number of ring pins; and the phase of the pin [rad]. They are used
+        only for a tooth profile.
     curvature, curvature_rate
         Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
     q, p

@@ -153,12 +153,20 @@ def solve_scaled(
     scaled_clearance: Array,
     system: System,
 ) -> float:
-    """Solve as `newton` with foot points, for scaled clearances and friction; return the residual norm [N].
+    """Solve for equilibrium with scaled clearances and friction by Newton's method; return the residual norm [N].
+
+    The foot point of every tooth is computed. The method is that of `newton`, without damping and warm start.
 
     Parameters
     ----------
-    springs, k, load, z, tolerance, use_backtracking, system
-        As in `newton`, which is called without damping and warm start.
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Start values of the displacements (u,) [m], which are replaced by the solution.
+    tolerance, use_backtracking
+        Residual norm of a solution [N], and whether steps are halved until the energy falls.
+    system
+        Residual, tangent and workspace, which are overwritten.
     clearance, friction
         Factors on all clearances (`scale_clearances`) and on the friction [1].
     scaled_clearance
