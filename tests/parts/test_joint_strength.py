@@ -63,6 +63,8 @@ def test_stripping_force_of_m8_in_steel() -> None:
         (50, 80, 0, 40, 40, (200e9, 0.3), (200e9, 0.3), 0.15, 48.75e6, 1149.0),
         # aionlinecalculator, press fit, worked example: p 51.2 MPa, 965 N m (E 210 GPa, friction 0.12)
         (50, 80, 0, 40, 40, (210e9, 0.3), (210e9, 0.3), 0.12, 51.2e6, 965.0),
+        # novasolver, shrink-fit stress, default values: p 58.3 MPa, 6.87 kN m (E 210 GPa, same material)
+        (100, 150, 0, 50, 100, (210e9, 0.3), (210e9, 0.3), 0.15, 58.33e6, 6872.0),
         # DIN 7190, hollow shaft, steel on steel by hand: K = 5/3 + 0.3 + 5/3 - 0.3 = 10/3, p = 1e-3 x 210e9/(10/3)
         (60, 120, 30, 50, 60, (210e9, 0.3), (210e9, 0.3), 0.12, 63.0e6, 2137.5),
         # steel pin in aluminium by hand: K = 1.25/0.75/70e9 + 0.33/70e9 + 0.7/210e9 = 3.1857e-11 1/Pa
