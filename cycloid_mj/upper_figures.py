@@ -146,7 +146,7 @@ UPPER_FIGURES = (
          "the life of the design with its service factor (ISO 281) and standing (ISO 76)."),
         ("output_tilting_stiffness", "N m/arcmin", "tilting stiffness of the output",
          "Moment across the axis over the tilt by balls or rollers of the hub's bearings, at half their moment limit, "
-         "without clearance; hub and covers rigid."),
+         "without clearance; seats in plastic covers elastic, hub and metal covers rigid."),
         ("output_radial_load", "N", "radial load on the output",
          "Force across the axis on the flange's face that the hub's bearings support next to the nominal torque, as "
          "the tilting moment."),

@@ -5,7 +5,8 @@ distance of their load centres: of their middles, or for angular contact bearing
 the lines of contact meet the axis. They also carry the forces of the discs on the output, and of the shaft where its
 bearing is in the hub. Load ratings are those of ``design.stock``. Balls, for the tilting stiffness, are estimated:
 0.3 (D - d) in diameter, as many as fill 195 deg between the rings (Conrad assembly; Harris, Rolling Bearing Analysis),
-or 270 deg of angular contact bearings (assumed).
+or 270 deg of angular contact bearings (assumed). Seats in a cover of plastic are elastic (`seat_stiffness`); those in
+metal, and the hub, are rigid.
 
 A crossed roller bearing carries a force F and a moment M together by the load F + 2 M/d_pw (THK, No. 382-3E). Its
 rollers, for the tilting stiffness, are estimated from its static rating by ISO 76; its retainer must not gape.
@@ -14,6 +15,7 @@ rollers, for the tilting stiffness, are estimated from its static rating by ISO 
 import math
 from dataclasses import dataclass
 
+from cycloid_mj.base import names
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.stock import ANGULAR_CONTACT, DEEP_GROOVE_FILLED_ANGLE, StockBearing
 from cycloid_mj.life import rolling
@@ -60,6 +62,8 @@ class OutputBearings:
         the load is multiplied by the service factor, as in a rating.
     own
         Largest force of discs and shaft on each at the nominal torque [N], the inner one first.
+    seat
+        Radial stiffness of each seat in the cover [N/m]; infinite in a metal.
     """
 
     bearing: StockBearing
@@ -70,6 +74,7 @@ class OutputBearings:
     static: float
     capacity: float
     own: tuple[float, float]
+    seat: float = math.inf
 
     @property
     def layout(self) -> str:
@@ -80,10 +85,11 @@ class OutputBearings:
     @property
     def stiffness_note(self) -> str:
         """Condition of the tilting stiffness, in words; without preload the stiffness with the usual clearance."""
+        seats = "" if math.isinf(self.seat) else "; with the plastic of their seats"
         if self.bearing.contact_angle:
-            return "preloaded"
+            return f"preloaded{seats}"
         loose_stiffness = self.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
-        return f"{loose_stiffness:.3g} with the usual clearance, closed"
+        return f"{loose_stiffness:.3g} with the usual clearance, closed{seats}"
 
     @property
     def axial_source(self) -> str:
@@ -113,12 +119,13 @@ class OutputBearings:
 
         The deflection of a ball follows from its force by Palmgren's formula. The most loaded of the Z balls of a
         bearing has the force Q; `ball_load_factor` is Z Q/F, with the force F on the bearing. Q and F are in the
-        direction of contact.
+        direction of contact. Each seat yields by F over its stiffness.
         """
         bearing_force, cosine = 0.5 * self.moment / self.spacing, math.cos(self.bearing.contact_angle)
         ball_force = ball_load_factor * bearing_force / (self.row.balls * cosine)
         approach = 1e-6 * BALL_BEARINGS.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0) / cosine
-        return bearing_force * self.spacing**2 / (2.0 * approach) if bearing_force else 0.0
+        deflection = approach + bearing_force / self.seat
+        return bearing_force * self.spacing**2 / (2.0 * deflection) if bearing_force else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,6 +211,34 @@ class CrossedRollerBearing:
         return moment * radius * cosine / approach if moment else 0.0
 
 
+def seat_stiffness(bore: float, outside: float, width: float, modulus: float, poisson: float) -> float:
+    """Compute the radial stiffness of the seat of a rigid ring in a plate that is fixed at its outside [N/m].
+
+    The plate is an annulus in plane stress, bonded to the ring: with kappa = (3 - nu)/(1 + nu) and the shear modulus G,
+    k = 2 pi G (1 + kappa) t/(kappa ln(b/a) - (b^2 - a^2)/(kappa (a^2 + b^2))). For kappa = 1 it is the stiffness of a
+    rubber bush by Adkins and Gent (Brit. J. Appl. Phys. 5, 1954, 354).
+
+    Parameters
+    ----------
+    bore, outside, width
+        Diameters a and b, and thickness t of the plate [m].
+    modulus, poisson
+        Young's modulus [Pa] and Poisson's ratio of the plate.
+    """
+    kappa, shear = (3.0 - poisson) / (1.0 + poisson), modulus / (2.0 * (1.0 + poisson))
+    share = (outside**2 - bore**2) / (outside**2 + bore**2)
+    return 2.0 * math.pi * shear * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - share / kappa)
+
+
+def _cover_seat(reducer: Reducer) -> float:
+    """Compute the stiffness of each seat of the output's bearings [N/m]: up to the screws in a plastic cover."""
+    sizes, cover = casing(reducer), reducer.design.material_of(names.HOUSING)
+    if not cover.is_plastic:
+        return math.inf
+    outside = 2.0 * sizes.screws.circle
+    return seat_stiffness(sizes.hub.outside, outside, sizes.hub.width, cover.youngs_modulus, cover.poisson)
+
+
 def balls_of(bearing: StockBearing) -> BallRow:
     """Estimate the balls of a bearing from its dimensions."""
     size, pitch = BALL_BEARINGS.ball_share * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
@@ -246,6 +281,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
         static=hub.static,
         capacity=capacity,
         own=_own_forces(reducer),
+        seat=_cover_seat(reducer),
     )
 
 

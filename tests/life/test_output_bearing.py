@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import skfem
+from skfem.models.elasticity import linear_elasticity
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
@@ -14,7 +16,7 @@ from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.joints import retainer_joint
 from cycloid_mj.life.loading import FAR, solve_loading
 from cycloid_mj.life.no_load import no_load_torque
-from cycloid_mj.life.output_bearing import output_bearings
+from cycloid_mj.life.output_bearing import output_bearings, seat_stiffness
 from cycloid_mj.life.output_loads import (
     BALL_BEARINGS,
     crossed_roller_loads,
@@ -62,6 +64,37 @@ def test_the_tilt_of_the_hub_is_that_of_the_balls() -> None:
         found.tilting_stiffness() * (4.37 / 5.0) ** (2.0 / 3.0)
     )
     assert replace(found, own=(1e6, 0.0)).tilting_stiffness() == 0.0
+
+
+def test_the_stiffness_of_a_seat_matches_finite_elements() -> None:
+    """A rigid ring of 65 mm in a plate of 100 mm that is fixed at its outside, 7 mm thick, in plane stress."""
+    inner, outer, width, modulus, poisson = 32.5e-3, 50e-3, 7e-3, 1.4e9, 0.39
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(inner, outer, 13), np.linspace(0.0, 2.0 * np.pi, 97))
+    radius, angle = mesh.p
+    points = np.round(np.ascontiguousarray([radius * np.cos(angle), radius * np.sin(angle)]), 12)
+    mesh = skfem.MeshQuad(points, mesh.t).remove_duplicate_nodes()
+    first, second = modulus * poisson / (1.0 - poisson**2), modulus / (2.0 * (1.0 + poisson))
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementQuad2()))
+    stiffness = linear_elasticity(first, second).assemble(basis)
+    ring, rim = (basis.get_dofs(lambda x, at=at: np.abs(np.hypot(*x) / at - 1.0) < 2e-3).all() for at in (inner, outer))
+    along_x = np.concatenate([basis.nodal_dofs[0], basis.facet_dofs[0]])
+    shift, held = np.zeros(basis.N), np.concatenate([ring, rim])
+    shift[np.intersect1d(ring, along_x)] = 1.0
+    solution = skfem.solve(*skfem.condense(stiffness, x=shift, D=held))
+    computed = width * float(solution @ (stiffness @ solution))
+    assert seat_stiffness(2.0 * inner, 2.0 * outer, width, modulus, poisson) == pytest.approx(computed, rel=1e-3)
+
+
+def test_seats_in_plastic_covers_make_the_output_softer() -> None:
+    """Both bearings of printed yield by the balls and by the plate up to the screws; in a metal only by the balls."""
+    printed = output_bearings(Reducer(PRESETS["printed"]))
+    rigid = replace(printed, seat=math.inf)
+    force, spacing = 0.5 * printed.moment / printed.spacing, printed.spacing
+    softer, stiffer = (0.5 * printed.moment / one.tilting_stiffness() for one in (printed, rigid))
+    assert softer - stiffer == pytest.approx(2.0 * force / printed.seat / spacing)
+    assert "plastic of their seats" in printed.stiffness_note
+    assert math.isinf(output_bearings(TWO).seat)
+    assert "plastic" not in output_bearings(TWO).stiffness_note
 
 
 def test_angular_contact_bearings_carry_at_their_load_centres() -> None:
