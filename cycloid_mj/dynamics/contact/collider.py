@@ -108,7 +108,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return the address of MuJoCo's own cylinder collider, and the general collider (``cfunc``) after its self-test.
+    """Return the address of MuJoCo's own collision function for cylinders, and ours for all pairs but lobes.
+
+    Ours is a numba ``cfunc``, which has passed its self-test.
 
     Raises
     ------

@@ -214,10 +214,11 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
 def drags_and_servos(
     reducer: Reducer, held: Held, shaft_inertia: Mapping[str, float], servo_inertia: Mapping[str, float]
 ) -> tuple[Array, Array]:
-    """Return `System.drag` and `System.servo`, each of shape (2, 2), with rows for the shafts output and crank.
+    """Return drag and servo gains of the shafts of a reducer for the planar solver, each of shape (2, 2).
 
-    The shaft `held` has the servo. `shaft_inertia` are the inertias [kg m2] of the shafts ``output`` and ``crank``;
-    `servo_inertia` are those that a servo on each shaft moves.
+    The drag has a limit [N m] and a torque per speed below it [N m s], the servo the gains [N m/rad] and [N m s/rad].
+    Rows are output and crank, as in `System`. The shaft `held` has the servo. `shaft_inertia` are the inertias [kg m2]
+    of the shafts ``output`` and ``crank``; `servo_inertia` are those that a servo on each shaft moves.
     """
     crank_drag, output_drag = drag_torques(reducer)
     losses = {"output": output_drag, "crank": crank_drag}
