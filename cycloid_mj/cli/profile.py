@@ -22,6 +22,7 @@ EXAMPLES = """Examples:
 
 POINTS_PER_TOOTH = 100
 CRANK_ANGLES = 100
+"""Default number of points of an outline per tooth, and of crank angles in a mesh period."""
 
 Part = Literal["gear", "ring", "curvature"]
 PointsFlag = Annotated[

@@ -14,6 +14,7 @@ PREPARING, JUDGING = "preparing the model", "evaluating the run"
 MIN_BAR_WIDTH = 60
 """Columns of a terminal below which progress is a percentage alone."""
 SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
+"""Least time between lines of progress [s]: of a simulation, and of counted items."""
 
 
 @contextmanager

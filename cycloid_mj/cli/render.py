@@ -18,6 +18,7 @@ EXAMPLES = """Examples:
 
 WIDTH, HEIGHT = 1280, 960
 AZIMUTH, ELEVATION = 90.0, -62.0
+"""Default size of an image [pixels], and direction of view [deg]."""
 FORMATS = (".png", ".jpg", ".webp")
 
 PictureName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Image to write, .png, .jpg or .webp.")]

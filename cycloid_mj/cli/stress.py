@@ -49,6 +49,7 @@ EXAMPLES = """Examples:
 
 RUNS = "runs/stress"
 GIGABYTE = 1e9
+"""Bytes."""
 
 PartsFlag = Annotated[
     tuple[str, ...],

@@ -33,6 +33,7 @@ OUT, STEM = "runs/sweep", "sweep"
 FILES = ("sweep.parquet", "sweep.png", "sweep.svg")
 POINTS = 64
 MOST_ERRORS = 5
+"""Default number of drawn points, and largest number of failed points that are listed."""
 
 EXAMPLES = """Examples:
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5:5 --measure statics

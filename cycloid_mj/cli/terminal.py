@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cycloid_mj.base.result import Table
 
 PIPE_WIDTH = 120
+"""Width of the output [characters] if it is not a terminal."""
 
 _seen: ContextVar[dict[str, None]] = ContextVar("seen")
 

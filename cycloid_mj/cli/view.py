@@ -12,6 +12,7 @@ EXAMPLES = """Examples:
   cycloid-mj view runs/pin.mcap --slow 200"""
 
 SLOW = 100.0
+"""Default factor by which the viewer slows the motion down."""
 
 WhatFlag = Annotated[
     str,

@@ -57,6 +57,7 @@ CAGES = (
 
 INCH, POUND = 0.0254, 4.4482216
 KPSI = 1e3 * POUND / INCH**2
+"""Inch [m], pound-force [N] and kilopound per square inch [Pa]."""
 
 
 def bearing_rows(quick: bool) -> list[ValidationRow]:

@@ -20,6 +20,7 @@ SAMPLES, SEED = 128, 58
 """Number of samples, a power of 2 for the Sobol sequence, and their seed."""
 
 PERCENTILES = (5.0, 95.0)
+"""Ends of the interval of a spread [%]."""
 
 
 @dataclass(frozen=True)

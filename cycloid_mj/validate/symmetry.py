@@ -16,6 +16,7 @@ from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FREE, PERIODS, rated_run
 
 SPEED, GRAVITY = 1640.0, 9.8
+"""Crank speed of Hsieh 2014 [rpm], and gravity [m/s2]."""
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ Q = np.array([5e-3, 24e-3])
 """A point of the gear off its axes, so that no term of Eqs 16-20 vanishes [m]."""
 
 SPEED = 1640.0 * np.pi / 30.0
+"""Crank speed of the paper [rad/s]."""
 HOLD, RAMP = CrankLaw(SPEED, 0.0), CrankLaw(SPEED, 1.0)
 
 

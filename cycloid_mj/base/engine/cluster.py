@@ -22,6 +22,7 @@ AHEAD = 1000
 """Items that are with the scheduler at once, at least: what comes later waits here, where it costs nothing."""
 
 SECONDS_TO_CONNECT = 20.0
+"""Time to connect to the scheduler of a cluster, after which it counts as unreachable."""
 
 
 def run_on_cluster(
