@@ -74,8 +74,8 @@ def back_driving_torque(reducer: Reducer) -> float:
 
     The torque T balances the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
     crank's speed w and the ratio i. It is determined by at most `MAX_SECANT_STEPS` steps with the secant of the losses
-    between T and 2 T. The reducer is self-locking if the losses grow at least as fast as the input power. Raises the
-    errors of `shaft_powers`.
+    between T and 2 T. The reducer is self-locking if the losses grow at least as fast as the input power. Raises
+    RunError without a static equilibrium.
     """
     creeping = _at_creep_speed(reducer)
     lever = reducer.design.reduction / abs(creeping.design.drive.speed)
@@ -95,7 +95,8 @@ def back_driving_torque(reducer: Reducer) -> float:
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `no_load_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
-    The interval follows from random `samples` of the law's uncertain inputs. Raises the errors of `shaft_powers`.
+    The interval follows from random `samples` of the law's uncertain inputs. Raises RunError without a static
+    equilibrium.
     """
     speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
     lost, outcomes = sampled_losses(reducer, load, samples)
@@ -114,7 +115,7 @@ def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `back_driving_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
     The interval follows from random `samples` of the law's uncertain inputs, whose torques are assumed to be
-    proportional to their losses. Raises the errors of `shaft_powers`.
+    proportional to their losses. Raises RunError without a static equilibrium.
     """
     torque = back_driving_torque(reducer)
     lost_power, outcomes = sampled_losses(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)

@@ -42,9 +42,9 @@ def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Slice the output holes of a disc, as manufactured, into flat facets in the frame of the disc.
+    """Slice the walls of the output holes of a disc, as manufactured, into flat convex facets in the frame of the disc.
 
-    `SlicePlacement.member` is the number of the hole: 1 on +y, then clockwise.
+    `disc` is its index. Facets are placed hole by hole: hole 1 is on +y, the others follow clockwise.
     """
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
@@ -55,9 +55,9 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Slice the sockets of free ring pins, as manufactured, into flat facets in the frame of the reducer.
+    """Slice the walls of the sockets of free ring pins, as manufactured, into flat facets in the frame of the reducer.
 
-    `SlicePlacement.member` is the number of the pin: 1 on +y, then clockwise.
+    Facets are placed pin by pin: pin 1 is on +y, the others follow clockwise.
     """
     design = reducer.design
     ring = design.ring
