@@ -146,7 +146,7 @@ def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
 def _level_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the rms level of each acceleration and force at the design's speed, and further quantities of the vibration.
+    """Yield the rms of each acceleration and force at the design's speed, and further quantities of the vibration.
 
     The rms levels include frequencies up to half of `VibrationRun.rate`. The further quantities are the share of a
     signal's power above that frequency, for signals with a spectrum, the acceleration of the disc's centre, and the
