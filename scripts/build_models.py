@@ -23,8 +23,9 @@ COARSE = ConvexSettings(chord_error=1e-6)
 """Of models/twodisc: half as many slices for each of its discs."""
 
 RV_README = Path(__file__).with_name("model_rv80e_readme.md")
-RV_CHANGES = ("ring.pins=fixed", "clearance.pin_gear_um=1")
-"""Changes of the preset rv80e for its folder: fixed pins cost less, and slices are less accurate than its clearance."""
+RV_CHANGES = ("ring.pins=fixed", "clearance.pin_gear_um=1", "friction.law=coulomb")
+"""Changes of the preset rv80e for its folder: fixed pins cost less, slices are less accurate than its clearance, and
+MuJoCo alone has no film friction."""
 
 STEPS_US = {"pin": 2.0, "nonpin": 5.0, "twodisc": 5.0, "rv80e": 5.0}
 """Time step of each preset's folder [us]: free pins need the shorter, for at 5 us they add what friction takes."""

@@ -45,6 +45,9 @@ PARTS = {
 }
 MOUNTS = BENCH / "mounts.toml"
 
+COULOMB = {"law": "coulomb"}
+"""Friction of the drives: loops of a locked shaft show Coulomb friction only."""
+
 RUBBING = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
 """Fitted parameters with friction in the contacts."""
 
@@ -69,7 +72,7 @@ def fit_drives() -> dict[str, Any]:
     content: dict[str, Any] = {}
     pin: Any = None
     for kind, names in LOOPS.items():
-        drawn = cm.load("printed").but(ring={"kind": kind})
+        drawn = cm.load("printed").but(ring={"kind": kind}, friction=COULOMB)
         loops = [cm.read_loop(BENCH / f"{name}.csv") for name in names]
         calibration = cm.calibrate(drawn, loops)
         content_of = calibration.as_json()
@@ -99,7 +102,7 @@ def part_compliances(kind: str) -> dict[str, Any]:
     from cycloid_mj.stress.mounts import read_mounts
     from cycloid_mj.stress.springs import part_springs
 
-    springs = part_springs(Reducer(cm.load("printed").but(ring={"kind": kind})), read_mounts(MOUNTS))
+    springs = part_springs(Reducer(cm.load("printed").but(ring={"kind": kind}, friction=COULOMB)), read_mounts(MOUNTS))
     return {"parts": dict(springs.compliance), "interval": springs.interval}
 
 
@@ -113,7 +116,10 @@ def fit_contact_friction() -> dict[str, Any]:
     from cycloid_mj.reducer import Reducer
     from cycloid_mj.reducer.limits import stops
 
-    drawn, loops = cm.load("printed"), [cm.read_loop(BENCH / f"{name}.csv") for name in LOOPS["pin"]]
+    drawn, loops = (
+        cm.load("printed").but(friction=COULOMB),
+        [cm.read_loop(BENCH / f"{name}.csv") for name in LOOPS["pin"]],
+    )
     pitch = 2.0 * math.pi / drawn.ring.teeth
     fits = {
         f"{math.degrees(share * pitch):.4g}, crank": cm.calibrate(drawn, loops, RUBBING, crank=share * pitch)
@@ -149,7 +155,7 @@ def preload_study() -> dict[str, dict[str, float | None]]:
     rows: dict[str, dict[str, float | None]] = {}
     for arcmin in PRELOADS:
         halves = {"kind": "nonpin", "halves": 2, "preload": math.radians(arcmin / 60.0)}
-        reducer = Reducer(cm.load("printed").but(ring=halves, load={"torque": 0.0}))
+        reducer = Reducer(cm.load("printed").but(ring=halves, load={"torque": 0.0}, friction=COULOMB))
         ratio = reducer.design.reduction
         run = reducer.steady(SETTLED, TURNS, settings={"log_rate": 2000.0})
         ran = cm.simulate(run.design, planar_model(run)) if arcmin else None

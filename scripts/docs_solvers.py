@@ -93,7 +93,9 @@ def design_of(layout: str, load_share: float, friction: float, speed: float) -> 
     )
     hold = SETTLED + max(60.0 * SOLVERS.turns / speed, SOLVERS.min_time)
     load = f"load.torque_nm={load_share * design.rated_torque!r}"
-    return override(design, [load, f"friction.{design.tooth_pair}={friction!r}", f"drive.hold_s={hold!r}"])
+    return override(
+        design, [load, "friction.law=coulomb", f"friction.{design.tooth_pair}={friction!r}", f"drive.hold_s={hold!r}"]
+    )
 
 
 def run_figures(reducer: Reducer, model: Model) -> Array:

@@ -3,12 +3,16 @@
 import numpy as np
 
 from cycloid_mj.base.record import Run
+from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvLoads, compute_rv_friction, compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_sheet import torque_on_carrier
 
+COULOMB_RV80E = PRESETS["rv80e"].but(friction={"law": "coulomb"})
+"""The RV-80E with fixed friction coefficients, for figures that were computed with them."""
+
 FRICTIONLESS = {
-    "friction": {"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
+    "friction": {"law": "coulomb", "pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
     "planet": {"friction": 0.0},
 }
 

@@ -479,9 +479,10 @@ def _max_structure_stiffness(reducer: Reducer) -> float:
 
 
 def _set_friction(model: Model, value: float) -> Model:
-    """Return a model with a coefficient of friction of all sliding pairs; rolling cams and output pins keep theirs."""
+    """Return a model with a Coulomb coefficient of all sliding pairs; rolling cams and output pins keep theirs."""
     kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
-    return replace(model, reducer=reducer_of(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
+    friction = {"law": "coulomb", **dict.fromkeys(kinds, value)}
+    return replace(model, reducer=reducer_of(model.reducer.design.but(friction=friction)))
 
 
 def _rolling(reducer: Reducer) -> set[str]:

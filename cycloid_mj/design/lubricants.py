@@ -154,6 +154,15 @@ def plastic_pairs() -> Mapping[str, PlasticPair]:
     }
 
 
+def greased_friction(material: str) -> tuple[float, float]:
+    """Return lowest and highest friction coefficient [1] of a greased plastic on steel, by the name of the plastic.
+
+    A plastic that is not in the table counts as a filled thermoplastic.
+    """
+    rows = {name: row["pair"] for row in _table()["plastic"] for name in row.get("materials", [])}
+    return plastic_pairs()[rows.get(material, "filled thermoplastic on steel")].greased
+
+
 @cache
 def _table() -> dict[str, Any]:
     return tomllib.loads(TABLE.read_text(encoding="utf-8"))

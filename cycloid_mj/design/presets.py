@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from operator import attrgetter
 
 from cycloid_mj.design.layouts import supports
+from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.design.model import Design, Ring
 from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
@@ -32,7 +33,13 @@ def _make_printed() -> Design:
         shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0), "mounting": "straddle"},
         housing={"outer_radius": mm(45.0)},
         clearance={"pin_gear": um(50.0), "tooth": um(50.0), "cam": um(10.0), "output": um(50.0)},
-        friction={"pin_gear": 0.12},
+        friction={
+            "law": "film",
+            "lubricant": "lithium complex grease 220",
+            "roughness": um(10.0),
+            "boundary": sum(greased_friction("Onyx")) / 2.0,
+            "pin_gear": 0.12,
+        },
         material={"name": "Onyx"},
         pin_material={"name": "bearing steel"},
         output_material={"name": "bearing steel"},
@@ -79,6 +86,10 @@ def _make_twodisc() -> Design:
     )
 
 
+_RV_GREASED = {"law": "film", "lubricant": "fluid reducer grease 130"}
+"""Friction of RV reducers, which makers fill with a fluid grease."""
+
+
 def _make_rv80e() -> Design:
     """Return an RV-80E reducer (Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384).
 
@@ -92,6 +103,7 @@ def _make_rv80e() -> Design:
         gear={"discs": 2, "disc_gap": mm(2.0), "eccentricity": mm(1.5), "face_width": mm(15.0)},
         housing={"outer_radius": mm(95.0)},
         clearance={"pin_gear": um(0.1), "pin_socket": um(0.1)},
+        friction=_RV_GREASED,
         contact={"stiffness_law": "uniform"},
         stiffness={"pin_gear": 6e8, "pin_socket": 6e8},
         material={"name": "bearing steel"},
@@ -124,6 +136,7 @@ def _make_rv64() -> Design:
         },
         housing={"outer_radius": mm(80.0)},
         clearance={"pin_gear": um(0.1), "pin_socket": um(0.1)},
+        friction=_RV_GREASED,
         contact={"stiffness_law": "uniform"},
         stiffness={"pin_gear": 4.8e8, "pin_socket": 4.8e8},
         material={"name": "bearing steel"},
@@ -156,6 +169,8 @@ _WORKED = "the worked calculation"
 _YANG = "Yang et al. 2021"
 _STIFF_AS = "a drive as stiff as the catalogue's, 196 N m/arcmin"
 
+_RV_GREASE = "filled with a fluid grease, as RV reducers are (assumed)"
+
 _EXUDYN = "RV example for Exudyn"
 
 _REASONS: Mapping[str, Mapping[str, str]] = {
@@ -166,6 +181,8 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         **dict.fromkeys(("cranks.needle_stiffness", "cranks.taper_stiffness"), _STIFF_AS),
         **dict.fromkeys(("cranks.needle_clearance", "cranks.taper_clearance"), "adjusted without play (assumed)"),
         **dict.fromkeys(("clearance.pin_gear", "clearance.pin_socket"), "paired parts, nearly without play (assumed)"),
+        "friction.law": _RV_GREASE,
+        "friction.lubricant": _RV_GREASE,
         "ring.pins": "needles in half-open grooves",
         "drive.torque": "rated torque 784 N m over the ratio",
         "drive.speed": "15 rpm of the output (catalogue)",
@@ -184,6 +201,8 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         **dict.fromkeys(("clearance.pin_gear", "clearance.pin_socket"), "paired parts, nearly without play (assumed)"),
         "planet.module": "cranks on a radius of 30 mm (RV example for Exudyn)",
         "contact.stiffness_law": "as rv80e (assumed)",
+        "friction.law": _RV_GREASE,
+        "friction.lubricant": _RV_GREASE,
         "ring.pins": "needles in half-open grooves (assumed)",
         "drive.torque": "rated torque 412 N m over the ratio",
         "drive.speed": "15 rpm of the output (catalogue)",
@@ -231,7 +250,11 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "clearance.tooth": "parameters.txt: cycloid_clearance",
         "clearance.cam": _BEARING,
         "clearance.output": "as the teeth (assumed)",
-        "friction.pin_gear": "greased plastic on steel, assumed",
+        "friction.law": "greased (assumed)",
+        "friction.lubricant": "synthetic base oil, which plastics withstand (assumed)",
+        "friction.roughness": "layers of a printed flank (assumed)",
+        "friction.pin_gear": "with the law coulomb: greased plastic on steel, assumed",
+        "friction.boundary": "greased plastic on steel, 0.05 to 0.12 (VDI 2736-2)",
         "material.name": "what housing and gear were printed of in one of its builds; dry, in the layers' plane",
         "drive.torque": "for the load of the run; the thesis names 52 N m at the output, beyond first yield here",
         "drive.speed": "assumed",

@@ -10,7 +10,7 @@ from typing import Any
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer, RvReducer
-from cycloid_mj.statics.film_spread import RANGES
+from cycloid_mj.statics.film_spread import RANGES, boundary_range
 
 
 @dataclass(frozen=True)
@@ -154,12 +154,12 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of the law ``film`` with ranges: boundary friction, roughness, friction of needles."""
     friction = reducer.design.friction
     inputs = []
-    for key, value, unit, scale in (
-        ("boundary", friction.boundary, "1", 1.0),
-        ("roughness", friction.roughness, "um", 1e6),
+    for key, span, value, unit, scale in (
+        ("boundary", boundary_range(reducer), friction.boundary, "1", 1.0),
+        ("roughness", RANGES["roughness"], friction.roughness, "um", 1e6),
     ):
-        limits = [factor * value for factor in (RANGES[key].low, RANGES[key].high)]
-        inputs.append(_equal_input(reducer, RANGES[key].name, unit, "friction", [key], limits, scale))
+        limits = [factor * value for factor in (span.low, span.high)]
+        inputs.append(_equal_input(reducer, span.name, unit, "friction", [key], limits, scale))
     if reducer.design.output.has_needles and not isinstance(reducer, RvReducer):
         inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
     return inputs

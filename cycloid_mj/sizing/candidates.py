@@ -14,6 +14,7 @@ from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
 from cycloid_mj.checks.teeth import TEETH
 from cycloid_mj.design import PRESETS, Design, Material, override, stock
+from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.design.units import bounds_of
@@ -506,8 +507,16 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
         "tolerance": tolerances(requirement, discs, at_pin),
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
-        **{table: dict(values) for table, values in limits.changes.items() if table != "ring"},
+        **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},
+        "friction": {**limits.changes["friction"], **_boundary_friction(requirement.made_of)},
     }
+
+
+def _boundary_friction(material: str) -> dict[str, float]:
+    """Return the coefficient of boundary friction of a greased plastic as a key of ``friction``; empty for metals."""
+    if not Material(name=material).is_plastic:
+        return {}
+    return {"boundary": round(sum(greased_friction(material)) / 2.0, 4)}
 
 
 def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[str, Any]]:

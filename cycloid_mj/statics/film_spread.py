@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, friction_losses, loads, solve_at_friction
 from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, FilmSurfaces, drag_power, drag_torques
@@ -49,6 +50,22 @@ RANGES: Mapping[str, InputRange] = {
 """Range of each input of `FilmInputs`: assumed, from the scatter of handbooks and measurements."""
 
 
+def boundary_range(reducer: Reducer) -> InputRange:
+    """Return the range of the boundary friction: that of greased steel, or that of the plastic on whose flanks it acts.
+
+    For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
+    """
+    partners = reducer.design.partners(reducer.design.tooth_pair)
+    softer = min(partners, key=lambda material: material.youngs_modulus)
+    if not softer.is_plastic:
+        return RANGES["boundary"]
+    low, high = greased_friction(softer.name)
+    mean = 0.5 * (low + high)
+    return replace(
+        RANGES["boundary"], low=low / mean, high=high / mean, reason=f"{low:g} to {high:g}: greased {softer.name}"
+    )
+
+
 @dataclass(frozen=True)
 class Spread:
     """A value with its interval.
@@ -68,24 +85,29 @@ class Spread:
 
 
 @cache
-def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
+def sample_inputs(
+    count: int = SAMPLES, boundary: InputRange = RANGES["boundary"]
+) -> tuple[tuple[FilmInputs, ...], Array]:
     """Return samples of the inputs of the film law: a scrambled Sobol sequence with a fixed seed.
 
-    `count` is the number of samples and should be a power of 2.
+    `count` is the number of samples and should be a power of 2. `boundary` is the range of the boundary friction, see
+    `boundary_range`.
 
     Returns
     -------
     tuple
-        The samples, and the position of each input in its range of `RANGES`, from 0 to 1, shape (count, inputs).
+        The samples, and the position of each input in its range, from 0 to 1, shape (count, inputs). The positions do
+        not depend on the ranges.
     """
     from scipy.stats import qmc
 
+    ranges = {**RANGES, "boundary": boundary}
     positions = qmc.Sobol(len(RANGES), seed=SEED).random(count)
     factors = [
         np.exp(np.log(item.low) + column * np.log(item.high / item.low))
         if item.logarithmic
         else item.low + column * (item.high - item.low)
-        for item, column in zip(RANGES.values(), positions.T, strict=True)
+        for item, column in zip(ranges.values(), positions.T, strict=True)
     ]
     rows = np.stack(factors, axis=1).tolist()
     return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), positions
@@ -172,7 +194,7 @@ def extrapolate_losses(
         Power lost with the inputs of the design [W], and with each sample [W], shape (samples,), both with drag.
     """
     own_loss, outcomes = contact_power(DESIGN_INPUTS), []
-    for inputs in sample_inputs(samples)[0]:
+    for inputs in sample_inputs(samples, boundary_range(reducer))[0]:
         sample_loss = contact_power(inputs)
         outcomes.append(sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag_power(reducer, inputs))
     return own_loss + drag_power(reducer), np.array(outcomes)

@@ -43,7 +43,7 @@ def with_changes(reducer: Reducer, *changes: str) -> Reducer:
 
 def without_friction() -> list[str]:
     """List the changes that switch friction off."""
-    return [f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling")]
+    return ["friction.law=coulomb", *(f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling"))]
 
 
 def without_gravity() -> list[str]:

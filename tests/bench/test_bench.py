@@ -68,7 +68,7 @@ def course(*ends: float, count: int = 40) -> Array:
 
 def soft() -> Design:
     """A printed drive with rather soft teeth and rough ones."""
-    return resolve("printed").but(stiffness={"pin_gear": 2e6}, friction={"pin_gear": 0.2})
+    return resolve("printed").but(stiffness={"pin_gear": 2e6}, friction={"law": "coulomb", "pin_gear": 0.2})
 
 
 def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
@@ -203,7 +203,7 @@ class Known:
 
 KNOWN = {
     "printed": Known(
-        resolve("printed"),
+        resolve("printed", ["friction.law=coulomb"]),
         {"play": 80.0, "tooth_stiffness": 0.02, "friction": 0.22, "drag": 2.0, "drag_travel": 0.1},
         20.0,
     ),

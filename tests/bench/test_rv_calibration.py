@@ -5,18 +5,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench import MeasuredLoop, calibrate, compare_losses, measured_loop
 from cycloid_mj.bench.protocol import compute_model_loop
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, dump, load, loads
+from cycloid_mj.design import Design, dump, load, loads
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.locked import SlipElements, locked_branches, solve_locked_curve
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 CRANKS = RvReducer(RV80E).cranks
 SOFT = {"needle_stiffness": 0.8 * CRANKS.needle_stiffness, "taper_stiffness": 0.8 * CRANKS.taper_stiffness}
 DRIVE = RV80E.but(cranks=SOFT, clearance={"pin_gear": 1.5e-6, "pin_socket": 1.5e-6})

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.bench.loop import measured_loop
 from cycloid_mj.bench.loop_figures import loop_lost_motion, stiffness_between
 from cycloid_mj.bench.protocol import INTERVALS, BenchFiles, compute_model_loop, protocol
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 
-RV80E = RvReducer(PRESETS["rv80e"])
+RV80E = RvReducer(COULOMB_RV80E)
 
 
 def lines(reducer: Reducer) -> dict[str, float]:
@@ -60,7 +60,18 @@ def test_the_command_evaluates_files_of_a_bench_and_names_the_sun(
         f"{0.0 if torque < 0.3 else value:.4f},{torque:.4f}" for value, torque in zip(angle, 0.05 * angle, strict=True)
     ]
     start.write_text("\n".join(["crank_deg,torque_crank_Nm", *rows]))
-    words = ["protocol", "rv80e", "--angles", "1", "--starting", str(start), "--json", "--quiet"]
+    words = [
+        "protocol",
+        "rv80e",
+        "--set",
+        "friction.law=coulomb",
+        "--angles",
+        "1",
+        "--starting",
+        str(start),
+        "--json",
+        "--quiet",
+    ]
     assert main(words) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["lines"]["starting_torque_nm"]["bench"]["value"] == pytest.approx(0.3, abs=0.01)

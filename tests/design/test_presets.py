@@ -15,10 +15,12 @@ from cycloid_mj.comparison.measures import settle_run
 from cycloid_mj.design import PRESETS, dump, load, loads, preset_reasons, presets_for
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.figures import quantity
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.backlash import press_to_stops
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics import powers
+from cycloid_mj.statics.film_spread import boundary_range
 from cycloid_mj.validate.energy import balance
 
 PRINTED = PRESETS["printed"]
@@ -115,11 +117,12 @@ def test_the_input_energy_of_a_preset_is_output_lost_or_stored(name: str, at_spe
 
 
 def test_rollers_roll_on_a_core_that_is_given() -> None:
-    own, rim = PRINTED.friction.output_rolling, PRINTED.but(output={"core_radius": 0.0})
+    dry = PRINTED.but(friction={"law": "coulomb"})
+    own, rim = dry.friction.output_rolling, dry.but(output={"core_radius": 0.0})
     assert rim.friction_of("output") == own
-    assert PRINTED.friction_of("output") == pytest.approx(own * 2.5 / 4.5)
-    assert PRINTED.but(output={"rollers": False}).friction_of("output") == PRINTED.friction.output
-    lost = [powers(Reducer(one), 10.0).friction["output"] for one in (PRINTED, rim)]
+    assert dry.friction_of("output") == pytest.approx(own * 2.5 / 4.5)
+    assert dry.but(output={"rollers": False}).friction_of("output") == dry.friction.output
+    lost = [powers(Reducer(one), 10.0).friction["output"] for one in (dry, rim)]
     assert lost[0] == pytest.approx(lost[1] * 2.5 / 4.5, rel=0.02)
 
 
@@ -146,3 +149,21 @@ def test_all_commands_run_with_the_printed_drive(member: str, tmp_path, monkeypa
     share = 13.0 / 14.0 if member == "ring" else 1.0
     assert found["backlash"]["value"] == pytest.approx(60.0 * PLAY * share, rel=0.01)
     assert load(tmp_path / "mine.toml").reduction == (14 if member == "ring" else 13)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_all_presets_but_those_of_the_paper_have_film_friction_and_a_stated_lubricant(name: str) -> None:
+    """The efficiency of a lubricated drive is an interval."""
+    design = PRESETS[name]
+    assert design.has_film == (name not in ("pin", "nonpin"))
+    if design.has_film:
+        assert "friction.law" in preset_reasons(name, design)
+        assert quantity(reducer_of(design), "efficiency_percent").low is not None
+
+
+def test_interval_of_a_plastic_drive_covers_greased_plastics() -> None:
+    """VDI 2736-2: 0.05 to 0.12 for greased plastics, where greased steel has 0.08 to 0.14."""
+    printed, steel = (boundary_range(Reducer(PRESETS[name])) for name in ("printed", "twodisc"))
+    boundary = PRINTED.friction.boundary
+    assert (printed.low * boundary, printed.high * boundary) == pytest.approx((0.05, 0.12))
+    assert (0.11 * steel.low, 0.11 * steel.high) == pytest.approx((0.08, 0.14), abs=1e-3)

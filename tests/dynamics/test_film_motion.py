@@ -46,15 +46,19 @@ def test_mujoco_agrees_with_statics(pins: str) -> None:
     assert abs(difference(lubricated(f"ring.pins={pins}"), 36.68, 1640.0, "mujoco")) < TOLERANCE
 
 
-CONDITIONS = list(product(("free", "fixed"), (9.2, 18.3, 36.68), (400.0, 820.0, 1640.0), (20.0, 40.0, 60.0)))
-"""Pins, torque [N m], speed [rpm] and temperature [°C]."""
+TEMPERATURES = (20.0, 40.0, 60.0)
+CONDITIONS = [
+    *product(("pin",), ("free", "fixed"), (9.2, 18.3, 36.68), (400.0, 820.0, 1640.0), TEMPERATURES),
+    *product(("twodisc",), ("free", "fixed"), (29.0, 58.0, 116.0), (150.0, 300.0, 600.0), TEMPERATURES),
+]
+"""Preset, pins, torque [N m], speed [rpm] and temperature [°C]."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pins", "torque", "rpm", "at"), CONDITIONS)
+@pytest.mark.parametrize(("name", "pins", "torque", "rpm", "at"), CONDITIONS)
 @pytest.mark.parametrize("solver", ["planar", "mujoco"])
-def test_solvers_agree_with_statics(solver: Solver, pins: str, torque: float, rpm: float, at: float) -> None:
-    assert abs(difference(lubricated(f"ring.pins={pins}", at=at), torque, rpm, solver)) < TOLERANCE
+def test_solvers_agree_with_statics(solver: Solver, name: str, pins: str, torque: float, rpm: float, at: float) -> None:
+    assert abs(difference(lubricated(f"ring.pins={pins}", name=name, at=at), torque, rpm, solver)) < TOLERANCE
 
 
 @pytest.mark.parametrize(

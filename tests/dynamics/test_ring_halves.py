@@ -18,7 +18,7 @@ SETTLED = 0.03
 
 def made(kind: str, halves: int, arcmin: float = 0.0, name: str = "printed") -> Reducer:
     ring = {"kind": kind, "halves": halves, "preload": arcmin * ARCMINUTE}
-    return Reducer(PRESETS[name].but(ring=ring))
+    return Reducer(PRESETS[name].but(ring=ring, friction={"law": "coulomb"}))
 
 
 def run_of(reducer: Reducer, solver: str, turns: float = 0.02) -> Run:

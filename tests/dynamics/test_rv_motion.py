@@ -8,13 +8,12 @@ import build_models
 import mujoco
 import numpy as np
 import pytest
-from rv_runs import FRICTIONLESS, static_loads
+from rv_runs import COULOMB_RV80E, FRICTIONLESS, static_loads
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, DesignError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
-from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.contact.crank_train import mesh_numbers, planet_flanks
 from cycloid_mj.dynamics.contact.gap import Pose
 from cycloid_mj.dynamics.mjcf import build
@@ -37,7 +36,7 @@ HOLD, SETTLED = 0.02, 0.012
 
 def rv(load: float, **changes: Any) -> RvReducer:
     """An RV-80E with pressed-in pins, which cost little, at full speed under a load [N m]."""
-    design = PRESETS["rv80e"].but(
+    design = COULOMB_RV80E.but(
         ring={"pins": "fixed"}, drive={"ramp": 0.0, "hold": HOLD}, load={"torque": load, "rise": 0.004}
     )
     return RvReducer(design.but(**changes))
@@ -178,7 +177,7 @@ def require_stock_run(model: Any, data: Any, steps: int) -> None:
 
 def test_stock_model_has_the_springs_of_bearings_and_planet_meshes() -> None:
     """Ideal motion keeps all tendons at their free lengths and the teeth free of contact; a load stretches them."""
-    reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}, clearance={"pin_gear": 5e-5}))
+    reducer = RvReducer(COULOMB_RV80E.but(ring={"pins": "fixed"}, clearance={"pin_gear": 5e-5}))
     files = model_files(reducer.but(settings={"timestep": 5e-6}), ConvexSettings(chord_error=1e-5))
     model = mujoco.MjModel.from_xml_string(
         files["reducer.xml"].decode(), {Path(name).name: content for name, content in files.items()}

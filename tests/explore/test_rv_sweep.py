@@ -1,10 +1,11 @@
 """Sweeps of RV reducers: their rows are single results, and measures without support are refused at once."""
 
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design import override
 from cycloid_mj.explore.sweeps import sweep
 from cycloid_mj.figures import figure
 from cycloid_mj.parts.export.rv_assembly import rv_mass
@@ -12,7 +13,7 @@ from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.sheet import shaft_powers, sheet
 
 HERE = Engine(1)
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 CLEARANCE = "cranks.needle_clearance_um"
 
 
@@ -38,7 +39,7 @@ def test_statics_of_a_point_are_those_of_a_single_design() -> None:
 
 def test_figures_of_rating_and_size_vary_with_the_width_of_the_discs() -> None:
     measure = "torque_for_6000_h_nm,momentary_torque_nm,input_inertia_kg_cm2,length_mm"
-    table = sweep("rv80e", {"gear.face_width_mm": [14.0, 15.0]}, measure, engine=HERE).frame
+    table = sweep(RV80E, {"gear.face_width_mm": [14.0, 15.0]}, measure, engine=HERE).frame
     assert table["torque_for_6000_h_nm"][1] == pytest.approx(801.8, rel=1e-3)
     # a pressure with the root of the force per width: the limit by pitting is in proportion to the width
     assert table["torque_for_6000_h_nm"][0] == pytest.approx(801.8 * 14.0 / 15.0, rel=0.02)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_texts import require_separate_texts
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.cli import main
@@ -24,7 +25,7 @@ from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.report.datasheet import datasheet_page
 from cycloid_mj.statics.sheet import sheet as static_sheet
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 FILM_ROWS = {
     *("no_load_torque_nm", "starting_torque_nm"),
     *("running_torque_cold", "running_torque_warm", "starting_torque_drive"),

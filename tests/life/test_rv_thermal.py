@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rv_runs import static_loads
+from rv_runs import COULOMB_RV80E, static_loads
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
@@ -24,7 +24,7 @@ from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.rv_preload import preload_share
 from cycloid_mj.statics.rv_sheet import friction_powers, rv_powers
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 FEW_ANGLES = 31
 
 

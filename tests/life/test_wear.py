@@ -80,7 +80,10 @@ def test_sleeves_slip_at_their_bore() -> None:
     So its friction takes mu F v r/rho, which is what the statics count for the teeth.
     """
     sleeved = Reducer(
-        override(PRESETS["printed"], {"friction.pin_gear": 0.2, "friction.pin_sleeve": 0.05, "ring.pins": "sleeved"})
+        override(
+            PRESETS["printed"],
+            {"friction.law": "coulomb", "friction.pin_gear": 0.2, "friction.pin_sleeve": 0.05, "ring.pins": "sleeved"},
+        )
     )
     ring, one = sleeved.design.ring, loaded(sleeved, 61)
     assert ring.pin_radius / ring.sleeve_bore_radius == pytest.approx(14.0 / 11.0)

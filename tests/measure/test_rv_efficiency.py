@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import efficiency, torque
@@ -15,7 +16,7 @@ from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import shaft_powers, solve_back_driving
 
-RV80E = steady_design(reducer_of(PRESETS["rv80e"]))
+RV80E = steady_design(reducer_of(COULOMB_RV80E))
 RING = RV80E.but(output={"member": "ring"})
 LOAD = 784.0
 PERIODS = 12

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rv_runs import FRICTIONLESS, static_loads
+from rv_runs import COULOMB_RV80E, FRICTIONLESS, static_loads
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design
@@ -30,7 +30,7 @@ PLAY = {
 
 
 def rv80e(**changes: object) -> Design:
-    return PRESETS["rv80e"].but(**changes)
+    return COULOMB_RV80E.but(**changes)
 
 
 def require_agreement(measured: Measurement, keys: tuple[str, ...], rtol: float = 5e-3) -> None:
@@ -54,7 +54,7 @@ def test_transmission_error_of_a_bore_error_is_that_of_statics(member: str) -> N
 
 
 def test_orders_of_the_cranks_are_those_of_their_rotation_against_the_carrier() -> None:
-    reducer = reducer_of(PRESETS["rv80e"])
+    reducer = reducer_of(COULOMB_RV80E)
     by_key = {cause.key: cause for cause in causes(reducer)}
     assert by_key["cranks"].has(40.0 / 39.0)
     assert not by_key["ring"].has(40.0 / 39.0)
@@ -106,8 +106,8 @@ def test_stiffness_and_lost_motion_are_those_of_statics(name: str) -> None:
 @pytest.mark.slow
 def test_loads_are_those_of_statics() -> None:
     """Statics has the forces of a whole turn of the carrier, the run those of two mesh periods."""
-    measured = loads(PRESETS["rv80e"], quick=True)
-    statics = sheet_part(RvReducer(PRESETS["rv80e"]), "loads", 784.0)
+    measured = loads(COULOMB_RV80E, quick=True)
+    statics = sheet_part(RvReducer(COULOMB_RV80E), "loads", 784.0)
     assert measured["pin_gear_peak_force"] == pytest.approx(statics["pin_gear_peak_force"].value, rel=0.01)
     assert measured["pin_gear_carrying"] == pytest.approx(statics["pin_gear_carrying"].value, rel=0.02)
     assert measured["crank_bearing_peak_force"] <= statics["crank_bearing_running_force"].value

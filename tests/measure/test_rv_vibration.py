@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.names import planar_speeds
-from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.run import model_for, simulate
 from cycloid_mj.measure import vibration
 from cycloid_mj.measure.reaction import carrier_tilting, inertia_force, reaction, unbalance, weight_force
@@ -26,7 +26,7 @@ FIXED = {"ring": {"pins": "fixed"}}
 )
 def test_force_on_the_housing_is_weight_less_momentum(changes: dict[str, dict[str, str]]) -> None:
     """A single disc, so that neither the forces nor the momentum of two discs cancel."""
-    reducer = reducer_of(PRESETS["rv80e"].but(**FIXED, drive={"ramp": 0.0, "hold": 0.03}, settings={"log_rate": 1e5}))
+    reducer = reducer_of(COULOMB_RV80E.but(**FIXED, drive={"ramp": 0.0, "hold": 0.03}, settings={"log_rate": 1e5}))
     reducer = reducer.but(gear={"discs": 1}, **changes)
     run = simulate(reducer.design, model_for("planar", reducer))
     run = run.select(run.time > 0.01)
@@ -41,7 +41,7 @@ def test_force_on_the_housing_is_weight_less_momentum(changes: dict[str, dict[st
 
 
 def test_weight_is_that_of_all_moving_parts() -> None:
-    reducer = reducer_of(PRESETS["rv80e"].but(**FIXED))
+    reducer = reducer_of(COULOMB_RV80E.but(**FIXED))
     masses = moving_masses(reducer)
     carrier_and_cranks = masses["output"].mass + 3 * masses["crank"].mass
     discs = masses["gear_1"].mass + masses["gear_2"].mass
@@ -51,7 +51,7 @@ def test_weight_is_that_of_all_moving_parts() -> None:
 
 def test_tilting_moment_on_the_carrier_is_that_of_ideal_sharing() -> None:
     """Both discs press with opposite forces, 17 mm apart; the deflection of their bearings changes them by 3 %."""
-    reducer = steady_design(reducer_of(PRESETS["rv80e"].but(**FIXED)))
+    reducer = steady_design(reducer_of(COULOMB_RV80E.but(**FIXED)))
     run = run_steady(reducer, 0.01, 13)
     moment = np.linalg.norm(carrier_tilting(run, reducer), axis=1)
     resultant = ideal_rv_at(reducer, np.linspace(0.0, 0.5, 40)).resultant
@@ -60,7 +60,7 @@ def test_tilting_moment_on_the_carrier_is_that_of_ideal_sharing() -> None:
 
 
 def test_two_discs_are_balanced_and_one_is_not() -> None:
-    two, one = reducer_of(PRESETS["rv80e"]), reducer_of(PRESETS["rv80e"].but(gear={"discs": 1}))
+    two, one = reducer_of(COULOMB_RV80E), reducer_of(COULOMB_RV80E.but(gear={"discs": 1}))
     moment = moving_masses(two)["gear_1"].mass * 1.5e-3
     assert unbalance(two).bare < 1e-9 * moment
     assert unbalance(one).bare == pytest.approx(moving_masses(one)["gear"].mass * 1.5e-3)
@@ -70,7 +70,7 @@ def test_two_discs_are_balanced_and_one_is_not() -> None:
 
 @pytest.mark.slow
 def test_the_measure_has_the_speed_of_the_cranks() -> None:
-    measured = vibration(PRESETS["rv80e"].but(**FIXED), quick=True)
+    measured = vibration(COULOMB_RV80E.but(**FIXED), quick=True)
     orbit = measured.quantities["orbit_loaded"]
     assert orbit.value == pytest.approx(orbit.reference, rel=0.01)
     assert orbit.reference == pytest.approx(1.5e-3 * (39.0 * 2.0 * np.pi * 0.25) ** 2)

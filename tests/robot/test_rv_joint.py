@@ -6,9 +6,10 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
-from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design import override
 from cycloid_mj.dynamics.planar.rv_system import input_inertia
 from cycloid_mj.explore.rv_samples import draw_rv_drive
 from cycloid_mj.geometry.rv_loads import closed_form_error
@@ -27,7 +28,7 @@ from cycloid_mj.statics.rv import crank_misfits, phase_errors
 from cycloid_mj.statics.rv_sheet import balance_rv, rv_powers
 from cycloid_mj.statics.sheet import sheet_part
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 RATED = RV80E.rated_torque
 
 

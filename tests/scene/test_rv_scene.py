@@ -7,6 +7,7 @@ import pytest
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from PIL import Image
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.record import Run
@@ -56,7 +57,7 @@ def test_every_part_has_a_mesh_and_a_frame() -> None:
 def loaded(request: pytest.FixtureRequest) -> tuple[RvReducer, Run]:
     """A run under load, after it has settled."""
     changes = {"drive": {"ramp": 0.0, "hold": 0.015}, "output": {"member": request.param}}
-    reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}, **changes))
+    reducer = RvReducer(COULOMB_RV80E.but(ring={"pins": "fixed"}, **changes))
     run = simulate(reducer.design, model_for("planar", reducer))
     return reducer, run.select(run.time > 0.01)
 

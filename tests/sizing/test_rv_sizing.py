@@ -62,7 +62,7 @@ def test_flags_without_use_are_refused(
 
 
 def test_heat_limits_a_candidate_under_continuous_load() -> None:
-    requirement = _requirement(121, 0.16, 412.0)
+    requirement = _requirement(121, 0.16, 412.0).but(changes=("friction.law=coulomb",))
     candidate = next(item for item in candidates(requirement) if item.estimate > 412.0)
     paused = rate_candidate(requirement, candidate)
     continuous = requirement.but(duty_share=1.0)

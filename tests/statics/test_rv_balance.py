@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design import override
 from cycloid_mj.geometry.rv_loads import closed_form_error, ideal_rv_loads
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import main as statics
@@ -26,7 +27,7 @@ from cycloid_mj.statics.rv_sheet import (
 )
 from cycloid_mj.statics.sheet import sheet_part
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 ARCSECOND = math.pi / 648000.0
 TIGHT = ("clearance.pin_gear_um=1e-6", "clearance.pin_socket_um=1e-6")
 """Vanishing clearances of the pins."""

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.model import HEATED
@@ -33,9 +34,10 @@ RPM = np.pi / 30.0
 
 
 def lubricated(*changes: str, at: float = 20.0) -> RvReducer:
-    """Return the reducer of the preset with the law ``film`` at a temperature [°C]."""
+    """Return the reducer of the preset with the law ``film`` and lithium grease at a temperature [°C]."""
     temperatures = [f"thermal.{part}_c={at}" for part in HEATED]
-    return RvReducer(override(PRESETS["rv80e"], ["friction.law=film", *temperatures, *changes]))
+    grease = "friction.lubricant=lithium grease 100"
+    return RvReducer(override(PRESETS["rv80e"], ["friction.law=film", grease, *temperatures, *changes]))
 
 
 def balanced(reducer: RvReducer, inputs: FilmInputs, load: float = LOAD) -> tuple[RvFilm, RvSprings, RvLoads]:
@@ -99,7 +101,7 @@ def test_without_viscosity_friction_is_that_of_the_boundary() -> None:
     torque = 0.5 * sum(0.0005 * bearing.diameter for bearing in roller_bearings(reducer)[:2])
     coulomb = ("friction.pin_gear=0.11", "friction.pin_socket=0.11", "planet.friction=0.11")
     rolling = f"friction.cam_rolling={torque / reducer.cranks.eccentric_radius!r}"
-    dry = friction_powers(RvReducer(override(PRESETS["rv80e"], [*coulomb, rolling])), LOAD, FEW_ANGLES)
+    dry = friction_powers(RvReducer(override(COULOMB_RV80E, [*coulomb, rolling])), LOAD, FEW_ANGLES)
     for source, power in powers.items():
         assert power == pytest.approx(dry[source], rel=1e-4)
 
@@ -166,6 +168,7 @@ def test_the_map_has_no_back_driving_torque() -> None:
 
 def test_friction_that_oscillates_with_the_sliding_of_a_pin_converges() -> None:
     """Full steps of the fixed-point iteration oscillate at one of these angles, under a torque that drives."""
-    powers = rv_powers(RvReducer(override(PRESETS["rv80e"], ["friction.law=film"])).working_at(LOAD), -907.06)
+    grease = {"law": "film", "lubricant": "lithium grease 100"}
+    powers = rv_powers(RvReducer(PRESETS["rv80e"].but(friction=grease)).working_at(LOAD), -907.06)
     assert powers.crank < 0.0
     assert powers.efficiency == pytest.approx(0.8643, abs=5e-4)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rv_runs import FRICTIONLESS, static_loads
+from rv_runs import COULOMB_RV80E, FRICTIONLESS, static_loads
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.powers import mean_powers
@@ -17,7 +17,7 @@ from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_sheet import balance_rv
 from cycloid_mj.statics.sheet import shaft_powers
 
-RV80E = PRESETS["rv80e"]
+RV80E = COULOMB_RV80E
 LOOSE = {"needle_clearance": 5e-6}
 
 

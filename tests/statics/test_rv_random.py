@@ -55,6 +55,7 @@ def drawn(draw: np.random.Generator, number: int) -> Design | None:
             },
             clearance={"pin_gear": draw.uniform(1e-7, 4e-6), "pin_socket": draw.uniform(1e-7, 4e-6)},
             contact={"needles": str(draw.choice(["lumped", "each"]))},
+            friction={"law": "coulomb"},
             crank_errors={"carrier_x": tuple(draw.normal(0.0, 3e-6, count).tolist())},
         )
     except DesignError:

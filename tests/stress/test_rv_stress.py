@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rv_runs import COULOMB_RV80E
 
 from cycloid_mj.base.array import cross
 from cycloid_mj.base.errors import LogError, UsageError
@@ -24,7 +25,7 @@ from cycloid_mj.stress.rv_strength import compute_rv_strength, crank_moments, pl
 from cycloid_mj.stress.static_turn import balance_turn, static_turn
 from cycloid_mj.stress.turn import select_turn
 
-DRIVE = RvReducer(PRESETS["rv80e"].but(load={"torque": 784.0}))
+DRIVE = RvReducer(COULOMB_RV80E.but(load={"torque": 784.0}))
 ANGLES = np.radians(np.arange(0.0, 360.0, 7.5))
 
 
