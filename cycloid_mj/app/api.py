@@ -13,16 +13,21 @@ from cycloid_mj.app import artifacts, drive, monte_carlo, part_stress, requireme
 from cycloid_mj.app.controls import controls, find_controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.limits import REQUESTS
-from cycloid_mj.app.overview import overview as overview_of
 from cycloid_mj.app.state import apply_changes, at_load, changed_values, differences, parse_design
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
-from cycloid_mj.design.layouts import supports
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.design.layouts import Layout
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import load_of
 
 Content = Mapping[str, Any]
+
+TABS: Mapping[Layout, tuple[str, ...]] = {
+    "central": ("figures", "turn", "error", "losses", "life", "scatter", "stress", "solid", "compare", "make"),
+    "rv": ("figures", "turn", "error", "losses", "life", "compare", "make"),
+}
+"""Layout -> the tabs with results. Tolerances, stress and assembly of RV reducers are computed by commands."""
 
 MAX_NAME_LENGTH = 80
 """Characters of a file's name in messages."""
@@ -35,17 +40,8 @@ def draw(content: Content) -> dict[str, Any]:
 
 
 def open_design(content: Content) -> dict[str, Any]:
-    """Open a design from a ``preset`` or the ``text`` of a design file, and return its `view`.
-
-    A design that the page cannot draw has no view, but an `overview`: this is returned as ``{"overview": True}``.
-    """
-    design = _design_to_open(content)
-    return view(with_load(design), content) if supports(design.layout, "app") else {"overview": True}
-
-
-def overview(content: Content) -> dict[str, Any]:
-    """Return the figures of a design that the page cannot draw, from a ``preset`` or the ``text`` of a design file."""
-    return overview_of(_design_to_open(content))
+    """Open a design from a ``preset`` or the ``text`` of a design file, and return its `view`."""
+    return view(with_load(_design_to_open(content)), content)
 
 
 def _design_to_open(content: Content) -> Design:
@@ -70,7 +66,7 @@ def _design_to_open(content: Content) -> Design:
 
 def with_load(design: Design) -> Design:
     """Return a design whose load and nominal torque are equal: its load, or without one its nominal torque."""
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     return at_load(reducer).design.but(load={"torque": load_of(reducer)[0]})
 
 
@@ -91,10 +87,12 @@ def view(design: Design, content: Content) -> dict[str, Any]:
             f"the factor by which the drawing magnifies clearances is {magnification!r}, which is out of range: choose "
             f"a number from 1 to {REQUESTS.magnification:g}"
         )
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     return {
         "design": changed_values(design),
         "name": design.name,
+        "tabs": TABS[design.layout],
+        "files": [kind for kind in artifacts.FILES if design.layout == "central" or kind not in artifacts.WITHOUT_RV],
         "head": summary.geometry_figures(reducer, content.get("required")),
         "load_nm": abs(design.load.torque),
         "controls": [asdict(control) for control in controls(design)],
@@ -109,7 +107,7 @@ def _reducer(content: Content) -> Reducer:
 
 @lru_cache(maxsize=1)  # consecutive requests are for the same design: each reuses what has been solved
 def _cached_reducer(values: str) -> Reducer:
-    return Reducer(parse_design(json.loads(values)))
+    return reducer_of(parse_design(json.loads(values)))
 
 
 def statics(content: Content) -> dict[str, Any]:
@@ -192,7 +190,6 @@ SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "error": error,
     "solid": shape,
     "build": build,
-    "overview": overview,
 }
 
 

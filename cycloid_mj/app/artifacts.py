@@ -24,8 +24,9 @@ from cycloid_mj.parts.export import (
     export,
     widen_clearances,
 )
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
-from cycloid_mj.reducer import Reducer, reducer_of
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 MIN_CRANK_TURNS = 1.25
 """Crank turns of a run after the start has settled."""
@@ -44,7 +45,7 @@ def model(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     """Return a zip file of a model folder for stock MuJoCo."""
     from cycloid_mj.dynamics.mjcf.folder import model_files
 
-    return _zip(f"{design.name}-mjcf", model_files(Reducer(design)))
+    return _zip(f"{design.name}-mjcf", model_files(reducer_of(design)))
 
 
 def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
@@ -62,8 +63,8 @@ def part_files(file_format: Format, design: Design, options: BuildOptions) -> di
     Returns a dict with one entry, the name of the zip file -> its content.
     """
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
-    reducer = reducer_at_reference(Reducer(design))
-    if sizes := casing_or_none(reducer, options.motor)[0]:
+    reducer = reducer_at_reference(reducer_of(design))
+    if sizes := _casing(reducer, options):
         wide = widen_clearances(reducer, options.offset)
         files |= drive_files(wide, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
     return _zip(f"{design.name}-{file_format}", files)
@@ -71,8 +72,13 @@ def part_files(file_format: Format, design: Design, options: BuildOptions) -> di
 
 def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
     """Return the assembly as a STEP file, with covers if they fit."""
-    reducer = reducer_at_reference(Reducer(design))
-    return {f"{design.name}.step": assembly_step(reducer, 0.0, casing_or_none(reducer, options.motor)[0])}
+    reducer = reducer_at_reference(reducer_of(design))
+    return {f"{design.name}.step": assembly_step(reducer, 0.0, _casing(reducer, options))}
+
+
+def _casing(reducer: Reducer, options: BuildOptions) -> Casing | None:
+    """Return the sizes of the covers; None if they do not fit, and for an RV reducer, which has none."""
+    return None if isinstance(reducer, RvReducer) else casing_or_none(reducer, options.motor)[0]
 
 
 def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
@@ -112,6 +118,9 @@ FILES: Mapping[str, tuple[str, Callable[[Design, BuildOptions], dict[str, bytes]
 }
 """Kind -> text of its button, and the function that returns the files as {name: content}."""
 
+WITHOUT_RV = ("3mf", WHOLE_DRIVE)
+"""Kinds of files that RV reducers do not have: they are not printed, and have no covers."""
+
 
 def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
     """Create the files of one kind for a design of the page.
@@ -129,6 +138,8 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
         Motor, printer offset and bed.
     """
     design = parse_design(values)
+    if design.layout == "rv" and kind in WITHOUT_RV:
+        raise DesignError(f"{design.name}: an RV reducer has no covers and no print plate: download single files")
     if kind == WHOLE_DRIVE:
         files = build_files(
             Reducer(design), options, lambda doing, share: on_progress({"doing": doing, "share": share})
@@ -171,7 +182,7 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
             "as 1640 rpm"
         )
     without_ramp = design.but(drive={"ramp": 0.0})
-    settled, crank_turn = settling_time(Reducer(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
+    settled, crank_turn = settling_time(reducer_of(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
     # the report judges at least half of the time at constant speed
     shortened = without_ramp.steady(settled, max(MIN_CRANK_TURNS, settled / crank_turn))
 

@@ -8,10 +8,12 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
+from cycloid_mj.app.state import BASES
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design, declaration_of, value_of
+from cycloid_mj.design.layouts import Layout, applies
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.design.units import Unit, file_key, unit_of
+from cycloid_mj.design.units import Unit, bounds_of, file_key, unit_of
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,9 @@ class Control:
     options: tuple[tuple[Any, str], ...] = ()
 
 
-LABELS: Mapping[str, Mapping[str, str]] = {
+_LOAD = {"load.torque": "Output torque", "drive.speed": "Crank speed", "service.life": "Required life"}
+
+_CENTRAL: Mapping[str, Mapping[str, str]] = {
     "Disc and ring": {
         "ring.teeth": "Ring teeth",
         "ring.pin_circle_radius": "Pin circle radius",
@@ -65,18 +69,44 @@ LABELS: Mapping[str, Mapping[str, str]] = {
         "clearance.cam": "Cam",
         "clearance.output": "Output pins",
     },
-    "Load": {
-        "load.torque": "Output torque",
-        "drive.speed": "Crank speed",
-        "service.life": "Required life",
-    },
+    "Load": _LOAD,
 }
-"""Heading -> ``table.name`` of the model -> label; ``mesh`` is the tooth clearance of the kind of ring."""
+
+_RV: Mapping[str, Mapping[str, str]] = {
+    "Planet stage": {
+        "planet.sun_teeth": "Sun teeth",
+        "planet.planet_teeth": "Planet teeth",
+        "planet.module": "Module",
+        "planet.face_width": "Planet width",
+        "planet.backlash": "Planet backlash",
+    },
+    "Disc and ring": {name: label for name, label in _CENTRAL["Disc and ring"].items() if name != "gear.bore_radius"},
+    "Cranks and carrier": {
+        "cranks.eccentric_radius": "Eccentric radius",
+        "cranks.needle_radius": "Needle radius",
+        "cranks.needles": "Needles",
+        "cranks.needle_clearance": "Needle clearance",
+        "cranks.taper_radius": "Tapered bearing radius",
+        "cranks.taper_clearance": "Tapered bearing clearance",
+        "cranks.middle_hole_radius": "Middle hole radius",
+        "cranks.post_radius": "Post radius",
+        "cranks.flange_thickness": "Flange thickness",
+        "housing.outer_radius": "Outer radius",
+    },
+    "Clearances": {"clearance.mesh": "Teeth"},
+    "Load": {**_LOAD, "drive.speed": "Sun speed"},
+}
+
+LABELS: Mapping[Layout, Mapping[str, Mapping[str, str]]] = {"central": _CENTRAL, "rv": _RV}
+"""Layout -> heading -> ``table.name`` of the model -> label; ``mesh`` is the tooth clearance of the kind of ring."""
 
 WORDS: Mapping[str, tuple[str, Mapping[Any, str]]] = {
     "ring.kind": ("Ring", {"pin": "pins", "nonpin": "internal gear"}),
     "ring.pins": ("Ring pins", {"free": "free to roll", "fixed": "pressed in", "sleeved": "in sleeves"}),
     "gear.discs": ("Discs", {1: "one", 2: "two", 3: "three", 4: "four"}),
+    "cranks.count": ("Cranks", {2: "two", 3: "three"}),
+    "planet.sun_support": ("Sun", {"floating": "floating", "fixed": "in bearings"}),
+    "contact.needles": ("Needles of the cranks", {"lumped": "one spring", "each": "a spring each"}),
     "output.member": ("Output", {"carrier": "pin carrier", "ring": "ring with housing"}),
     "output.support": ("Output pin support", {"cantilever": "at one end", "both_ends": "at both ends"}),
 }
@@ -91,6 +121,9 @@ MADE_OF = {
 """Tables of materials -> the parts that they belong to."""
 
 SETS_VALUES = "Material of the library; its name sets all its values"
+
+ADJUSTABLE = frozenset(("planet.backlash", "cranks.needle_clearance", "cranks.taper_clearance"))
+"""Clearances in other tables than ``clearance``; bearings may be preloaded, with a negative clearance."""
 
 LAYOUT, MATERIAL, OTHERS = "Layout", "Materials", "Other parameters"
 
@@ -118,8 +151,8 @@ SYMBOLS = {
 }
 """Units in keys of a design file -> their symbols; the others are their own."""
 
-COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
-"""Integers -> range of the slider, as a factor of the value."""
+COUNTS = ("ring.teeth", "output.pins", "planet.sun_teeth", "planet.planet_teeth", "cranks.needles")
+"""Integers with a slider."""
 
 SPAN = {"clearance": 3.0, "load": 4.0, "drive": 3.0, "service": 5.0}
 """Range of the sliders of a table, as a factor of the value."""
@@ -131,6 +164,8 @@ class SliderSettings:
 
     span: float = 1.8
     """Upper end of a slider over the value, for lengths of parts and other tables without an entry in `SPAN`."""
+    count_span: float = 2.0
+    """Upper end of the slider of an integer over its value, and its value over the lower end."""
     min_clearance_range_um: float = 20.0
     """Upper end of the sliders of clearances, at least [um]."""
     steps: int = 400
@@ -142,7 +177,7 @@ SLIDER = SliderSettings()
 
 def controls(design: Design) -> tuple[Control, ...]:
     """Return the lists and sliders of a design."""
-    return (*_list_controls(design), *(_create_slider(design, *row) for row in _slider_rows()))
+    return (*_list_controls(design), *(_create_slider(design, *row) for row in _slider_rows(design.layout)))
 
 
 def find_controls(design: Design, text: str) -> tuple[Control, ...]:
@@ -164,6 +199,8 @@ def _all_controls(design: Design) -> Iterator[Control]:
     """Yield a control for every number, option list and switch in the tables of a design file, in group `OTHERS`."""
     for table, section in design:
         for name, field in type(section).model_fields.items() if isinstance(section, BaseModel) else ():
+            if not applies(design.layout, table, name):
+                continue
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
             options, meaning = get_args(field.annotation), _sentence(field.description)
             label = _sentence(f"{name} ({table})".replace("_", " "))
@@ -240,9 +277,9 @@ def with_symbols(text: str) -> str:
     return re.sub(r"(?<=[0-9] )um\b", SYMBOLS["um"], text)
 
 
-def _slider_rows() -> Iterator[tuple[str, str, str]]:
-    """Yield heading, name of the value and label of each slider."""
-    for group, labels in LABELS.items():
+def _slider_rows(layout: Layout) -> Iterator[tuple[str, str, str]]:
+    """Yield heading, name of the value and label of each slider of a design with a layout."""
+    for group, labels in LABELS[layout].items():
         for name, label in labels.items():
             yield group, name, label
 
@@ -250,21 +287,22 @@ def _slider_rows() -> Iterator[tuple[str, str, str]]:
 def _labels() -> dict[str, str]:
     """Return the labels of the keys that have a control of their own on the page: key of the design file -> label."""
     labels = {key: label for key, (label, _) in WORDS.items()}
-    for group, name, label in _slider_rows():
+    rows = [(design, *row) for layout, design in BASES.items() for row in _slider_rows(layout)]
+    for design, group, name, label in rows:
         table, _, key = name.partition(".")
         label_in_sentence = f"Clearance of {label.lower()}" if table == "clearance" else label
         for name in ("pin_gear", "tooth") if key == "mesh" else (key,):
-            field = type(getattr(Design(), table)).model_fields[name]
-            labels[f"{table}.{file_key(name, field)}"] = label_in_sentence if group else label
+            field = type(getattr(design, table)).model_fields[name]
+            labels.setdefault(f"{table}.{file_key(name, field)}", label_in_sentence if group else label)
     return labels
 
 
 def _list_controls(design: Design) -> Iterator[Control]:
     """Yield the controls from which an option is chosen: those of the layout of the design, then its materials."""
     for key, (label, texts) in WORDS.items():
-        if key == "ring.pins" and design.ring.kind != "pin":
-            continue
         table, _, name = key.partition(".")
+        if (key == "ring.pins" and design.ring.kind != "pin") or not applies(design.layout, table, name):
+            continue
         section = getattr(design, table)
         value, field = getattr(section, name), type(section).model_fields[name]
         allowed = get_args(field.annotation)
@@ -299,16 +337,20 @@ def _create_slider(design: Design, group: str, name: str, label: str) -> Control
     field, current = type(section).model_fields[key], getattr(section, key)
     unit = unit_of(field)
     path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
+    bounds = bounds_of(field)
+    least, most = (unit.from_si(bounds.get(key, end)) for key, end in (("ge", -math.inf), ("le", math.inf)))
     if name in COUNTS:
-        lower_end = max(4 if name == "ring.teeth" else 2, math.floor(current / COUNTS[name]))
-        return Control(path, group, label, "", meaning, current, lower_end, math.ceil(current * COUNTS[name]), 1)
-    value = unit.from_si(current)
+        lower_end = max(bounds["ge"], math.floor(current / SLIDER.count_span))
+        return Control(path, group, label, "", meaning, current, lower_end, math.ceil(current * SLIDER.count_span), 1)
+    value, is_clearance = unit.from_si(current), table == "clearance" or name in ADJUSTABLE
     typical = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
-    span = SPAN.get(table, SLIDER.span)
-    high = max(SLIDER.min_clearance_range_um, span * typical) if table == "clearance" else span * typical
+    span = SPAN.get("clearance" if is_clearance else table, SLIDER.span)
+    high = max(SLIDER.min_clearance_range_um, span * abs(value)) if is_clearance else span * typical
     step = 10.0 ** math.floor(math.log10(high / SLIDER.steps))
-    lower_end = step if table == "clearance" else max(1.0, math.floor(typical / span / step)) * step
-    upper_end = math.ceil(high / step) * step
+    lower_end = max(1.0, math.floor(typical / span / step)) * step
+    if is_clearance:
+        lower_end = max(least, -high) if name in ADJUSTABLE else step
+    upper_end = min(most, math.ceil(high / step) * step)
     return Control(path, group, label, _symbol(unit.suffix), meaning, value, lower_end, upper_end, step)
 
 

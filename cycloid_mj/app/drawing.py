@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.app.rv_section import rv_dimensions, rv_holes, rv_section
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.names import HOUSING, gears
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import profile_offset, tooth_profile
-from cycloid_mj.parts import Prism, circle, output_centres, parts
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts import Prism, circle, output_centres, parts, rv_solids
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.scene import ring_places
 
 CHORDS_PER_RADIUS = 4000.0
@@ -56,6 +57,16 @@ MARKED_PARTS: Mapping[str, str] = {
     "output_yield": "output",
     "output_shakedown": "output",
     "output_hardness": "output",
+    "crank_bores": "output",
+    "windows_to_bores": "output",
+    "windows_to_root": "output",
+    "windows_to_hole": "output",
+    "bearing_space": "output",
+    "eccentric_in_bearing": "output",
+    "planets_mesh": "shaft",
+    "crank_circle": "shaft",
+    "sun_teeth": "shaft",
+    "planet_teeth": "shaft",
     "shaft": "shaft",
     "shaft_fillet": "shaft",
     "shaft_bore": "shaft",
@@ -77,7 +88,8 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
         ``ring`` and ``discs``: SVG paths of the housing and of each disc [mm]; ``pins``, ``holes``: centres of ring
         pins and output holes [mm]; ``dimensions``: circles with a dimension line. ``pin_radius``, ``hole_radius``,
         ``output_radius`` (output pins), ``bore_radius``, ``shaft_radius``, ``reach`` (outermost radius) and ``orbit``
-        (eccentricity): lengths [mm]. ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc
+        (eccentricity): lengths [mm]. An RV reducer has the values of `rv_section` instead of holes, bore and shaft.
+        ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc
         per crank turn. ``play``: factor of the clearances as drawn, 1 if the magnified parts cannot be drawn;
         ``whole``: false for a design that cannot be built, whose disc profile is drawn with its loops or undercuts.
     """
@@ -87,7 +99,7 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     except CycloidError:
         outlines, buildable = _unbuildable_outlines(reducer), False
     design = reducer.design
-    ring, output = design.ring, design.output
+    ring = design.ring
     return {
         "whole": buildable,
         "play": magnification if drawn is not reducer else 1.0,
@@ -97,14 +109,27 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
         "phases": [float(phase) for phase in reducer.phases],
         "orbit": MILLIMETRES * design.gear.eccentricity,
         "gear_rate": -1.0 / design.lobes,
-        "holes": _points(output_centres(reducer)),
-        "hole_radius": MILLIMETRES * (output.hole_radius + design.clearance.output),
-        "output_radius": MILLIMETRES * output.pin_radius,
-        "bore_radius": MILLIMETRES * design.gear.bore_radius,
-        "shaft_radius": MILLIMETRES * design.shaft.radius,
         "dimensions": _dimensions(reducer),
+        **(rv_section(reducer, _chord_error(reducer)) if isinstance(reducer, RvReducer) else _holes_and_shaft(reducer)),
         **outlines,
     }
+
+
+def _holes_and_shaft(reducer: Reducer) -> dict[str, Any]:
+    """Return centres [mm] and radii [mm] of output holes and pins, bore and shaft of a drive with a central crank."""
+    design = reducer.design
+    return {
+        "holes": _points(output_centres(reducer)),
+        "hole_radius": MILLIMETRES * (design.output.hole_radius + design.clearance.output),
+        "output_radius": MILLIMETRES * design.output.pin_radius,
+        "bore_radius": MILLIMETRES * design.gear.bore_radius,
+        "shaft_radius": MILLIMETRES * design.shaft.radius,
+    }
+
+
+def _chord_error(reducer: Reducer) -> float:
+    """Return the largest distance of a drawn chord from its curve [m]."""
+    return reducer.design.housing.outer_radius / CHORDS_PER_RADIUS
 
 
 def _magnify_clearances(reducer: Reducer, factor: float) -> Reducer:
@@ -118,8 +143,8 @@ def _magnify_clearances(reducer: Reducer, factor: float) -> Reducer:
 
 def _outlines(reducer: Reducer) -> dict[str, Any]:
     """Return the outlines of housing and discs as SVG paths."""
-    design = reducer.design
-    solids = parts(reducer, design.housing.outer_radius / CHORDS_PER_RADIUS)
+    design, chord_error = reducer.design, _chord_error(reducer)
+    solids = rv_solids(reducer, chord_error) if isinstance(reducer, RvReducer) else parts(reducer, chord_error)
     discs = [_svg_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
     return {"ring": _svg_path(solids[HOUSING].prisms[0]), "discs": discs}
 
@@ -130,10 +155,14 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
     They are the text ``ring``, and the list ``discs`` with one text per disc.
     """
     design = reducer.design
-    chord_error = design.housing.outer_radius / CHORDS_PER_RADIUS
+    chord_error = _chord_error(reducer)
     ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
-    holes = [circle(design.gear.bore_radius, chord_error)]
-    holes += [circle(design.output.hole_radius, chord_error) + centre for centre in output_centres(reducer)]
+    if isinstance(reducer, RvReducer):
+        centred = rv_holes(reducer)
+    else:
+        bore, hole = design.gear.bore_radius, design.output.hole_radius
+        centred = [(bore, np.zeros((1, 2))), (hole, output_centres(reducer))]
+    holes = [circle(radius, chord_error) + centre for radius, centres in centred for centre in centres]
     try:
         gear = tooth_profile(design)
         t = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
@@ -147,13 +176,11 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
 def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
     """List name and diameter [mm] of the circles of a reducer that get a dimension line in the page's cross-section."""
     design = reducer.design
-    ring, output = design.ring, design.output
-    radii = {
-        "outside": design.housing.outer_radius,
-        "pin circle": ring.pin_circle_radius,
-        "output circle": output.pin_circle_radius,
-        "bore": design.gear.bore_radius,
-    }
+    radii = {"outside": design.housing.outer_radius, "pin circle": design.ring.pin_circle_radius}
+    if isinstance(reducer, RvReducer):
+        radii |= rv_dimensions(reducer)
+    else:
+        radii |= {"output circle": design.output.pin_circle_radius, "bore": design.gear.bore_radius}
     return [{"name": name, "diameter": 2.0 * MILLIMETRES * radius} for name, radius in radii.items()]
 
 

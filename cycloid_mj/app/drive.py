@@ -25,7 +25,7 @@ from cycloid_mj.parts.export.casing_rules import is_plastic, is_printed
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
 from cycloid_mj.parts.export.printing import material_part
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 MOTOR_WORDS: Mapping[str, str] = {
     "auto": "smallest NEMA frame that suits",
@@ -117,7 +117,7 @@ def reducer_at_reference(reducer: Reducer) -> Reducer:
     design = reducer.design.at_reference
     if design.ring.halves > 1:
         design = design.but(ring={"halves": 1, "preload": 0.0})
-    return reducer if design == reducer.design else Reducer(design)
+    return reducer if design == reducer.design else reducer_of(design)
 
 
 def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from cycloid_mj.app.controls import with_symbols
 from cycloid_mj.app.drive import parse_options
-from cycloid_mj.app.state import changed_values
+from cycloid_mj.app.state import BASES, changed_values
 from cycloid_mj.app.summary import covered_size
 from cycloid_mj.app.verdicts import carried_torque, requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import UsageError
@@ -20,10 +20,11 @@ from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.heat import COOLING
 from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.parts.export.motors import MotorName
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.requirement import Requirement, required
+from cycloid_mj.sizing.rv import DUTY_SHARE, OUTPUT_RPM, RvRequirement, size_rv
 
 INTEGERS = ("ratio", "discs")
 NUMBERS = (
@@ -36,8 +37,14 @@ NUMBERS = (
     "backlash_arcmin",
     "clearance_um",
 )
-WORDS = ("process", "material", "fit", "cooling", "motor")
+WORDS = ("process", "material", "fit", "cooling", "motor", "layout")
 """Fields of the form by the kind of their values."""
+
+RV_FIELDS = (
+    *("ratio", "diameter_mm", "torque_nm", "life_h", "speed_rpm", "duty_percent", "length_mm", "clearance_um"),
+    *("cooling", "layout"),
+)
+"""Fields that the search for RV reducers supports; it ignores all others."""
 
 NAMES = {
     "ratio": "ratio",
@@ -79,6 +86,8 @@ def parse_form(form: Any) -> Requirement:
             raise UsageError(
                 f"the {key.partition('_')[0]} is {values[key]!r}, which is not a number: enter a finite number"
             )
+    if values.get("layout", "central") not in BASES:
+        raise UsageError(f"unknown layout {values['layout']!r}: choose one of {', '.join(BASES)}")
     if values.get("process", "steel") not in PROCESSES:
         raise UsageError(f"unknown process {values['process']!r}: choose one of {', '.join(PROCESSES)}")
     for key in WORDS:
@@ -88,7 +97,15 @@ def parse_form(form: Any) -> Requirement:
     values.pop("motor", None)
     if "duty_percent" in values:
         values["duty"] = values.pop("duty_percent") / 100.0
+    if values.pop("layout", "central") == "rv":
+        return _require_rv({key: value for key, value in values.items() if key in (*RV_FIELDS, "duty")})
     return required(**values, motor=motor)
+
+
+def _require_rv(values: Mapping[str, Any]) -> Requirement:
+    """Return the requirement of an RV reducer; missing fields have the defaults of ``design new --layout rv``."""
+    own = {"duty": DUTY_SHARE, **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}), **values}
+    return required(**own, kind=RvRequirement)
 
 
 def fill_form(requirement: Requirement) -> dict[str, Any]:
@@ -100,7 +117,9 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
     def limit(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")
 
-    return {
+    is_rv = isinstance(requirement, RvRequirement)
+    values = {
+        "layout": "rv" if is_rv else "central",
         "ratio": requirement.ratio,
         "diameter_mm": limit(MILLIMETRES * requirement.diameter),
         "torque_nm": requirement.torque,
@@ -117,14 +136,21 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
         "fit": requirement.fit,
         "custom": requirement.custom,
     }
+    return {key: value for key, value in values.items() if not is_rv or key in RV_FIELDS}
 
 
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     """Find drives for a requirement; `on_progress` gets partial answers with the alternatives confirmed so far."""
     on_progress({"doing": "searching for proportions that meet the requirements"})
     motor = parse_options(form).motor
-    found = size_drive(parse_form(form), lambda answer: on_progress({"answer": _answer_json(answer, motor)}))
-    return _answer_json(found, motor)
+    requirement = parse_form(form)
+
+    def report(answer: Answer) -> None:
+        on_progress({"answer": _answer_json(answer, motor)})
+
+    if isinstance(requirement, RvRequirement):
+        return _answer_json(size_rv(requirement, report), motor)
+    return _answer_json(size_drive(requirement, report), motor)
 
 
 def load_search() -> None:
@@ -164,11 +190,15 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
     Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
     """
     form, reason = fill_form(required), ""
-    design = drive.design.but(name=f"{required.process}-{required.ratio}", load={"torque": required.torque})
+    is_rv = isinstance(required, RvRequirement)
+    name = f"{'rv' if is_rv else required.process}-{required.ratio}"
+    design = drive.design.but(name=name, load={"torque": required.torque})
     # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
-    figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(Reducer(design))}
+    figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(reducer_of(design))}
+    if is_rv:  # it has no covers
+        figures["drive_diameter_mm"] = figures["outer_diameter_mm"]
     figures["carried_torque_nm"] = carried_torque(figures["rated_torque_nm"], figures["momentary_torque_nm"])
-    if motor != "auto":
+    if motor != "auto" and not is_rv:
         covered, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}

@@ -30,7 +30,7 @@ from cycloid_mj.app.drive import BEDS, MOTOR_WORDS
 from cycloid_mj.app.jobs import InProcess, Jobs
 from cycloid_mj.app.limits import LIMITS
 from cycloid_mj.app.requirement import load_search
-from cycloid_mj.app.state import changed_values
+from cycloid_mj.app.state import BASES, changed_values
 from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
@@ -39,6 +39,7 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.processes import PROCESSES, ProcessLimits
 from cycloid_mj.life.heat import COOLING
+from cycloid_mj.sizing.rv import DUTY_SHARE
 
 CONTENT_SECURITY_POLICY = "default-src 'self'; img-src 'self' data:; base-uri 'none'; frame-ancestors 'none'"
 
@@ -159,7 +160,15 @@ def start_values(design: Design) -> dict[str, Any]:
         "motors": MOTOR_WORDS,
         "beds": BEDS,
         "cooling": list(COOLING),
+        "rv": rv_defaults(),
     }
+
+
+def rv_defaults() -> dict[str, Any]:
+    """Return the usual values of an RV reducer, by the fields of `process_defaults`; its speed follows its ratio."""
+    defaults = process_defaults(PROCESSES["steel"])
+    material = BASES["rv"].material.name
+    return {**defaults, "material": material, "speed_rpm": None, "duty_percent": 100.0 * DUTY_SHARE}
 
 
 def process_defaults(limits: ProcessLimits) -> dict[str, Any]:

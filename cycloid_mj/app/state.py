@@ -1,4 +1,7 @@
-"""Designs of the page: the keys of the design file in which they differ from the preset ``pin``, as in its address."""
+"""Designs of the page: the keys of the design file in which they differ from a preset, as in its address.
+
+The preset is that of the layout in `BASES`. A design of another layout than "central" has the key ``layout``.
+"""
 
 import tomllib
 from collections.abc import Mapping
@@ -7,17 +10,19 @@ from typing import Any
 
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, Design, dump, override, value_of
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.design.layouts import Layout, applies
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import load_of
 
-BASE = PRESETS["pin"]
+BASES: Mapping[Layout, Design] = {"central": PRESETS["pin"], "rv": PRESETS["rv80e"]}
+"""Layout -> the preset from which the values of a design differ."""
 
 TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
 """Keys on which the radius of the output holes depends: it follows unless it is set itself."""
 
 
 def parse_design(values: Any) -> Design:
-    """Return the design of the page's values: keys of the design file -> values that differ from the preset ``pin``.
+    """Return the design of the page's values: keys of the design file -> values that differ from the preset in `BASES`.
 
     Raises
     ------
@@ -29,20 +34,22 @@ def parse_design(values: Any) -> Design:
             f"the design is not a JSON object, but of type {type(values).__name__}: send an object of design-file keys "
             'and values, such as {"ring.teeth": 36}'
         )
-    return override(BASE, {str(key): _as_integer(key, value) for key, value in values.items()})
+    base = next((preset for layout, preset in BASES.items() if layout == values.get("layout")), BASES["central"])
+    return override(base, {str(key): _as_integer(base, key, value) for key, value in values.items()})
 
 
 def changed_values(design: Design) -> dict[str, Any]:
-    """Return the values in which a design differs from the preset ``pin``: keys of the design file -> values.
+    """Return the values in which a design differs from the preset in `BASES`: keys of the design file -> values.
 
-    For a material with the values of the library only the name is listed.
+    For a material with the values of the library only the name is listed. The layout is listed unless it is "central".
 
     Raises
     ------
     DesignError
-        The design lacks a value that ``pin`` has.
+        The design lacks a value that the preset has.
     """
-    values_by_key, base = _flatten_design(design), _base()
+    preset = BASES[design.layout]
+    values_by_key, base = _flatten_design(design), _flatten_preset(design.layout)
     if missing := [key for key in base if key not in values_by_key]:
         raise DesignError(
             f"the page cannot edit this design, because it has no {', '.join(missing)}: edit the design file in a text "
@@ -52,15 +59,15 @@ def changed_values(design: Design) -> dict[str, Any]:
     for name in [key for key in values if key.endswith("material.name")]:
         table = name.removesuffix("name")
         named_material = {key: value for key, value in values.items() if key == name or not key.startswith(table)}
-        if _flatten_design(override(BASE, named_material)) == _flatten_design(override(BASE, values)):
+        if _flatten_design(override(preset, named_material)) == _flatten_design(override(preset, values)):
             values = named_material
-    return values
+    return values if design.layout == "central" else {"layout": design.layout, **values}
 
 
 def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
     """List (key, value of design a, value of design b) for the keys in which two designs differ, in units of the file.
 
-    Both designs are represented by the values in which they differ from the preset ``pin``.
+    Both designs are represented by the values in which they differ from their presets.
 
     Raises
     ------
@@ -69,10 +76,19 @@ def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
     """
     designs = (values_a, parse_design(values_a)), (values_b, parse_design(values_b))
     pairs = {
-        key: [values[key] if key in values else value_of(design, key) for values, design in designs]
+        key: [
+            values[key] if key in values else value_of(design, key) if _has_table(design, key) else None
+            for values, design in designs
+        ]
         for key in dict.fromkeys((*values_a, *values_b))
     }
     return [(key, a, b) for key, (a, b) in pairs.items() if a != b]
+
+
+def _has_table(design: Design, key: str) -> bool:
+    """Return whether the layout of a design has the table of a key of the design file."""
+    table, _, name = key.rpartition(".")
+    return applies(design.layout, table, name)
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
@@ -94,13 +110,15 @@ def apply_changes(design: Design, changes: Any) -> Design:
         )
     if not changes:
         return design
-    new = override(design, {str(key): _as_integer(key, value) for key, value in changes.items()})
-    if any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
+    base = BASES[design.layout]
+    new = override(design, {str(key): _as_integer(base, key, value) for key, value in changes.items()})
+    has_holes = design.layout == "central"
+    if has_holes and any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
         new = new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
     if "drive.torque_nm" in changes:
         return new.but(load={"torque": new.rated_torque})
     if new.load.torque and (new.load.torque, new.reduction) != (design.load.torque, design.reduction):
-        return Reducer(new).with_nominal_torque(abs(new.load.torque)).design
+        return reducer_of(new).with_nominal_torque(abs(new.load.torque)).design
     return new
 
 
@@ -111,9 +129,10 @@ def at_load(reducer: Reducer) -> Reducer:
     return reducer if loaded == reducer else loaded  # results of the reducer itself are cached
 
 
-def _as_integer(key: str, value: Any) -> Any:
-    """Convert a float without fraction to an integer where the design has one: JSON has floats only."""
-    if isinstance(value, float) and value.is_integer() and isinstance(_base().get(key), int):
+def _as_integer(base: Design, key: str, value: Any) -> Any:
+    """Convert a float without fraction to an integer where the preset `base` has one: JSON has floats only."""
+    is_whole = isinstance(value, float) and value.is_integer()
+    if is_whole and isinstance(_flatten_preset(base.layout).get(key), int):
         return int(value)
     return value
 
@@ -130,5 +149,5 @@ def _flatten_design(design: Design) -> dict[str, Any]:
 
 
 @cache
-def _base() -> dict[str, Any]:
-    return _flatten_design(BASE)
+def _flatten_preset(layout: Layout) -> dict[str, Any]:
+    return _flatten_design(BASES[layout])

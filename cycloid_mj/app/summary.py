@@ -36,7 +36,7 @@ from cycloid_mj.life.rated import rated_and_momentary_torque, rated_torque
 from cycloid_mj.parts.export import casing_or_none
 from cycloid_mj.parts.export.drive import assembly_mass
 from cycloid_mj.parts.export.motors import MotorName
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.sheet import load_of, quick_sheet
 
 NAMES = {
@@ -52,10 +52,15 @@ NAMES = {
     "tooth_pressure_mpa": "Hertz pressure on a tooth",
     "output_peak_force_n": "Largest force on an output pin",
     "cam_peak_force_n": "Largest force on the cam",
+    "crank_bearing_running_force_n": "Largest force of a crank on a disc",
+    "crank_bearing_running_mean_force_n": "Its 10/3-power mean",
+    "planet_mesh_force_n": "Largest force of a planet on the sun",
 }
 """Keys of the catalogue -> names on the page, in their order."""
 
-LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "seals"}
+LOSSES = {"cam": "cam", "output": "output pins", "seals": "seals"}
+RV_LOSSES = {"crank_bearing": "crank bearings", "planet": "planets", "seals": "seals and main bearings"}
+"""Sources of friction next to the teeth -> their names; keys end in ``_friction_power`` but for seals."""
 
 CLEARANCE = "clearance of "
 """Start of the labels of clearances."""
@@ -104,7 +109,12 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 
 
 def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
-    """Return the ``changes`` that resolve a warning of life, heat or strength at the load, and its ``name``."""
+    """Return the ``changes`` that resolve a warning of life, heat or strength at the load, and its ``name``.
+
+    There are none for an RV reducer.
+    """
+    if isinstance(reducer, RvReducer):
+        return {"name": check_name, "changes": []}
     loaded, name = at_load(reducer), check_name.replace(" ", "_")
     changes = life_remedies(loaded, [name]).get(name, ())
     return {"name": check_name, "changes": [_remedy_json(loaded, dict([change])) for change in changes]}
@@ -122,12 +132,10 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     sheet = quick_sheet(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
-    tooth = design.tooth_pair
+    sources = {design.tooth_pair: "teeth", **(RV_LOSSES if isinstance(reducer, RvReducer) else LOSSES)}
     losses = {
-        "teeth": sheet.quantities[f"{tooth}_friction_power"].value,
-        "cam": sheet.quantities["cam_friction_power"].value,
-        "output": sheet.quantities["output_friction_power"].value,
-        "seals": sheet.quantities["seals_power"].value,
+        name: sheet.quantities["seals_power" if key == "seals" else f"{key}_friction_power"].value
+        for key, name in sources.items()
     }
     return {
         "condition": sheet.condition,
@@ -142,7 +150,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
             for key, name in NAMES.items()
             if key in computed
         ],
-        "losses": {**powers, "parts": [{"name": LOSSES[key], "watts": watts} for key, watts in losses.items()]},
+        "losses": {**powers, "parts": [{"name": name, "watts": watts} for name, watts in losses.items()]},
         "assumptions": [sentence_in_words(assumption) for assumption in sheet.assumptions],
     }
 
@@ -153,16 +161,18 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     ``verdicts`` compares rated torque, diameter and length with `required`, the values in the start form of the app by
     field name, and the life with the required life of the design. The torque counts as met if twice as much is allowed
     as a peak. Diameter and length are those with covers for the motor. If the covers do not fit, the requirements on
-    diameter and length count as not met.
+    diameter and length count as not met. An RV reducer has no covers: ``length_mm`` is the length of the drive.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(lives, default=math.inf)
     rated, limit, momentary = _rated_torque(reducer, rating)
-    size_with_covers, no_covers = covered_size(reducer, motor)
     verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated, momentary)})
-    if size_with_covers:
+    size_with_covers, no_covers = (None, "") if isinstance(reducer, RvReducer) else covered_size(reducer, motor)
+    if isinstance(reducer, RvReducer):
+        verdicts |= requirement_verdicts(required, rv_size(reducer))
+    elif size_with_covers:
         sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}
         verdicts |= requirement_verdicts(required, sizes)
     else:
@@ -180,7 +190,14 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "items": rated_items(rating),
         "cased": size_with_covers,
         "no_covers": no_covers,
+        "length_mm": rv_size(reducer)["drive_length_mm"] if isinstance(reducer, RvReducer) else None,
     }
+
+
+def rv_size(reducer: RvReducer) -> dict[str, float]:
+    """Return diameter and length of an RV reducer [mm], which has no covers, as figures of the requirements."""
+    sizes = {"drive_diameter_mm": "outer_diameter_mm", "drive_length_mm": "length_mm"}
+    return {name: figure(key).value(reducer) for name, key in sizes.items()}
 
 
 def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str, float]:
@@ -236,8 +253,10 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
 def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> list[dict[str, Any]]:
     """Convert those of `evaluated_checks` that failed to JSON values: name, verdict, reason, remedy and changes.
 
-    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later.
+    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later. RV
+    reducers have no such changes: their ``remedy`` is that of the check, in words.
     """
+    is_rv = isinstance(reducer, RvReducer)
     return [
         {
             "name": _check_name(check.name),
@@ -246,7 +265,7 @@ def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> 
             "part": MARKED_PARTS.get(check.name, ""),
             "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
             "why": sentence_in_words(check.why),
-            "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
+            "remedy": "" if check.name in KINDS and not is_rv else sentence_in_words(check.remedy),
             "changes": [_remedy_json(reducer, change) for change in _resolving_changes(reducer, check)],
         }
         for check in evaluated_checks
@@ -285,7 +304,7 @@ def _complete_change(reducer: Reducer, change: Mapping[str, float], max_addition
 def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Check]:
     """Yield the failed checks of severity "error" of a design after a change; none if the change is not allowed."""
     with suppress(CycloidError):
-        changed_reducer = Reducer(apply_changes(reducer.design, _page_values(reducer, change)))
+        changed_reducer = reducer_of(apply_changes(reducer.design, _page_values(reducer, change)))
         yield from (check for check in soundness(changed_reducer) if check.severity == "error" and not check.passed)
 
 

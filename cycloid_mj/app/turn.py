@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import periodic_orders
+from cycloid_mj.app.rv_turn import rv_error, rv_forces, rv_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
 from cycloid_mj.parts import output_centres
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.scene import ring_places, transform
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
@@ -33,6 +34,10 @@ class TurnSettings:
 
 SETTINGS = TurnSettings()
 
+CONTACTS = {"teeth": "tooth", "output": "output pin", "cam": "cam"}
+RV_CONTACTS = {"teeth": "tooth", "output": "crank"}
+"""Kinds of contacts of a disc, and a contact in words."""
+
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     """Compute the contact forces on every disc over one crank turn in static equilibrium, in the ring's frame, as JSON.
@@ -54,19 +59,39 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
             ``force`` [N], shape (angles, discs, contacts), ``position`` [mm] and unit ``direction`` of the contacts,
             shape (angles, discs, contacts, 2).
         ``cam``
-            Force of the cam on each disc [N], shape (angles, discs, 2).
+            Force of the cam on each disc [N], shape (angles, discs, 2). An RV reducer has none, and ``output`` are its
+            cranks.
         ``discs``
             Displacement of each disc from its ideal pose (x, y [mm], rotation [rad]), shape (angles, discs, 3).
         ``output_turn``
             Rotation of the output from its ideal angle [rad], shape (angles,).
         ``share``
             Share of each disc in the output torque, shape (angles, discs).
-        ``turn``, ``load_nm``
-            The number of the turn, and the magnitude of the torque on the output [N m].
+        ``turn``, ``load_nm``, ``words``
+            The number of the turn, the magnitude of the torque on the output [N m], and the kinds of contacts in words.
     """
     reducer, load = _set_load(reducer)
-    design = reducer.design
     angles_in_ring = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
+    if isinstance(reducer, RvReducer):
+        discs = reducer.design.gear.discs
+        content = rv_forces(reducer, angles_in_ring, load)
+        contacts = {
+            kind: _contact_lists(found["force"], found["position"], found["direction"], discs)
+            for kind, found in ((kind, content[kind]) for kind in RV_CONTACTS)
+        }
+        others = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
+        poses = content["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
+        frame = {"turn": turn, "load_nm": abs(load), "words": RV_CONTACTS}
+        return {**frame, **contacts, **others, "discs": np.round(poses, 7).tolist()}
+    return _central_forces(reducer, turn, angles_in_ring, load)
+
+
+def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
+    """Compute the result of `forces` for a drive with a central crank, at crank angles against the ring [rad], (m,).
+
+    `load` is the torque on the output [N m].
+    """
+    design = reducer.design
     crank_angles = angles_in_ring / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank_angles)
     result = loads(reducer, springs, load, warm_start=True)
@@ -87,6 +112,7 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     return {
         "turn": turn,
         "load_nm": abs(load),
+        "words": CONTACTS,
         "teeth": _contact_lists(result.teeth, teeth, direction[:, : springs.teeth], discs),
         "output": _contact_lists(result.output, output, direction[:, springs.teeth :], discs),
         "cam": np.round(result.cam, 3).tolist(),
@@ -122,18 +148,25 @@ def error(reducer: Reducer) -> dict[str, Any]:
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh_order = float(reducer.mesh_periods)
-    pin_order = design.output.pins * reducer.share * design.ring.teeth / design.lobes
+    named = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh")]
+    if isinstance(reducer, RvReducer):
+        named += rv_orders(reducer)
+    else:
+        pin_order = design.output.pins * reducer.share * design.ring.teeth / design.lobes
+        named.append((round(pin_order, 4), "output pins"))
     return {
         "crank_deg": np.round(np.degrees(crank_angles), 3).tolist(),
         "curves": curves,
         "orders": np.round(spectrum.order[is_significant], 4).tolist(),
         "amplitudes": np.round(spectrum.amplitude[is_significant], 5).tolist(),
-        "named": [[mesh_order, "mesh"], [2.0 * mesh_order, "2 x mesh"], [round(pin_order, 4), "output pins"]],
+        "named": [list(item) for item in named],
     }
 
 
 def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
     """Compute the transmission error of the output at crank angles [rad], mean subtracted [arcsec], shape (n,)."""
+    if isinstance(reducer, RvReducer):
+        return rv_error(reducer, crank, load)
     angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
     return np.asarray(angle - angle.mean())
 

@@ -15,6 +15,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "rv": (
         "analyze",
         "animate",
+        "app",
         "build",
         "calibrate",
         "compare",

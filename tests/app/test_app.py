@@ -31,8 +31,6 @@ from cycloid_mj.app.api import (
     draw,
     forces,
     life,
-    open_design,
-    overview,
     statics,
     with_load,
 )
@@ -48,7 +46,6 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, dump, override, presets_for, value_of
-from cycloid_mj.design.layouts import SUPPORTED
 from cycloid_mj.figures import FIGURES, figure
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate_for_verdict
@@ -101,11 +98,14 @@ def test_a_drag_of_36_pixels_changes_the_teeth_by_less_than_a_quarter() -> None:
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_the_cross_section_contains_every_part(design: Design) -> None:
-    drawn = section(Reducer(design))
+    drawn = section(reducer_of(design))
     assert drawn["whole"]
     assert len(drawn["discs"]) == len(drawn["phases"]) == design.gear.discs
     assert len(drawn["pins"]) == (design.ring.teeth if design.ring.kind == "pin" else 0)
-    assert len(drawn["holes"]) == design.output.pins
+    if design.cranks:
+        assert len(drawn["cranks"]) == len(drawn["posts"]) == design.cranks.count
+    else:
+        assert len(drawn["holes"]) == design.output.pins
     numbers = [float(one) for path in (drawn["ring"], *drawn["discs"]) for one in re.findall(r"-?\d+\.?\d*", path)]
     assert max(map(abs, numbers)) <= 1.001 * drawn["reach"]
 
@@ -596,26 +596,6 @@ def test_invalid_values_are_refused(values: dict[str, Any]) -> None:
 def test_malformed_questions_are_refused(content: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         draw(content)
-
-
-def test_an_rv_reducer_opens_as_an_overview() -> None:
-    for content in ({"preset": "rv80e"}, {"text": dump(PRESETS["rv80e"]), "name": "my.toml"}):
-        assert open_design(content) == {"overview": True}
-    assert "head" in open_design({"preset": "pin"})
-
-
-@pytest.mark.slow
-def test_the_overview_has_figures_checks_and_life_of_an_rv_reducer() -> None:
-    told = overview({"preset": "rv80e"})
-    assert told["title"] == "rv80e: RV reducer, 153:1"
-    assert "cannot draw" in told["words"]
-    assert {f"cycloid-mj {command}" for command in SUPPORTED["rv"]} == set(told["commands"])
-    reducer = reducer_of(PRESETS["rv80e"])
-    rows = {row["name"]: row["value"] for row in told["rows"]}
-    stiffness = figure("stiffness_nm_per_arcmin")
-    assert rows[stiffness.name] == f"{stiffness.value(reducer):.4g} N m/arcmin"
-    assert len(told["rating"]["items"]) > 5
-    assert told["checks"]["judgement"] in ("passed", "warning")
 
 
 def test_draw_returns_design_header_and_controls() -> None:

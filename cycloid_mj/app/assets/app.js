@@ -58,6 +58,7 @@ function show(data) {
   state.remedies = {};
   remediesOf.drop();
   if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, required: state.required, options: tabs.options() }); // solved by the workers while the browser draws
+  tabs.suit(data.tabs);
   showControls(byId("parameters"), data.controls, apply);
   find();
   section.show(data.section, data.errors);
@@ -104,7 +105,7 @@ function showHead() {
   const figures = [
     ["ratio", `${head.ratio}:1`, "ratio"],
     ["diameter", `${number(head.diameter_mm)} mm`, "diameter_mm", covers],
-    ...(verdicts.length_mm || cased ? [["length", cased ? `${number(cased.length_mm)} mm` : "–", "length_mm", "with covers"]] : []),
+    ...(verdicts.length_mm || cased || life?.length_mm ? [["length", cased || life?.length_mm ? `${number(cased?.length_mm ?? life.length_mm)} mm` : "–", "length_mm", life?.length_mm ? null : "with covers"]] : []),
     ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, "", cased && `with covers ${number(cased.mass_kg, 3)} kg`],
     ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm", life && !broken && `emergency stop ${number(life.momentary_torque_nm, 3)} N m`],
     ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", "backlash_arcmin"],
@@ -248,10 +249,6 @@ async function replace(question, content, required) {
     data = await ask(question, { ...content, play: section.play, required });
   } catch (error) {
     toast(error.message);
-    return false;
-  }
-  if (data.overview) {
-    start.overview(content);
     return false;
   }
   state.required = { ...required };

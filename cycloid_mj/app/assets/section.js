@@ -147,9 +147,9 @@ export class Section {
     const bad = part => { const check = this.wrong.find(one => one.part === part); return check ? ` ${check.severity}` : ""; };
     const circle = (at, r, look) => svg("circle", { cx: at[0], cy: at[1], r, class: look });
     this.discs = d.discs.map((path, disc) => svg("g", { class: `disc${disc ? " behind" : ""}` }, svg("path", { d: path, class: `gear${bad("gear")}`, "fill-rule": "evenodd" }),
-      ["bore", "hole"].map(part => bad(part) && (part === "bore" ? circle([0, 0], d.bore_radius, `mark-of${bad(part)}`) : d.holes.map(at => circle(at, d.hole_radius, `mark-of${bad(part)}`))))));
-    this.output = svg("g", {}, d.holes.map(at => circle(at, d.output_radius, `output${bad("output")}`)));
-    this.cam = circle([0, 0], d.bore_radius, `cam${bad("bore")}`);
+      ["bore", "hole"].map(part => bad(part) && !d.cranks && (part === "bore" ? circle([0, 0], d.bore_radius, `mark-of${bad(part)}`) : d.holes.map(at => circle(at, d.hole_radius, `mark-of${bad(part)}`))))));
+    if (d.cranks) this.#cranks(circle, bad);
+    else this.#shaft(circle, bad);
     this.arm = svg("line", { class: "arm" });
     this.over = svg("g", { class: "forces" });
     this.bars = svg("g", { class: "bars" });
@@ -159,16 +159,34 @@ export class Section {
         svg("path", { d: d.ring, class: `ring${bad("ring")}`, "fill-rule": "evenodd" }),
         this.bars,
         d.pins.map(at => circle(at, d.pin_radius, `pin${bad("pin")}`)),
-        [...this.discs].reverse(), this.output, this.cam, circle([0, 0], d.shaft_radius, `shaft${bad("shaft")}`), this.arm, this.over),
+        [...this.discs].reverse(), this.output, this.inner, this.arm, this.over),
       this.shows.dimensions ? this.#dimensions() : null, this.#badges());
     this.picture.style.setProperty("--line", `${this.half / this.zoom / 330}px`);
   }
 
+  // Output pins, cam and shaft of a central crank.
+  #shaft(circle, bad) {
+    const d = this.drawn;
+    this.output = svg("g", {}, d.holes.map(at => circle(at, d.output_radius, `output${bad("output")}`)));
+    this.cam = circle([0, 0], d.bore_radius, `cam${bad("bore")}`);
+    this.inner = svg("g", {}, this.cam, circle([0, 0], d.shaft_radius, `shaft${bad("shaft")}`));
+  }
+
+  // Posts of the carrier, eccentrics of the first disc, cranks with their planets, and the sun of an RV reducer.
+  #cranks(circle, bad) {
+    const d = this.drawn, outline = points => svg("path", { d: points.length ? `M${points.map(at => at.join()).join(" ")}Z` : "", class: `planet${bad("shaft")}` });
+    this.output = svg("g", {}, d.posts.map(at => circle(at, d.post_radius, `output${bad("output")}`)));
+    this.eccentrics = d.cranks.map(() => svg("g", {}, circle([0, 0], d.bore_radius, "needles"), circle([0, 0], d.eccentric_radius, `cam${bad("bore")}`)));
+    this.journals = d.cranks.map(() => svg("g", {}, circle([0, 0], d.journal_radius, `shaft${bad("shaft")}`), outline(d.planet), svg("line", { class: "arm", x1: 0, y1: 0, x2: 0, y2: d.journal_radius })));
+    this.sun = svg("g", {}, outline(d.sun));
+    this.inner = svg("g", {}, this.eccentrics, this.journals, this.sun);
+  }
+
   #badges() {
-    const d = this.drawn, seen = {};
+    const d = this.drawn, seen = {}, [first] = d.cranks ?? d.holes;
     const spots = {
       gear: [-0.62, 0.5], pin: [0.62, 0.66], ring: [0.74, -0.78], bore: [d.bore_radius / d.reach, -0.08], shaft: [0, 0.06],
-      hole: [d.holes[0][0] / d.reach, -d.holes[0][1] / d.reach], output: [d.holes[0][0] / d.reach + 0.1, -d.holes[0][1] / d.reach + 0.06],
+      hole: [first[0] / d.reach, -first[1] / d.reach], output: [first[0] / d.reach + 0.1, -first[1] / d.reach + 0.06],
     };
     const size = Math.max(0.055 * this.half / this.zoom, this.#text(9));
     return svg("g", { class: "badges" }, this.wrong.map((one, index) => {
@@ -201,7 +219,7 @@ export class Section {
       this.nextTurn(turn + 1).then(next => { if (this.acting === present) { this.ahead.set(turn + 1, next); this.ahead.delete(turn - 1); } }, () => {});
     }
     if (!data) return null;
-    const count = data.cam.length - 1, position = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(position));
+    const count = data.discs.length - 1, position = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(position));
     return { data, low, share: position - low };
   }
 
@@ -225,9 +243,20 @@ export class Section {
     const lag = now ? d.play * between(now.data.output_turn) * 180 / Math.PI : 0;
     this.output.setAttribute("transform", `rotate(${turn + lag})`);
     const centre = [-d.orbit * Math.sin(angle), d.orbit * Math.cos(angle)];
-    this.cam.setAttribute("transform", `translate(${centre})`);
+    if (d.cranks) this.#turnCranks(angle, turn * Math.PI / 180, centre);
+    else this.cam.setAttribute("transform", `translate(${centre})`);
     for (const [key, value] of Object.entries({ x1: 0, y1: 0, x2: centre[0] * 3, y2: centre[1] * 3 })) this.arm.setAttribute(key, value);
     this.#forces(now, centre, lag);
+  }
+
+  #turnCranks(angle, turned, centre) {
+    const d = this.drawn, degrees = 180 / Math.PI;
+    d.cranks.forEach(([x, y], at) => {
+      const axis = [x * Math.cos(turned) - y * Math.sin(turned), x * Math.sin(turned) + y * Math.cos(turned)];
+      this.eccentrics[at].setAttribute("transform", `translate(${axis[0] + centre[0]},${axis[1] + centre[1]})`);
+      this.journals[at].setAttribute("transform", `translate(${axis}) rotate(${angle * degrees})`);
+    });
+    this.sun.setAttribute("transform", `rotate(${d.sun_rate * angle * degrees})`);
   }
 
   #forces(now, centre, lag) {
@@ -236,7 +265,7 @@ export class Section {
     if (!now) { this.legend.textContent = this.drawn.whole ? "" : "No forces: this design cannot be built."; return; }
     const d = this.drawn, { data } = now, row = now.share < 0.5 ? now.low : now.low + 1;
     const largest = kind => Math.max(...data[kind].force.map(discs => Math.max(...discs.map(one => Math.max(...one)))));
-    const most = { teeth: largest("teeth"), output: largest("output"), cam: Math.max(...data.cam.map(discs => Math.max(...discs.map(([x, y]) => Math.hypot(x, y))))) };
+    const most = { teeth: largest("teeth"), output: largest("output"), cam: data.cam ? Math.max(...data.cam.map(discs => Math.max(...discs.map(([x, y]) => Math.hypot(x, y))))) : 0 };
     const long = 0.3 * d.reach, here = { teeth: 0, output: 0, cam: 0 };
     const arrow = (tail, tip, look) => svg("line", { x1: tail[0], y1: tail[1], x2: tip[0], y2: tip[1], class: look, "marker-end": "url(#tip)" });
     const spin = lag * Math.PI / 180, turned = ([x, y]) => [x * Math.cos(spin) - y * Math.sin(spin), x * Math.sin(spin) + y * Math.cos(spin)];
@@ -249,7 +278,7 @@ export class Section {
         this.over.append(arrow([tip[0] - size * direction[0], tip[1] - size * direction[1]], tip, `${kind}${disc ? " second" : ""}`));
       }));
     }
-    data.cam[row].forEach((force, disc) => {
+    (data.cam?.[row] ?? []).forEach((force, disc) => {
       const size = Math.hypot(...force);
       here.cam = Math.max(here.cam, size);
       const from = disc ? centre.map(one => -one) : centre;
@@ -265,6 +294,6 @@ export class Section {
       }
     }
     const force = (kind, words) => `${words} ${number(here[kind], 3)} N (maximum over the turn ${number(most[kind], 3)} N)`;
-    this.legend.textContent = `Largest forces at this angle under ${number(data.load_nm, 3)} N m: ${force("teeth", "tooth")}, ${force("output", "output pin")}, ${force("cam", "cam")}. Arrows of each kind have their own scale.${d.play > 1 ? ` Clearances are magnified ${d.play} times.` : ""}`;
+    this.legend.textContent = `Largest forces at this angle under ${number(data.load_nm, 3)} N m: ${Object.entries(data.words).map(([kind, words]) => force(kind, words)).join(", ")}. Arrows of each kind have their own scale.${d.play > 1 ? ` Clearances are magnified ${d.play} times.` : ""}`;
   }
 }

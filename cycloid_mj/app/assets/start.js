@@ -1,8 +1,7 @@
 // The start form: the requirements of a drive. The answer is up to three drives, or the largest feasible torque and alternatives as buttons.
 
-import { ask, work, stop } from "./net.js";
+import { work, stop } from "./net.js";
 import { el, number, fill, refill, announce, JUDGED } from "./dom.js";
-import { judgedBars } from "./charts.js";
 
 const FIELDS = [
   ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Input turns per output turn"],
@@ -19,7 +18,8 @@ const MORE = [
 const OF_PROCESS = ["life_h", "speed_rpm", "duty_percent"]; // fields whose default depends on the process
 const COOLING = { still: "still air", mounted: "mounted on a machine", fan: "fan" };
 const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Steel", "hardened and ground, 5 µm"] };
-const LAYOUT = { 0: ["One or two discs", "two if one is not sufficient"], 1: ["One disc", "simplest; unbalanced"], 2: ["Two discs", "balanced"] };
+const LAYOUT = { 0: ["One or two discs", "two if one is not sufficient"], 1: ["One disc", "simplest; unbalanced"], 2: ["Two discs", "balanced"], rv: ["RV reducer", "planetary stage, two discs, two or three cranks; ratios 31 to 321"] };
+const RV_RATIOS = { min: "31", max: "321" };
 
 export class Start {
   constructor(dialog, take, open) { Object.assign(this, { dialog, take, open_: open, offers: null, job: null, search: null }); }
@@ -27,13 +27,17 @@ export class Start {
   offer(offers) { this.offers = offers; }
 
   open(required) {
-    const process = required.process || "printed";
-    this.#build({ process, discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...this.offers.processes[process], material: "", ...required });
+    const process = required.process || "printed", layout = required.layout === "rv" ? { discs: "rv" } : {};
+    this.#build({ process, discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...this.#usual({ process, ...layout }), material: "", ...required, ...layout });
     this.dialog.showModal();
     this.form.elements.ratio.select();
   }
 
+  // Usual values of a process, or of RV reducers.
+  #usual({ process, discs }) { return discs === "rv" ? this.offers.rv : this.offers.processes[process]; }
+
   #build(values) {
+    values.process ??= "printed";
     const field = ([key, label, unit, , range, hint]) => el("label", { class: "field" }, el("span", {}, label),
       el("span", { class: "entry" }, el("input", { name: key, type: "number", value: String(values[key] ?? ""), ...Object.fromEntries(Object.entries(range).map(([a, b]) => [a, String(b)])), inputmode: "decimal", required: FIELDS.some(one => one[0] === key) }), el("span", { class: "unit" }, unit)),
       el("small", {}, hint));
@@ -43,22 +47,33 @@ export class Start {
     this.material = el("select", { name: "material" });
     const materials = () => {
       const before = values.material;
-      const usual = this.offers.processes[this.form.elements.process.value];
+      const usual = this.#usual(values);
       fill(this.material, el("option", { value: "" }, `default: ${usual.material}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
     };
-    // Another process: fields with the default of the previous one get its own.
+    // Another process or layout: fields with the default of the previous one get its own.
     const defaults = () => {
-      const [before, now] = [values.process, this.form.elements.process.value].map(name => this.offers.processes[name]);
-      for (const key of OF_PROCESS) if (Number(this.form.elements[key].value) === before[key]) this.form.elements[key].value = String(now[key]);
-      values.process = this.form.elements.process.value;
+      const before = this.#usual(values);
+      Object.assign(values, { process: this.form.elements.process.value, discs: this.form.elements.discs.value });
+      const now = this.#usual(values);
+      for (const key of OF_PROCESS) if (this.form.elements[key].value === String(before[key] ?? "")) this.form.elements[key].value = String(now[key] ?? "");
       materials();
+      suit();
+    };
+    // Fields that the search for RV reducers does not support are hidden.
+    const suit = () => {
+      const rv = values.discs === "rv";
+      for (const name of ["process", "motor", "backlash_arcmin", "material"]) {
+        const [one] = [this.form.elements[name]].flatMap(item => (item instanceof RadioNodeList ? [...item] : [item]));
+        (one.closest("fieldset") ?? one.closest(".field")).hidden = rv;
+      }
+      Object.assign(this.form.elements.ratio, rv ? RV_RATIOS : { min: "3", max: "150" });
     };
     const select = (name, label, options, hint) => el("label", { class: "field" }, el("span", {}, label), el("select", { name }, options.map(([key, words]) => el("option", { value: key, selected: key === (values[name] ?? "") }, words))), el("small", {}, hint));
-    this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => event.target.name === "process" && defaults() },
+    this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => ["process", "discs"].includes(event.target.name) && defaults() },
       el("div", { class: "fields" }, FIELDS.map(field)),
       el("fieldset", {}, el("legend", {}, "Manufacturing process"), choice("process", PROCESS, values.process)),
       el("fieldset", {}, el("legend", {}, "Layout"), choice("discs", LAYOUT, values.discs)),
-      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== (this.offers.processes[values.process][key] ?? usual)) || Boolean(values.material) || (values.motor ?? "auto") !== "auto" }, el("summary", {}, "More: motor, speed, duty, length, backlash, material"),
+      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== (this.#usual(values)[key] ?? usual)) || Boolean(values.material) || (values.motor ?? "auto") !== "auto" }, el("summary", {}, "More: motor, speed, duty, length, backlash, material"),
         el("div", { class: "fields" }, select("motor", "Motor", Object.entries(this.offers.motors), "Its flange and shaft are part of the covers"), MORE.map(field), select("cooling", "Cooling", this.offers.cooling.map(name => [name, COOLING[name] ?? name]), "Of the housing"), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Material of disc and housing")))),
       el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "Search by static load and life calculation, with standard pins and bearings")));
     fill(this.dialog,
@@ -67,16 +82,19 @@ export class Start {
       el("p", { class: "instead" }, "Or start from ", this.offers.presets.map((name, index) => [index ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
         " or ", el("button", { class: "link", type: "button", onclick: () => { this.dialog.close(); document.getElementById("open").click(); } }, "a design file"), "."));
     materials();
+    suit();
     this.dialog.onclose = () => this.#stop();
   }
 
   #read() {
     const form = {};
     for (const input of this.form.elements) {
-      if (!input.name || (input.type === "radio" && !input.checked) || input.value === "") continue;
+      if (!input.name || (input.type === "radio" && !input.checked) || input.value === "" || input.closest("[hidden]")) continue;
       form[input.name] = input.type === "number" || input.name === "discs" ? Number(input.value) : input.value;
     }
-    return form;
+    if (this.form.elements.discs.value !== "rv") return form;
+    delete form.discs;
+    return { ...form, layout: "rv" };
   }
 
   // A drive was chosen: move the focus to its checks.
@@ -94,7 +112,7 @@ export class Start {
   // Search with other values, and show them in the form.
   #instead(required) {
     required = { ...required, motor: this.form.elements.motor.value };
-    this.#build({ ...required, material: required.material || "" });
+    this.#build({ ...required, material: required.material || "", ...(required.layout === "rv" ? { discs: "rv" } : {}) });
     this.form.querySelector("[type=submit]").focus(); // the button of the alternative is gone
     this.#find(Object.fromEntries(Object.entries({ ...required, motor: required.motor || "auto" }).filter(([, value]) => value !== null && value !== "")));
   }
@@ -174,32 +192,7 @@ export class Start {
         !answer.remedies.length && done && !answer.max_torque_nm ? el("p", { class: "soft" }, "No alternative was found. Try a larger diameter, a smaller torque or another process.") : null));
   }
 
-  // A design that the page cannot draw: its figures, and the commands that support it.
-  async overview(content) {
-    if (!this.dialog.open) this.open({});
-    this.#stop();
-    fill(this.answer, el("div", { class: "busy" }, el("span", { class: "spinner", "aria-hidden": "true" }), "computing the figures"));
-    this.answer.scrollIntoView({ block: "nearest" });
-    let data;
-    try {
-      data = await ask("overview", content);
-    } catch (error) {
-      fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, `${JUDGED.failed.mark} `), error.message));
-      return;
-    }
-    const { mark, look } = JUDGED[data.checks.judgement], title = el("h3", { tabindex: "-1" }, data.title);
-    fill(this.answer, title, el("p", {}, data.words, " These commands support it:"),
-      el("p", {}, data.commands.map((command, at) => [at ? ", " : "", el("code", {}, command)])),
-      el("h4", { class: look }, `${mark} ${data.checks.words}`), el("ul", {}, data.checks.failed.map(why => el("li", {}, why))),
-      el("h4", {}, "Figures"), el("p", { class: "soft" }, `Static equilibrium at ${data.condition}.`),
-      el("table", { class: "figures" }, el("tbody", {}, data.rows.map(row => el("tr", {}, el("th", { scope: "row" }, el("details", {}, el("summary", {}, row.name), el("p", { class: "soft" }, row.note))), el("td", {}, row.value))))),
-      el("h4", {}, "Life"), el("p", { class: "soft" }, `At ${data.rating.condition}; required life ${number(data.rating.required_h)} h.`), judgedBars(data.rating.items, true));
-    title.focus();
-    title.scrollIntoView({ block: "start" });
-    announce(data.title);
-  }
-
   #also(required) {
-    return `${required.ratio}:1, ${number(required.diameter_mm)} mm, ${number(required.torque_nm)} N m, ${PROCESS[required.process]?.[0].toLowerCase() ?? required.process}`;
+    return `${required.ratio}:1, ${number(required.diameter_mm)} mm, ${number(required.torque_nm)} N m, ${required.layout === "rv" ? LAYOUT.rv[0] : PROCESS[required.process]?.[0].toLowerCase() ?? required.process}`;
   }
 }

@@ -23,6 +23,12 @@ export class Tabs {
     container.append(this.list, this.panel);
   }
 
+  // Show only the tabs that the layout of the design has.
+  suit(keys) {
+    for (const tab of this.list.children) tab.hidden = !keys.includes(tab.id.slice(4));
+    if (!keys.includes(this.open)) this.choose("figures");
+  }
+
   offer(offers) { this.offers = offers; this.#draw(); }
 
   // Open a tab; a study of the tab that is left is stopped.
@@ -41,12 +47,12 @@ export class Tabs {
   }
 
   #keys(event) {
-    const keys = Object.keys(TABS), at = keys.indexOf(this.open);
+    const keys = [...this.list.children].filter(tab => !tab.hidden).map(tab => tab.id.slice(4)), at = keys.indexOf(this.open);
     const to = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: keys.length - 1 }[event.key];
     if (to === undefined) return;
     event.preventDefault();
     this.choose(keys[(to + keys.length) % keys.length]);
-    this.list.children[(to + keys.length) % keys.length].focus();
+    document.getElementById(`tab-${this.open}`).focus();
   }
 
   // The design has changed: results of the previous one are no longer shown.
@@ -77,7 +83,7 @@ export class Tabs {
   }
 
   #want() {
-    if (this.open in this.solved && !this.errors && !this.last[this.open]) this.solved[this.open].ask({ design: this.state().design, options: this.options() });
+    if (this.open in this.solved && !this.errors && !this.last[this.open] && !(this.open === "make" && !this.state().shown?.files.includes("3mf"))) this.solved[this.open].ask({ design: this.state().design, options: this.options() });
   }
 
   // Choices that are not in the design file: the motor of the requirements, and those of the printer.
@@ -109,13 +115,13 @@ export class Tabs {
 
   #turn() {
     return this.#of("forces", data => {
-      const count = data.cam.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
+      const count = data.discs.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
       const largest = kind => x.map((_, at) => Math.max(...data[kind].force[at].flat()));
       const carrying = x.map((_, at) => { const all = data.teeth.force[at].flat(), most = Math.max(...all); return all.filter(one => one > 0.01 * most).length; });
       const forceOn = at => data.teeth.force.map(row => row[0][at]);
       const pins = data.teeth.force[0][0].length;
       return [
-        lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: data.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
+        lines("Largest forces over the turn", x, Object.entries(data.words).map(([kind, name]) => ({ name, y: kind === "cam" ? data.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))) : largest(kind), look: kind })), ["crank angle [°]", "force [N]"]),
         lines("Force on three ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: forceOn(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
         lines("Loaded teeth", x, [{ name: "force above 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
     });
@@ -266,24 +272,27 @@ export class Tabs {
   }
 
   #make() {
-    const { motors = {}, beds = [], files = {} } = this.offers || {}, running = this.jobs.make, blocked = Boolean(this.errors || running);
+    const { motors = {}, beds = [], files: all = {} } = this.offers || {}, { shown } = this.state();
+    const files = Object.fromEntries((shown?.files ?? []).map(kind => [kind, all[kind]])), closed = "3mf" in files; // only a drive with covers is printed and closed
+    const running = this.jobs.make, blocked = Boolean(this.errors || running);
     const button = (kind, words, look = "") => el("button", { class: look, disabled: blocked && kind !== "toml", onclick: () => this.#begin(kind, words) }, words);
     const choice = (words, options, value, change) => el("label", { class: "choose" }, el("span", {}, words), el("select", { onchange: event => change(event.target.value) }, options.map(([key, word]) => el("option", { value: key, selected: key === value }, word))));
     const { printed } = this; // without parts of plastic there is no printer to choose
     const printer = change => { Object.assign(this.printer, change); };
     return [
+      closed ? [
       el("h3", {}, "Drive"),
       el("div", { class: "go" }, choice("Motor", Object.entries(motors), this.options().motor, motor => { delete this.last.make; delete this.last.solid; this.choseMotor(motor); this.#want(); this.#draw(); }),
         printed ? choice("Printer bed", beds.map(bed => [bed, bed ? `${bed.split("x").join(" × ")} mm` : "one plate"]), this.printer.bed ?? "", bed => printer({ bed })) : null,
         printed ? el("label", { class: "choose" }, el("span", {}, "Printer offset [µm]"), el("input", { type: "number", min: "0", max: "500", step: "10", value: String(this.printer.offset_um ?? 0), onchange: event => printer({ offset_um: event.target.valueAsNumber || 0 }) })) : null),
-      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, `${printed ? "Print plates with covers, test coupon" : "Shapes of all parts (3MF)"}, bill of materials, drawings, order of assembly, STEP`)),
+      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, `${printed ? "Print plates with covers, test coupon" : "Shapes of all parts (3MF)"}, bill of materials, drawings, order of assembly, STEP`))] : null,
       running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
       this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null,
       el("h3", {}, "Single files"), el("div", { class: "make" }, Object.entries(files).map(([kind, words]) => button(kind, words))),
       el("h3", {}, "Simulation"), el("div", { class: "go" }, button("run", "Run in MuJoCo"),
         this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "One crank turn at full speed under the load. The report opens in a new window.")),
-      this.errors ? null : this.#of("make", data => this.#drive(data))];
+      this.errors || !closed ? null : this.#of("make", data => this.#drive(data))];
   }
 
   // Size, bill and order of assembly of the drive with its covers.

@@ -1,0 +1,73 @@
+"""Contact forces and transmission error of an RV reducer over a turn of its cranks, for the page."""
+
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.scene import ring_places
+from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_film import running_friction
+from cycloid_mj.statics.rv_motion import rv_springs_at, static_rotations
+from cycloid_mj.statics.rv_sheet import torque_on_carrier
+
+
+def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]:
+    """Compute the contact forces on the discs of a running RV reducer at crank angles against the ring [rad], (m,).
+
+    `torque` is that on the output [N m]. The frame is that of the ring.
+
+    Returns
+    -------
+    dict
+        ``teeth`` and ``output``: ``force`` [N], shape (m, D contacts), with ``position`` [m] and unit ``direction``,
+        shape (m, D contacts, 2); ``output`` are the cranks. ``discs``: displacements of the discs from their ideal pose
+        (x, y [m], rotation [rad]), shape (m, D, 3); ``output_turn``: rotation of the carrier from its ideal angle
+        [rad], shape (m,); ``share``: share of each disc in the torque on the carrier, shape (m, D).
+    """
+    springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
+    loads = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, float(np.sign(on_carrier))))
+    discs, count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
+    columns = 3 * springs.disc[:, np.newaxis] + np.arange(2)
+    slope = springs.slope[:, : springs.pins]
+    normal = np.take_along_axis(slope, np.broadcast_to(columns, (len(crank), *columns.shape)), axis=2)
+    size = loads.bearings
+    toward = loads.cranks / np.maximum(size, np.finfo(float).tiny)[..., np.newaxis]
+    axes = reducer.stage.crank_positions(crank)[:, np.newaxis]
+    centres = reducer.design.gear.eccentricity * reducer.stage.eccentrics(crank)[:, :, np.newaxis]
+    moments = axes[..., 0] * loads.cranks[..., 1] - axes[..., 1] * loads.cranks[..., 0]
+    on_disc = moments.sum(axis=2)
+    poses = loads.displacements[:, : 3 * discs].reshape(shape) / [1.0, 1.0, springs.lever]
+    return {
+        "teeth": {
+            "force": loads.pins,
+            "position": np.tile(ring_places(reducer), (len(crank), discs, 1)) + reducer.design.ring.pin_radius * normal,
+            "direction": normal,
+        },
+        "output": {
+            "force": size.reshape(len(crank), discs * count),
+            "position": (axes + centres).reshape(len(crank), discs * count, 2),
+            "direction": toward.reshape(len(crank), discs * count, 2),
+        },
+        "discs": poses,
+        "output_turn": loads.carrier_turn,
+        "share": on_disc / np.where(on_disc.sum(axis=1) == 0.0, 1.0, on_disc.sum(axis=1))[:, np.newaxis],
+    }
+
+
+def rv_error(reducer: RvReducer, crank: Array, torque: float) -> Array:
+    """Compute the transmission error [arcsec], mean subtracted, at angles of the cranks against the ground [rad], (m,).
+
+    `torque` is that on the output [N m]. There is no friction.
+    """
+    rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque)
+    angle = ARCSECONDS * reducer.member.sense * rotations[:, 1]
+    return np.asarray(angle - angle.mean())
+
+
+def rv_orders(reducer: RvReducer) -> list[tuple[float, str]]:
+    """Return order [cycles per turn of the cranks] and name of the periodic errors of cranks and planets."""
+    crank_order = reducer.mesh_periods / reducer.design.lobes
+    return [(crank_order, "cranks"), (crank_order * reducer.planet.planet_teeth, "planet mesh")]
