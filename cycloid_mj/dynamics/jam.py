@@ -38,7 +38,8 @@ JAM = JamSettings()
 def jamming_power(reducer: Reducer) -> float:
     """Compute the friction power [W] above which a design jams; infinite if its crank is at rest.
 
-    It is the crank speed times the larger of the two friction torques that `JamSettings` describes.
+    It is the crank speed times the largest friction torque. That is the larger of the rated torque of the crank and the
+    torque that the load requires at the crank without losses, each times its factor in `JamSettings`.
     """
     design = reducer.design
     drive = design.drive

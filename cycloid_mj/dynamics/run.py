@@ -572,8 +572,8 @@ class _Recorder:
     def tables(self, rows: Array) -> dict[str, Array]:
         """Convert rows of samples to tables of the log by topic, each of shape (samples, columns).
 
-        The columns are those of `log_columns`. Powers are summed over the pairs of each kind, and the motion of the
-        point q is computed from that of the first disc.
+        `log_columns` lists the columns of each topic with their units. Powers are summed over the pairs of each kind,
+        and the motion of the point q is computed from that of the first disc.
         """
         sensor_values, solver, drags = (
             rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)

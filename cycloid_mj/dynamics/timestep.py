@@ -160,7 +160,7 @@ def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) 
     """Return the upper limit of K dt^2/m [1], with stiffness K, time step dt and effective mass m of a contact.
 
     `kind` is a kind of pair in the design, such as ``pin_gear`` or ``cam``. `must_follow` is whether the step has to
-    resolve the oscillation of moving pins, as in `step_limits`.
+    resolve the oscillation of pins that can move.
     """
     design = reducer.design
     if may_settle(reducer, kind) and not must_follow:

@@ -182,7 +182,7 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
 def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> tuple[float, float]:
     """Compute the contact ratios of the tips of sun and planet, counted from the pitch point.
 
-    The arguments are those of `mesh_loss_factor`: numbers of teeth, and pressure angle [rad].
+    The arguments are the numbers of teeth of sun and planet, and the pressure angle [rad].
 
     Returns
     -------

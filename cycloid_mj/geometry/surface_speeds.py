@@ -66,9 +66,10 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
     """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve.
 
-    The speeds of pin and contact line are those of `tooth_speeds`, reduced from the pin radius to the seat's `radius`
-    [m]: that of the pin in a socket, or of the bore of a sleeve. `B` are phases of the pins [rad] and `crank_speed`
-    [rad/s] is the speed of the crank, as in `tooth_speeds`.
+    The seat's `radius` [m] is that of the pin in a socket, or of the bore of a sleeve. The speeds are those of
+    `tooth_speeds` at the tooth, times the seat's radius over the pin radius. `B` are phases of the pins [rad], angles
+    of the pins from the eccentricity, clockwise, of any shape. `crank_speed` [rad/s] is the speed of the crank relative
+    to the ring.
     """
     disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
     return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)

@@ -246,7 +246,7 @@ class LogWriter:
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         """Raise LogError unless topics, shapes and times of the samples to be logged are valid.
 
-        `time` (k,) [s] and `values` by topic are the arguments of `write`.
+        `time` (k,) [s] are the times of k samples. `values` are their values by topic, of shape (k, columns).
         """
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):

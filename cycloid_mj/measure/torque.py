@@ -152,7 +152,7 @@ def _tested_drives(
     periods: int,
     half_step: Reducer | None,
 ) -> dict[Hashable, tuple[Reducer, int]]:
-    """Return drive and number of mesh periods of each run of the test by its key.
+    """Return drive and number of mesh periods of each run of the brake test by its key.
 
     The keys are "own" (the design), "halved" (half the time step), each friction variant, and the designs at both ends
     of each input. In all runs but the first two, ring pins that can move have no mass.

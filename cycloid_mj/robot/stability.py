@@ -117,8 +117,9 @@ class StepTrial:
     def as_json(self) -> dict[str, Any]:
         """Convert the trial of a time step to JSON values; keys end in their units, and errors are relative [1].
 
-        ``static_error`` is that of the wind-up under the nominal torque, ``frequency_error`` that of the vibration, and
-        ``impact_error`` that of the largest wind-up in an impact at ``impact_hz``. ``load`` is the inertia in words.
+        ``static_error`` is the error of the wind-up under the nominal torque, ``frequency_error`` the error of the
+        vibration, and ``impact_error`` the error of the largest wind-up in an impact at ``impact_hz``. ``load`` is the
+        inertia in words.
         """
         return {
             "level": self.level,

@@ -86,7 +86,7 @@ def render_part(
     """Render only some bodies of a run's model in their poses at its start; `bodies` are their names.
 
     The camera points at the middle of the bodies, from a distance of `IMAGE.part_distance` times their radius. `size`
-    [pixels] and `view`, azimuth and elevation of the camera [deg], are those of `render`.
+    is width and height of the image [pixels]. `view` is azimuth and elevation of the camera [deg].
 
     Raises
     ------

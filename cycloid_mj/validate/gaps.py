@@ -147,9 +147,8 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
     """Compute the signed distance of points [m] in the gear's frame, shape (n, 2), from a trochoid with waves.
 
-    Newton's method starts from the nearest point of the trochoid without waves. The result is as in
-    `trochoid_distance`: distance [m], shape (n,), outward normal (n, 2), and parameter t of the nearest point [rad],
-    (n,).
+    Newton's method starts from the nearest point of the trochoid without waves. Returned are the distance [m], shape
+    (n,), the outward normal (n, 2), and the parameter t of the nearest point [rad], (n,).
     """
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:

@@ -300,7 +300,7 @@ def _size_motor_side(
 ) -> _MotorSide:
     """Size the motor cover: its cavity for the crank, the flange of the motor and the step in its outer radius.
 
-    Errors are those of `casing`.
+    A DesignError is raised if motor flange or crank do not fit.
 
     Parameters
     ----------

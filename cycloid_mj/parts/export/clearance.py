@@ -110,7 +110,7 @@ def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) ->
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
     """Measure the clearance between a disc and the ring, and between sockets and pins if there are any.
 
-    Errors are those of `measure_disc`.
+    A DesignError is raised if a clearance deviates from that of the design.
 
     Parameters
     ----------

@@ -197,8 +197,8 @@ def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the press-fit joint of the fixed pins, on which the ring's sleeves turn, with motor and output cover.
 
-    It has a hole in each cover for each pin, with the radius of the pin and as deep as `sleeve_pin_depth`, and the fit
-    of the pins. `sizes` are the dimensions of the covers.
+    In each cover it has a hole for each pin. The hole has the radius and the fit of the pin, and is as deep as
+    `sleeve_pin_depth`. `sizes` are the dimensions of the covers.
     """
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)

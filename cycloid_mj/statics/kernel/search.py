@@ -113,8 +113,11 @@ def balance_with_paths(
 ) -> Residual:
     """Solve for static equilibrium at each crank angle by Newton's method, and where that fails by continuation.
 
-    Arguments and result are those of `balance`; `system` is the workspace. The methods are `balance_briefly` and
-    `solve_by_arclength`.
+    `springs` are given at k crank angles. `load` (k, u) [N] are generalised loads. `z` (k, u) [m] are start values of
+    the displacements, which are replaced by the solutions. `force` (k, n) [N] is the output array for the forces of the
+    contacts. With `extrapolate`, only the first row of z is a start value. `system` is the workspace. Returned are the
+    largest relative residual and the number of assemblies. If an angle has no equilibrium, its index and residual are
+    returned, and later angles are not solved.
     """
     residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
