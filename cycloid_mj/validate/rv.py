@@ -20,6 +20,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.geometry.rv_loads import mean_force
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.film import drag_torques
 from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.rv_sheet import balance_rv, closed_rotation, ideal_rv, torque_on_carrier
@@ -94,7 +95,12 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
 
 
 def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -> list[ValidationRow]:
-    """Compare ratio, wind-up, crank bearing forces and efficiency of a run with statics at its crank angles."""
+    """Compare ratio, wind-up, crank bearing forces and efficiency of a run with statics at its crank angles.
+
+    The ratio is the quotient of the angles by which sun and output turn. Its bound is 0.01 %: in the 6 ms of a run in
+    MuJoCo the output turns by 1940 arcsec, of which 0.2 arcsec are 0.01 %. The wind-up changes by up to 0.1 arcsec in
+    this time, the transmission error of ideal parts at full speed.
+    """
     drive, load = {"ramp": 0.0, "hold": hold}, {"rise": CONDITIONS.rise} if solver == "mujoco" else {}
     reducer = RvReducer(reducer.design.but(drive=drive, load=load))
     run = simulate(reducer.design, model_for(solver, reducer))
@@ -134,9 +140,12 @@ def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -
 
 
 def _static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Solve for the static balance with friction at the crank angles of a run."""
+    """Solve for the static balance with friction at the crank angles of a run.
+
+    The drag of seal and main bearings on the output adds to the load.
+    """
     springs = compute_rv_springs(reducer, _mesh_angles(reducer, run))
-    torque = torque_on_carrier(reducer, reducer.design.load.torque)
+    torque = torque_on_carrier(reducer, reducer.design.load.torque + drag_torques(reducer)[1])
     return solve_rv_loads(springs, torque, running_friction(reducer, springs.crank, float(np.sign(torque))))
 
 
