@@ -123,12 +123,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     ambient = reducer.design.service.ambient_temperature
     course = _solve_warm_up(reducer, duty, steady_state, settings)
     tightest = _find_tightest_time(reducer.design, course)
-    torque_limit = _find_torque_limit(
-        reducer, points, steady_state, tightest if len(duty.points) > 1 else None, settings
-    )
-    by_speed, _ = _largest_duty_factor(
-        reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
-    )
+    tightest_of_cycle = tightest if len(duty.points) > 1 else None
+    torque_limit = _find_torque_limit(reducer, points, steady_state, tightest_of_cycle, settings)
     return ThermalState(
         design=reducer.design.name,
         condition=f"{duty.words}, ambient {ambient:g} °C",
@@ -141,7 +137,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         clearances=warm_clearances(warm),
         play=tooth_play(warm),
         torque=torque_limit.torque,
-        speed=by_speed * max(point.speed for point in points),
+        speed=_find_speed_limit(reducer, points, steady_state, settings),
         limited_by=torque_limit.name,
         duty_torques=torque_limit.by_duty,
         times=course.times,
@@ -153,6 +149,16 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         assumptions=tuple(_assumptions(reducer, steady_state)),
         can_preload=isinstance(reducer, RvReducer),
     )
+
+
+def _find_speed_limit(
+    reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
+) -> float:
+    """Return the largest speed of the crank [rad/s] that heat allows, with the speeds of all points in proportion."""
+    share, _ = _largest_duty_factor(
+        reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
+    )
+    return share * max(point.speed for point in points)
 
 
 @dataclass(frozen=True)

@@ -124,8 +124,7 @@ def loads(
     reducer = reducer_of(resolve(design))
     torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
     loaded = steady_design(reducer).but(load={"torque": torque})
-    last = 3  # two runs and the capacities
-    periods = LOADS.periods if quick else reducer.mesh_periods
+    last, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
     run, finer = _run_at_two_steps(loaded, periods, solver, lambda done, _: progress(done, last))
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
