@@ -422,6 +422,12 @@ class RetainingRing:
         return self.thickness + (0.1e-3 if self.thickness < 2e-3 else 0.15e-3)
 
     @property
+    def groove_zone(self) -> str:
+        """Tolerance zone of the diameter of the groove (DIN 471 and 472)."""
+        grade = 10 if self.diameter <= 10e-3 else 11 if self.diameter <= 22e-3 else 12
+        return f"H{max(grade, 11)}" if self.groove > self.diameter else f"h{grade}"
+
+    @property
     def room(self) -> float:
         """Length of the groove with the land beyond it [m]."""
         return self.groove_width + SNAP_LAND * 0.5 * abs(self.diameter - self.groove)

@@ -9,6 +9,7 @@ from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
+from cycloid_mj.parts.export.drawing import part_drawings
 from cycloid_mj.parts.export.drive import drive_length, drive_mass
 from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.order import assembly_order
@@ -70,6 +71,15 @@ def test_a_drive_with_rings_can_be_assembled_and_turns(name: str) -> None:
     lines = {line.item: line for line in bill(reducer, 0.0, sizes) if line.made_or_bought != "consumable"}
     assert [lines[item].count for item in (SHAFT_RING, BORE_RING)] == [1, 1]
     assert sum(line.mass_kg for line in lines.values()) == pytest.approx(drive_mass(reducer), rel=0.01)
+
+
+def test_drawings_state_the_zones_of_the_grooves() -> None:
+    """DIN 471 has h11 up to 22 mm, DIN 472 H12 above."""
+    reducer = Reducer(design("printed", *RINGS["printed"], "shaft.retaining_rings=true"))
+    drawings = {one.name: one for one in part_drawings(reducer, casing(reducer))}
+    texts = {name: [one.text for one in drawings[name].diameters] for name in ("shaft", "motor_cover")}
+    assert "\u230011.5 h11 (+0/-110 \u00b5m)" in texts["shaft"]
+    assert "\u230025.2 H12 (+210/+0 \u00b5m)" in texts["motor_cover"]
 
 
 def test_a_ring_wider_than_its_cover_could_not_be_mounted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -162,16 +162,19 @@ def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the joints of the parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
     parts, (start, end) = sizes.crank_end, sizes.near
     if (on_shaft := parts.shaft_ring) and (in_bore := parts.bore_ring):
-        inner = 0.5 * on_shaft.groove
-        ring = _retaining_ring(SHAFT_RING, on_shaft, (inner, inner + on_shaft.width), names.SHAFT, start, -1.0)
-        yield Joint("retaining ring on the crank", JointKind.LOCATED, (names.SHAFT, SHAFT_BEARING), (), (ring,))
-        outer = 0.5 * in_bore.groove
-        ring = _retaining_ring(BORE_RING, in_bore, (outer - in_bore.width, outer), names.HOUSING, end, 1.0)
-        yield Joint("retaining ring in the motor cover", JointKind.LOCATED, (MOTOR_COVER, SHAFT_BEARING), (), (ring,))
+        inner, outer = 0.5 * on_shaft.groove, 0.5 * in_bore.groove
+        for part, item, ring, radii, body, (face, direction) in (
+            (names.SHAFT, SHAFT_RING, on_shaft, (inner, inner + on_shaft.width), names.SHAFT, (start, -1.0)),
+            (MOTOR_COVER, BORE_RING, in_bore, (outer - in_bore.width, outer), names.HOUSING, (end, 1.0)),
+        ):
+            bought, mates = _retaining_ring(item, ring, radii, body, face, direction), (part, SHAFT_BEARING)
+            name = f"retaining ring {'on the crank' if part == names.SHAFT else 'in the motor cover'}"
+            groove = 1, ring.groove, ring.groove_width
+            yield Joint(name, JointKind.LOCATED, mates, (), (bought,), ring.groove_zone, *groove)
     if seal := parts.seal:
         fit = f"{cup_fit(reducer, names.HOUSING)} outside, lip on the hardened and ground crank (Ra 0.2 to 0.8 um)"
         sizes_of_seal = ("outside diameter", seal.outside), ("bore", seal.bore), ("length", seal.width)
-        ring = BoughtPart(
+        seal_part = BoughtPart(
             SHAFT_SEAL,
             tube(0.5 * seal.bore, 0.5 * seal.outside, seal.width),
             names.HOUSING,
@@ -181,7 +184,7 @@ def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
             seal.designation,
             fit,
         )
-        yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, MOTOR_COVER), (), (ring,), fit)
+        yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, MOTOR_COVER), (), (seal_part,), fit)
 
 
 def _retaining_ring(
