@@ -1,6 +1,6 @@
 """Closed-form estimates of many candidates at once: the torque limit of each item, mass and length.
 
-Teeth and output pins share the load as springs with the clearance of their pair, turned by the load only; the items
+Teeth and output pins share the load as springs with clearance; one of them, the critical one, protrudes. The items
 are those of ``life`` with the same limits. Their errors are corrected by rated candidates, see `search`.
 """
 
@@ -11,18 +11,22 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import ARCMINUTE, HOUR
-from cycloid_mj.design import Design, stock
-from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.design import Design, Material, stock
+from cycloid_mj.design.materials import MATERIALS, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
 from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.plastic_set import SET_POWER, SET_SHARE
 from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
+from cycloid_mj.lubrication.bearings import seal_torque
+from cycloid_mj.parts.export.casing import LIGHT_METAL
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import TOLERANCE_SHARE, Sizes
+from cycloid_mj.sizing.load_sharing import share_torque
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.statics.film import ASSUMED, RollerBearings, cam_mean_diameter, idle_torque_of
 
 ANGLES = 24
 """Angles of half a turn at which pins carry."""
@@ -30,25 +34,25 @@ ANGLES = 24
 LINE_STIFFNESS = 0.26
 """Stiffness of a line contact over E* times its length: Palmgren's, of steel at 50 N/mm."""
 
-LOSSES = 2.0
-"""All losses, with those of bearings and seals, over those of teeth, output pins and cams (median of 30 drives)."""
+LUBRICANT_FACTOR = 0.86
+"""Product of the factors of ISO 6336-2 for lubricant, speed and roughness, on the allowed pressure (median of ratings
+of 100 drives)."""
 
-LUBRICANT_FACTOR = 0.7
-"""Usual product of the factors of ISO 6336-2 for lubricant, speed and roughness, on the allowed pressure."""
+CRITICAL = 3.0
+"""Errors of the critical tooth (position and radius of its pin), output pin and disc, in standard deviations.
 
-TOOTH_ERROR = 3.0 * math.sqrt(3.0) * TOLERANCE_SHARE
-"""Error of a critical tooth over the clearance: three standard deviations of position, radius and seat of its pin."""
+At the 95 % percentile, the largest of 30 normal errors is 3.1 standard deviations."""
 
 ENDURANCE_SHARE = 0.35
 """Pulsating endurance limit over tensile strength, with size, surface and notch of a usual part (Shigley, 6-7)."""
 
-LENGTH, MASS = np.array([1.1, 0.9, 2.5, 0.36]), np.array([1.3, 2.0, 5.2, 0.58])
-"""Coefficients of the regressions of length and mass, of 210 drives of 10:1 to 100:1 and 40 to 300 mm.
+LENGTH, MASS = np.array([0.9, 1.56, 0.34, 0.015]), np.array([0.38, 1.6, 2.5, 0.66, 0.5])
+"""Coefficients of the regressions of length and mass, of 384 drives of 11:1 to 100:1 and 50 to 300 mm.
 
-They scatter by 8 % in length and 24 % in mass, with steel covers instead of the usual aluminium; ratings correct them.
+They scatter by 5 % in length and 14 % in mass; ratings correct them.
 """
 
-ROUNDS = 3
+ROUNDS = 5
 """Evaluations at the torque of the one before, as shares of the load depend on it."""
 
 
@@ -84,14 +88,36 @@ def capacity(guess: Estimate, but: tuple[str, ...] = ()) -> Array:
     return np.asarray(np.min([limit for key, limit in guess.items() if key not in (*FIGURES, *but)], axis=0))
 
 
+def add_capacity(figures: Estimate) -> Estimate:
+    """Return figures of candidates with the key ``capacity``, their smallest torque limit (at least 1e-9 N m)."""
+    limits = {key: values for key, values in figures.items() if key != "capacity"}
+    return {**limits, "capacity": np.maximum(capacity(limits), 1e-9)}
+
+
 @dataclass(frozen=True, eq=False)
 class _Loads:
-    """Loads of candidates at a torque [N m], shape (n,): largest forces [N], pressures [Pa], losses [W].
+    """Loads of the critical disc of n candidates within their tolerances, at an output torque [N m], shape (n,) each.
 
-    `play` is the clearance of a tooth [m], and `arm` the largest lever of its normal about the output's axis [m].
+    Attributes
+    ----------
+    torque
+        Output torque [N m].
+    disc_share
+        Share of the torque that the disc carries, as its errors let it lead the others.
+    tooth, tooth_pressure, pin
+        Largest force on a tooth [N], largest pressure on one [Pa], and largest force on an output pin [N].
+    pin_sum, cam
+        Force on all output pins, and on the cam [N].
+    tooth_loss
+        Power of the sliding of all teeth over their coefficient of friction [W].
+    sound
+        Whether the disc is not undercut.
+    play, arm
+        Clearance of a tooth [m], and largest lever arm of its normal about the axis of the output [m].
     """
 
     torque: Array
+    disc_share: Array
     tooth: Array
     tooth_pressure: Array
     pin: Array
@@ -104,83 +130,49 @@ class _Loads:
 
     @classmethod
     def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
-        """Share the torque of each disc between teeth and output pins."""
+        """Share the torque between the discs, and that of the critical disc between teeth and between output pins."""
         teeth, discs = requirement.ratio + 1, requirement.discs or 1
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
         circle, pin, ecc = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
         k1 = ecc * teeth / circle
         reach = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
         arm = ecc * requirement.ratio * np.sin(angle) / reach
-        modulus = _modulus(design, "pin_gear")
+        arm_out = sizes.circle_out[:, None] * np.sin(angle)
         series = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
-        stiffness = series * LINE_STIFFNESS * modulus * sizes.face
-        force = _share(arm, 0.5 * teeth / ANGLES, stiffness, play, torque / discs)
-        bend = circle * reach**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
-        curvature = np.maximum(1.0 / pin + 1.0 / (bend - pin), 1e-3)
-        weight = 0.5 * teeth / ANGLES
-        peak = _with_error(force, arm, weight, stiffness * TOOTH_ERROR * requirement.usual_clearance, torque / discs)
-        tangential = weight * (force * np.sin(angle) / reach).sum(axis=1)
-        radial = weight * (force * (np.cos(angle) - k1) / reach).sum(axis=1)
-        count = sizes.count[:, None]
+        deviation = TOLERANCE_SHARE * requirement.usual_clearance
         line = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
         bending = bending / _stack(requirement, sizes) ** 3
-        arm_out, compliance = sizes.circle_out[:, None] * np.sin(angle), 1.0 / line + 1.0 / np.maximum(bending, 1.0)
-        pressed = _share(arm_out, 0.5 * count / ANGLES, 1.0 / compliance, design.clearance.output, torque / discs)
-        pin_sum = (0.5 * count / ANGLES * pressed).sum(axis=1)
+        weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
+        modulus = _modulus(design, "pin_gear")
+        of_teeth = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
+        of_pins = arm_out, weights[1], 1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)), design.clearance.output
+        torsional = [share_torque(*springs, 0.0, torque / discs)[2] for springs in (of_teeth, of_pins)]
+        lead = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
+        share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead / torque, 1.0)
+        error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
+        force, peak, _ = share_torque(*of_teeth, CRITICAL * error, share * torque)
+        pressed, pin_peak, _ = share_torque(*of_pins, CRITICAL * deviation, share * torque)
+        bend = circle * reach**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
+        curvature = np.maximum(1.0 / pin + 1.0 / (bend - pin), 1e-3)
+        tangential = weights[0] * (force * np.sin(angle) / reach).sum(axis=1)
+        radial = weights[0] * (force * (np.cos(angle) - k1) / reach).sum(axis=1)
+        pin_sum = weights[1] * pressed.sum(axis=1)
         speed = requirement.speed / requirement.ratio
-        loss = weight * (force * np.abs(circle * reach - pin)).sum(axis=1) * speed * discs
         return cls(
             torque,
+            share,
             peak.max(axis=1),
             np.sqrt((peak * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
-            np.maximum(pressed.max(axis=1), 4.0 * torque / discs / (sizes.count * sizes.circle_out)),
+            pin_peak.max(axis=1),
             pin_sum,
             np.hypot(tangential, np.abs(radial) + pin_sum),
-            loss,
+            weights[0] * (force * np.abs(circle * reach - pin)).sum(axis=1) * speed / share,
             np.min(np.where(bend > 0.0, bend - pin - play, np.inf), axis=1) > 0.0,
             play,
             arm.max(axis=1),
         )
-
-
-def _share(arm: Array, weight: float | Array, stiffness: Array, play: float, torque: Array) -> Array:
-    """Compute the forces (n, m) [N] of m springs with clearance that balance a torque by a common rotation.
-
-    Parameters
-    ----------
-    arm
-        Lever arm of each spring [m], shape (n, m).
-    weight
-        Number of springs that each of them stands for [1].
-    stiffness
-        Stiffness of a spring of each candidate [N/m], shape (n,).
-    play
-        Clearance of all springs [m].
-    torque
-        Torque [N m], shape (n,).
-    """
-    active = np.ones_like(arm, bool)
-    for _ in range(8):
-        squares = (weight * active * arm**2).sum(axis=1)
-        turn = (torque / stiffness + play * (weight * active * arm).sum(axis=1)) / np.maximum(squares, 1e-30)
-        active = turn[:, None] * arm > play
-    return stiffness[:, None] * np.maximum(turn[:, None] * arm - play, 0.0)
-
-
-def _with_error(force: Array, arm: Array, weight: float, deflection_force: Array, torque: Array) -> Array:
-    """Return the force [N] that each tooth (n, m) would have if it protruded by an error.
-
-    `deflection_force` [N] presses a single tooth back by the error, shape (n,). The other loaded teeth share it, and
-    no tooth carries more than the whole torque of the disc. `force` [N] are the forces without errors.
-    """
-    loaded = np.where(force > 0.0, arm, 0.0)
-    largest = loaded.max(axis=1, keepdims=True)
-    teeth = weight * (loaded**2).sum(axis=1, keepdims=True) / np.maximum(largest, 1e-12) ** 2
-    extra = deflection_force[:, None] * np.maximum(1.0 - 1.0 / np.maximum(teeth, 1.0), 0.0)
-    alone = torque[:, None] / np.maximum(largest, 1e-12)
-    return np.where(force > 0.0, np.maximum(force, np.minimum(force + extra, alone)), 0.0)
 
 
 def _modulus(design: Design, kind: str) -> float:
@@ -239,11 +231,12 @@ def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str
         np.searchsorted([bearing.outside for bearing in hubs], 2.0 * room, side="right") - 1,
         np.searchsorted([bearing.bore for bearing in hubs], 2.0 * rim, side="right") - 1,
     )
-    dynamic, width, static = (
+    dynamic, width, static, bore, outside = (
         np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(index, 0)]
-        for key in ("dynamic", "width", "static")
+        for key in ("dynamic", "width", "static", "bore", "outside")
     )
-    spacing = 1.5 * width
+    plastic = Material(name=requirement.made_of).is_plastic
+    spacing = 1.5 * width if plastic else width + 0.5 * (bore + outside) * math.tan(stock.ANGULAR_CONTACT.angle)
     lever = stack / 2.0 + sizes.disc + width / 2.0
     if discs == 1:
         inner, outer = loads.pin_sum * (lever + spacing) / spacing, loads.pin_sum * lever / spacing
@@ -305,33 +298,40 @@ def _pins(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, 
 def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
     """Estimate the output torque [N m] at which the housing of each candidate reaches its allowed temperature, (n,).
 
-    The losses of teeth, output pins and cams are proportional to the torque; natural convection removes them from the
-    cylinder of the housing.
+    The losses of teeth, output pins and cams are proportional to the torque; those of the seal of the crank and of the
+    lubricant in the cams are constant. Convection removes them from the cylinder of the housing.
     """
-    discs = requirement.discs or 1
-    sliding = design.friction.boundary if design.has_film else design.friction.output
-    plain = sliding * sizes.core / np.maximum(sizes.stud, 1e-6)
-    rolls = np.where(sizes.needle_dynamic > 0.0, design.friction.output_rolling, plain)
-    lost = design.mesh_friction * loads.tooth_loss
-    lost = lost + rolls * loads.pin_sum * sizes.eccentricity * requirement.speed * discs
-    lost = lost + design.friction.cam_rolling * loads.cam * sizes.bore * requirement.speed * discs
+    reducer = Reducer(design)
+    friction, speed = design.friction, requirement.speed
+    plain = (friction.boundary if design.has_film else friction.output) * sizes.core / np.maximum(sizes.stud, 1e-6)
+    rolls = np.where(sizes.needle_dynamic > 0.0, friction.output_rolling, plain)
+    of_cam = ASSUMED.roller_load_factor if design.has_film else friction.cam_rolling
+    of_pins = rolls * loads.pin_sum * sizes.eccentricity + of_cam * loads.cam * sizes.bore
+    lost = design.mesh_friction * loads.tooth_loss + of_pins / loads.disc_share * speed
+    if design.has_film:
+        cams = cam_mean_diameter(reducer) / design.gear.bore_radius * sizes.bore
+        drag = idle_torque_of(reducer, RollerBearings("cam", design.gear.discs, 1.0, speed)) * cams**3
+        lost = lost + speed * (drag + seal_torque(2.0 * sizes.shaft))
     radius, service = requirement.diameter / 2.0, design.service
     area = 2.0 * math.pi * radius * (radius + _length(requirement, sizes))
-    allowed = min(limit.temperature for limit in heat_limits(Reducer(design))) - service.ambient_temperature
+    allowed = min(limit.temperature for limit in heat_limits(reducer)) - service.ambient_temperature
     return np.asarray(
-        loads.torque * allowed * service.film_coefficient * area / np.maximum(LOSSES * service.duty_share * lost, 1e-12)
+        loads.torque * allowed * service.film_coefficient * area / np.maximum(service.duty_share * lost, 1e-12)
     )
 
 
 def _length(requirement: Requirement, sizes: Sizes) -> Array:
-    """Estimate the length by its regression on discs, output disc, shaft bearing and outer radius."""
-    parts = np.stack([_stack(requirement, sizes), sizes.disc, sizes.bearing, 0.0 * sizes.disc + requirement.diameter])
-    return np.asarray(LENGTH @ parts)
+    """Estimate the length by its regression on discs, shaft bearing and diameter."""
+    parts = _stack(requirement, sizes), sizes.bearing, requirement.diameter, 1.0
+    return np.asarray(LENGTH @ np.stack(np.broadcast_arrays(*parts)))
 
 
 def _mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
-    """Estimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
+    """Estimate the mass by its regression on the masses of ring, discs, cams, covers and output discs."""
     radius, inner, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
-    rings = (sizes.outer**2 - inner**2) * stack, (inner**2 - sizes.bore**2) * stack, sizes.bore**2 * stack
-    covers = radius**2 * (_length(requirement, sizes) - stack)
-    return np.asarray(design.material_of("housing").density * math.pi * (MASS @ np.stack([*rings, covers])))
+    ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))
+    light = MATERIALS[LIGHT_METAL].density
+    covers = (light if ring > 2.0 * light else ring) * radius**2 * (_length(requirement, sizes) - stack)
+    bodies = ring * (sizes.outer**2 - inner**2) * stack, disc * (inner**2 - sizes.bore**2) * stack
+    parts = *bodies, shaft * sizes.bore**2 * stack, covers, 2.0 * output * sizes.circle_out**2 * sizes.disc
+    return np.asarray(math.pi * (MASS @ np.stack(parts)))
