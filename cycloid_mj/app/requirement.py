@@ -15,7 +15,7 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design import PRESETS
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.figures import figure
-from cycloid_mj.life.as_built import find_critical_sample
+from cycloid_mj.life.as_built import find_likely_critical_samples
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.heat import COOLING
 from cycloid_mj.life.items import rate_for_verdict
@@ -155,7 +155,7 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
 
 def load_search() -> None:
     """Load the code of the search, and its compiled code, before the user has filled in the form."""
-    find_critical_sample(Reducer(WARM_UP_DESIGN))
+    find_likely_critical_samples([Reducer(WARM_UP_DESIGN)])
     rate_for_verdict(Reducer(WARM_UP_DESIGN))
 
 

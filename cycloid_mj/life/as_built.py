@@ -1,8 +1,8 @@
 """Parts within their tolerances: the samples of a tolerance study whose loads a rating uses."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from cycloid_mj.explore.sampling import Batch, draw_samples, has_design_file, sa
 from cycloid_mj.explore.tolerance_zones import has_tolerances
 from cycloid_mj.figures import compute_sampled
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
+from cycloid_mj.statics.samples import Samples
 
 Parts = Literal["perfect", "toleranced"]
 """Parts that are rated: as designed, or within the tolerances of the design."""
@@ -37,6 +38,8 @@ class SampleSettings:
     """Crank angles under load: at 360, the percentiles of the forces differ by less than 1 %."""
     ranking_angles: int = 30
     """Crank angles under load that find the critical sample of a candidate of a search."""
+    likely_samples: int = 30
+    """Samples among which that of a candidate is found: three times those with a larger force than it."""
     free_angles: int = 8
     """Crank angles without load, for backlash and jams: at 90, the percentiles of the backlash differ by 0.4 %."""
     rv_angles: int = 61
@@ -72,20 +75,45 @@ def default_parts(design: Design) -> Parts:
     return "toleranced" if has_tolerances(reducer_of(design)) else "perfect"
 
 
-def find_critical_sample(reducer: Reducer) -> int | None:
+def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]:
+    """Return the numbers (from 0) of the samples that have the largest tooth forces in similar drives.
+
+    These are `SETTINGS.likely_samples` samples, ranked by the mean logarithm of their force in all drives. The random
+    numbers of a sample are the same for all drives, so that the rank of its force is similar. Empty if the drives have
+    no tolerances.
+    """
+    numbers = range(SETTINGS.samples)
+    forces = [np.log(force) for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
+    mean = np.mean([force - np.nanmedian(force) for force in forces], axis=0) if forces else np.empty(0)
+    order = np.argsort(-np.nan_to_num(mean, nan=-math.inf), kind="stable")
+    return tuple(order[: SETTINGS.likely_samples].tolist())
+
+
+def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
     """Return the number (from 0) of the random sample with the largest tooth force at the rated percentile.
 
     The percentile is `SETTINGS.percentile` (95 %), of `SETTINGS.samples` drives within the tolerances of the design.
-    Samples without a static equilibrium are left out. None if the design has no tolerances; 0 if no sample has an
-    equilibrium.
+    Only samples with some `numbers` are computed, those of `find_likely_critical_samples`; the others are taken to have
+    smaller forces. None if the design has no tolerances; the first if no sample has a static equilibrium.
     """
-    zones = tolerance_zones(reducer)
-    if not zones:
+    force = _tooth_forces(reducer, numbers) if numbers else None
+    if force is None:
+        return None
+    larger = min(SETTINGS.samples - 1 - _rank(SETTINGS.samples), int(np.isfinite(force).sum()) - 1)
+    order = np.argsort(-np.nan_to_num(force, nan=-math.inf), kind="stable")
+    return numbers[int(order[max(larger, 0)])]
+
+
+def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
+    """Compute the largest tooth force of the samples with some numbers [N]; None without tolerances.
+
+    It is NaN without a static equilibrium.
+    """
+    if not (zones := tolerance_zones(reducer)):
         return None
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    force = compute_sampled(reducer, samples, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
-    count = int(np.isfinite(force).sum())  # the others are sorted last
-    return int(np.argsort(force, kind="stable")[_rank(count)]) if count else 0
+    chosen = Samples(**{field.name: getattr(samples, field.name)[list(numbers)] for field in fields(samples)})
+    return compute_sampled(reducer, chosen, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
 
 
 def _rank(count: int) -> int:

@@ -4,12 +4,12 @@ The search is surrogate-assisted illumination (Gaier, Asteroth and Mouret, Evol.
 and Clune, arXiv:1504.04909) on closed-form estimates keeps the lightest candidate of each torque and length, with
 children along the line between two elites (Vassiliades and Mouret, GECCO 2018). Neither limits nor conditions of a
 requirement enter, so that one archive serves all of them. Under the conditions of a requirement, the candidate with the
-best optimistic estimate is rated by statics within its tolerances, until none is left that could be better: first for
-the largest torque and then the smallest length, until each is sufficient, then for the lowest mass, then for the lowest
-loss among the drives with nearly that mass (lexicographic order with a tolerance; Marler and Arora, Struct. Multidisc.
-Optim. 26, 2004). Each rating corrects the estimates near it (weighted by inverse distance, Shepard 1968), also those of
-other conditions and sizes by which remedies of a refusal are predicted. Only a drive that passes its tolerance study is
-an answer.
+largest expected improvement is rated by statics of one tolerance sample, until none is expected (efficient global
+optimization; Jones, Schonlau and Welch, J. Global Optim. 13, 1998): first for the largest torque and then the smallest
+length, until each is sufficient, then for the lowest mass, then for the lowest loss among the drives with nearly that
+mass (lexicographic order with a tolerance; Marler and Arora, Struct. Multidisc. Optim. 26, 2004). Each rating corrects
+the estimates near it (weighted by inverse distance, Shepard 1968), also those of other conditions and sizes by which
+remedies of a refusal are predicted. Only a drive that passes its tolerance study is an answer.
 """
 
 from typing import TYPE_CHECKING, Any

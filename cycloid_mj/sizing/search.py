@@ -1,20 +1,22 @@
 """The search: elites of closed-form estimates, rated by statics as far as they could be the best."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import islice
 from typing import Self
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from cycloid_mj.base.array import Array, Integers, Mask, significant
+from cycloid_mj.base.array import Array, Integers, significant
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.design import Material
 from cycloid_mj.explore.sampling import sample_design, tolerance_zones
 from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
-from cycloid_mj.life.as_built import Parts, find_critical_sample, select_rated_samples
+from cycloid_mj.life.as_built import Parts, find_critical_sample, find_likely_critical_samples, select_rated_samples
 from cycloid_mj.life.figures import drive_mass
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
@@ -29,7 +31,8 @@ from cycloid_mj.sizing.candidates import (
     decode,
     design_of,
 )
-from cycloid_mj.sizing.estimate import FIGURES, Estimate, capacity, estimate
+from cycloid_mj.sizing.estimate import FIGURES, Estimate, add_capacity, capacity, estimate
+from cycloid_mj.sizing.objective import Objective, lightest, most_efficient, strongest
 from cycloid_mj.sizing.requirement import Requirement
 
 
@@ -58,12 +61,13 @@ class SearchSettings:
         Candidates of each estimate of the torque among which remedies are searched.
     likely
         Share of a torque that estimates promise at least where candidates are rated for it.
-    margin, torque_margin, reach
-        Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
-        could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995). The second one is for the
-        largest torque, whose estimates are less accurate than those of mass and length.
-    gain
-        Least relative improvement for which a candidate is rated.
+    reach
+        Distance in the cube from the nearest rated candidate beyond which estimates have their full error.
+    first_error, least_error
+        Errors of estimates before any rating, and next to a rated candidate, as shares of `DEVIATIONS`.
+    min_improvement, min_probability
+        Smallest expected improvement (relative), and smallest probability that a candidate meets all limits while none
+        is known, for which candidates are rated.
     mass_tolerance
         The most efficient drive is chosen among those whose mass is larger than the lowest by at most this share.
     study_share
@@ -72,6 +76,8 @@ class SearchSettings:
         Time to build a candidate that cannot be rated over that of a rating.
     poses
         Crank angles of a rating: capacities differ by up to 2 % from those at 121 angles.
+    reference_drives
+        Drives that determine the tolerance samples among which that of each rating is found.
     min_yield
         Smallest share of the samples of a drive within its tolerances that turn and have the required backlash [%].
     """
@@ -86,19 +92,21 @@ class SearchSettings:
     neighbours: tuple[float, float, int] = (0.02, 0.5, 8)
     iterations: int = 3
     consistency: float = 0.2
-    ratings: int = 20
+    ratings: int = 40
     few_ratings: int = 8
     strong: int = 60
     studies: int = 8
     likely: float = 0.7
-    margin: float = 0.08
-    torque_margin: float = 0.25
     reach: float = 0.3
-    gain: float = 0.03
+    first_error: float = 3.0
+    least_error: float = 0.1
+    min_improvement: float = 0.01
+    min_probability: float = 0.02
     mass_tolerance: float = 0.02
     study_share: float = 0.97
     build_share: float = 0.2
     poses: int = 61
+    reference_drives: int = 3
     min_yield: float = 99.0
 
 
@@ -152,9 +160,9 @@ def rate_drive(
     """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
 
     The tooth forces are the governing ones of parts within the tolerances, as in `rate`, or with `sample` those of the
-    tolerance sample with this index. They are computed at `poses` crank angles of a turn. The result has torque limits
-    by item [N m], mass [kg], length [m] and, if the requirement limits it, backlash [arcmin]. It is None if the drive
-    has no equilibrium, all samples jam, or a part does not fit.
+    tolerance sample with this index, without emergency stops and joints of metal drives. They are computed at `poses`
+    crank angles of a turn. The result has torque limits by item [N m], mass [kg], length [m] and, if the requirement
+    limits it, backlash [arcmin]. It is None if the drive has no equilibrium, all samples jam, or a part does not fit.
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
@@ -162,7 +170,8 @@ def rate_drive(
         if zones and sample is not None:
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
         parts: Parts = "toleranced" if zones and sample is None else "perfect"
-        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, parts=parts)
+        stops = sample is None or Material(name=requirement.made_of).is_plastic
+        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, stops=stops, parts=parts)
         low, high = casing_of(requirement, loaded).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
         if requirement.backlash < math.inf:
@@ -173,12 +182,12 @@ def rate_drive(
     return Rated(loaded, torque, {**limits, **figures}, min(limits.values()), rating.items)
 
 
-def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rated | None:
+def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, samples: Sequence[int] = ()) -> Rated | None:
     """Rate a candidate at its capacity (the torque that it carries), or at the required torque if that is smaller.
 
     The capacity depends on the torque of the rating, because more teeth carry at larger loads. So the rating is
-    repeated at the capacity of the previous rating (fixed-point iteration). Tooth forces are those of a critical sample
-    of the tolerances.
+    repeated at the capacity of the previous rating (fixed-point iteration). Emergency stops and joints of metal drives
+    are left to the tolerance study: they take half of the time, and seldom limit the torque.
 
     Parameters
     ----------
@@ -188,6 +197,8 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rat
         Dimensions of the candidate.
     torque
         Torque of the first rating [N m].
+    samples
+        Numbers of the tolerance samples of which the critical one determines the tooth forces (`find_critical_sample`).
 
     Returns
     -------
@@ -198,7 +209,7 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rat
     reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
     if not reducer:
         return None
-    sample = find_critical_sample(reducer)
+    sample = find_critical_sample(reducer, samples)
     for _ in range(SETTINGS.iterations):
         load = min(torque, most)
         drive = rate_drive(requirement, reducer, load, sample, SETTINGS.poses)
@@ -227,65 +238,21 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
     return shares | percentiles
 
 
-Objective = Callable[[Estimate], Array]
-"""What to minimize: negative where candidates meet all limits, else positive; infinite where they are excluded."""
-
-
-def violation(requirement: Requirement, figures: Estimate) -> Array:
-    """Return the excess of candidates over the required length or backlash, relative to the limit; 0 within both."""
-    length, backlash = figures["length"] / requirement.length, figures["backlash"] / requirement.backlash
-    return np.asarray(np.maximum(np.maximum(length, backlash) - 1.0, 0.0))
-
-
-def strongest(requirement: Requirement) -> Objective:
-    """Return an objective whose minimum is the drive with the largest capacity within the limits of a requirement.
-
-    Its value is minus the capacity [N m]. If a drive exceeds the required length or backlash, it is this excess, a
-    positive number (`violation`). Without any capacity, it is infinite.
-    """
-
-    def objective(figures: Estimate) -> Array:
-        torque, excess = capacity(figures), violation(requirement, figures)
-        return np.where(torque > 0.0, np.where(excess > 0.0, excess, -torque), np.inf)
-
-    return objective
-
-
-def lightest(requirement: Requirement) -> Objective:
-    """Return the objective of the lowest mass of candidates that meet a requirement."""
-    return lambda figures: np.where(_suits(requirement, figures), -1.0 / figures["mass"], np.inf)
-
-
-def shortest(requirement: Requirement) -> Objective:
-    """Return the objective of the smallest length of candidates that meet a requirement, whatever length it allows."""
-    free = requirement.but(length=math.inf)
-    return lambda figures: np.where(_suits(free, figures), -1.0 / figures["length"], np.inf)
-
-
-def most_efficient(requirement: Requirement, mass: float) -> Objective:
-    """Return the objective of the lowest loss of candidates up to a mass [kg]: of the highest torque limit by heat."""
-    return lambda figures: np.where(
-        _suits(requirement, figures) & (figures["mass"] <= mass), -figures["temperature"], np.inf
-    )
-
-
-def _suits(requirement: Requirement, figures: Estimate) -> Mask:
-    return np.asarray((capacity(figures) >= requirement.torque) & (violation(requirement, figures) <= 0.0))
-
-
 @dataclass(eq=False)
 class Pool:
     """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates.
 
     `guess` are the estimates of all candidates. `rated` has None where a candidate cannot be built or balanced, or
-    jams. By the point of a rated candidate, `corrections` has the logarithms of its figures over their estimates, and
-    `biases` those of its capacity and its backlash by a tolerance study over those by one sample.
+    jams. The tooth forces of ratings are those of one of the tolerance `samples`. By the point of a rated candidate,
+    `corrections` has the logarithms of its figures over their estimates, and `biases` those of its capacity and its
+    backlash by a tolerance study over those by the one sample.
     """
 
     requirement: Requirement
     points: Array
     sizes: Sizes
     guess: Estimate
+    samples: tuple[int, ...] = ()
     corrections: dict[Point, Figures] = field(default_factory=dict)
     biases: dict[Point, tuple[float, float]] = field(default_factory=dict)
     rated: dict[int, Rated | None] = field(default_factory=dict)
@@ -299,7 +266,7 @@ class Pool:
     def changed(self, requirement: Requirement) -> Self | None:
         """Return these candidates under a changed requirement, without ratings; both share their corrections."""
         pool = self.of(requirement, self.points)
-        return pool and replace(pool, corrections=self.corrections, biases=self.biases)
+        return pool and replace(pool, samples=self.samples, corrections=self.corrections, biases=self.biases)
 
     @property
     def strong_part(self) -> Self:
@@ -309,7 +276,7 @@ class Pool:
         `SETTINGS.strong` best of those within the limits of length and backlash.
         """
         figures = self.corrected
-        within = violation(self.requirement, figures) <= 0.0
+        within = strongest(self.requirement).excess(figures) <= 0.0
         ranks = [np.argsort(-torque * share) for torque in _capacities(figures) for share in (1.0, within)]
         rows = np.unique(np.concatenate([rank[: SETTINGS.strong] for rank in ranks]))
         sizes = self.sizes[rows].view(np.recarray)
@@ -317,12 +284,13 @@ class Pool:
 
     @property
     def corrected(self) -> Estimate:
-        """The estimates, corrected by the ratings nearby; capacities and backlash are those of a tolerance study."""
+        """The estimates with the capacity, corrected by the ratings nearby, and to those of a tolerance study."""
         records = [*self.corrections.values()]
         values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
         factors = dict(zip(self.guess, np.exp(_interpolate(self.points, self.corrections, values)).T, strict=True))
         studied = self.study_factors
-        return {key: studied.get(key, 1.0) * factors[key] * guess for key, guess in self.guess.items()}
+        figures = {key: studied.get(key, 1.0) * factors[key] * guess for key, guess in self.guess.items()}
+        return add_capacity(figures)
 
     @property
     def study_factors(self) -> Mapping[str, Array]:
@@ -338,72 +306,85 @@ class Pool:
     def promise(self) -> float:
         """Largest corrected estimate of the torque within the limits [N m]."""
         figures = self.corrected
-        return float(np.max(capacity(figures) * (violation(self.requirement, figures) <= 0.0)))
+        return float(np.max(figures["capacity"] * (strongest(self.requirement).excess(figures) <= 0.0)))
 
     def lightest(self) -> Rated | None:
         """Return the most efficient of the drives whose mass is close to the lowest, after its tolerance study.
 
         It is None if no drive passes.
         """
-        for study in (False, True):
-            first = self.best(lightest(self.requirement), study=study)
-            if not first:
-                break
-            mass = (1.0 + SETTINGS.mass_tolerance) * first.figures["mass"]
-            if drive := self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings):
-                return drive
-        return None
+        first = self.best(lightest(self.requirement))
+        if not first:
+            return None
+        mass = (1.0 + SETTINGS.mass_tolerance) * first.figures["mass"]
+        return self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings) or first
 
     def best(
         self,
         objective: Objective,
-        goal: float = -math.inf,
+        goal: float = math.nan,
         *,
-        only_goal: bool = False,
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
-        margin: float = SETTINGS.margin,
     ) -> Rated | None:
-        """Return the drive with the smallest `objective`, or the first that reaches `goal`; None if there is none.
+        """Return the best drive by an objective, or the first whose figure reaches `goal`; None if there is none.
 
-        1. The candidate with the best estimate is rated, again and again, until no estimate is better than the best
-           rated drive, or `max_ratings` candidates are rated.
-        2. Neighbours of the best rated candidate, which differ in one variable, are added once and rated in the same
-           manner.
-        3. With `study`, the tolerance study of the best drive follows. If it fails, the search continues with the next
-           best.
-
-        The goal is a value of the objective; with `only_goal`, candidates whose estimate does not reach it are not
-        rated. A drive that exceeds the required length or backlash is returned if no other is left.
+        The candidate with the largest expected improvement is rated, again and again, until no improvement is expected
+        or `max_ratings` candidates are rated (efficient global optimization: Jones, Schonlau and Welch, J. Global
+        Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
+        With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
+        within all limits of the objective.
         """
         ratings, studies, extended = 0.0, 0, set[int]()
         while True:
-            values, known, torque = self._values(objective, margin)
-            row = int(np.argmin(np.where(known, values, np.inf)))
-            best = float(values[row]) if known[row] else math.inf
-            better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
-            limit = goal if self.rated else SETTINGS.likely * goal
-            open_rows = ~known & (values < better) & ((values <= limit) | (not only_goal))
-            drive = self.rated.get(row)
-            if best > goal and open_rows.any() and ratings < max_ratings:
-                new = int(np.argmin(np.where(open_rows, values, np.inf)))
-                is_rated = self._rate(new, max(float(torque[new]), 1e-3 * self.requirement.torque))
-                ratings += 1.0 if is_rated else SETTINGS.build_share
-            elif not drive or not math.isfinite(best):
+            figures, scale = self._known_figures()
+            merits, excesses = objective.merit(figures), objective.excess(figures)
+            row = self._best_row(merits, excesses)
+            drive = None if row is None else self.rated[row]
+            meets = row is not None and excesses[row] <= 0.0
+            best = float(merits[row]) if row is not None and meets else -math.inf
+            if not best >= objective.merit({objective.key: np.array(goal)}) and ratings < max_ratings:
+                if row is not None and meets and row not in extended:
+                    extended.add(row)
+                    self._extend(row)
+                    continue
+                gains = objective.expected_improvement(figures, scale, best)
+                if row is None and ratings < SETTINGS.few_ratings:  # one rating at least, if none is likely to suffice
+                    gains = 1.0 / (1.0 + excesses)
+                gains[list(self.rated)] = 0.0
+                new = int(np.argmax(gains))
+                if gains[new] > (SETTINGS.min_improvement if meets else SETTINGS.min_probability):
+                    torque = max(float(figures["capacity"][new]), 1e-3 * self.requirement.torque)
+                    ratings += 1.0 if self._rate(new, torque) else SETTINGS.build_share
+                    continue
+                if row is not None and row not in extended:
+                    extended.add(row)
+                    self._extend(row)
+                    continue
+            if row is None or not drive or not meets:
                 return None
-            elif best > goal and row not in extended and ratings < max_ratings:
-                extended.add(row)
-                self._extend(row)
-            elif only_goal and best > goal:
-                return None
-            elif best > 0.0 or drive.passed or not study:
+            if drive.passed or not study:
                 return drive
-            elif studies == SETTINGS.studies:
+            if studies == SETTINGS.studies:
                 passed = [index for index, drive in self.rated.items() if drive and drive.passed]
-                return self.rated[min(passed, key=lambda index: values[index])] if passed else None
-            else:
-                studies += 1
-                self.study(row)
+                passed = [index for index in passed if excesses[index] <= 0.0]
+                return self.rated[max(passed, key=lambda index: merits[index])] if passed else None
+            studies += 1
+            self.study(row)
+
+    def nearest(self, objective: Objective) -> Rated | None:
+        """Return the best rated drive by an objective, or the one that exceeds its limits least; None without any."""
+        figures, _ = self._known_figures()
+        row = self._best_row(objective.merit(figures), objective.excess(figures))
+        return None if row is None else self.rated[row]
+
+    def _best_row(self, merits: Array, excesses: Array) -> int | None:
+        """Return the index of the best rated candidate, or of the one with the smallest excess; None without one.
+
+        `merits` and `excesses` are those of an objective for all n candidates, shape (n,).
+        """
+        rows = [index for index, drive in self.rated.items() if drive and math.isfinite(merits[index])]
+        return min(rows, key=lambda index: (excesses[index], -merits[index]), default=None)
 
     def _rate(self, row: int, torque: float) -> bool:
         """Rate the candidate `row` and store the result; return whether it could be rated.
@@ -411,7 +392,7 @@ class Pool:
         `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated figures are
         stored in `corrections`.
         """
-        self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque)
+        self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque, self.samples)
         true = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
         self.corrections[tuple(self.points[row])] = {
             key: float(np.log(np.clip(value / max(self.guess[key][row], 1e-9), 0.05, 20.0)))
@@ -468,30 +449,22 @@ class Pool:
             full, figures={**full.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
         )
 
-    def _values(self, objective: Objective, margin: float) -> tuple[Array, Mask, Array]:
-        """Evaluate an objective for all n candidates, both rated and only estimated.
+    def _known_figures(self) -> tuple[Estimate, Array]:
+        """Return the figures of all n candidates, and the errors of their estimates as shares of `DEVIATIONS`, (n,).
 
-        `margin` is the largest relative error of an estimate.
-
-        Returns
-        -------
-        tuple
-            The objective, which assumes the favourable end of the error of an estimate; whether the candidate is rated;
-            and its estimated capacity [N m]; shape (n,) each.
+        The figures are those of ratings, corrected by `study_factors`, or estimates. The errors decrease with the
+        distance to the nearest rated candidate.
         """
-        known = np.zeros(len(self.points), bool)
-        known[list(self.rated)] = True
-        errors, likely, studied = np.full(len(self.points), margin), self.corrected, self.study_factors
-        if self.corrections:
-            errors *= np.minimum(cdist(self.points, list(self.corrections)).min(axis=1) / SETTINGS.reach, 1.0)
-        figures = {key: values * (1.0 - errors if key in FIGURES else 1.0 + errors) for key, values in likely.items()}
+        figures, studied = self.corrected, self.study_factors
         for row, drive in self.rated.items():
-            for key, value in drive.known(self.guess).items() if drive else dict.fromkeys(figures, math.nan).items():
-                figures[key][row] = value * (
-                    studied[key][row] if key in studied and not (drive and drive.study) else 1.0
-                )
-        values = objective(figures)
-        return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
+            for key, value in drive.known(self.guess).items() if drive else dict.fromkeys(self.guess, math.nan).items():
+                factor = studied[key][row] if key in studied and not (drive and drive.study) else 1.0
+                figures[key][row] = value * factor
+        scale = np.full(len(self.points), SETTINGS.first_error)
+        if self.corrections:
+            distance = cdist(self.points, list(self.corrections)).min(axis=1)
+            scale = np.clip(distance / SETTINGS.reach, SETTINGS.least_error, 1.0)
+        return add_capacity(figures), scale
 
     def _extend(self, index: int) -> None:
         """Add the neighbours of a candidate to the pool, for a local search; each differs from it in a single variable.
@@ -542,7 +515,23 @@ def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None
     It shares the corrections of the pool `source`, if there is one.
     """
     pool = Pool.of(requirement, _find_elites(requirement.kind))
-    return replace(pool, corrections=source.corrections, biases=source.biases) if pool and source else pool
+    if not pool:
+        return None
+    pool.samples = _find_likely_critical_samples(requirement.kind)
+    return replace(pool, corrections=source.corrections, biases=source.biases) if source else pool
+
+
+@lru_cache(maxsize=32)
+def _find_likely_critical_samples(kind: Requirement) -> tuple[int, ...]:
+    """Find the numbers of the tolerance samples that are likely critical for the drives of a `Requirement.kind`.
+
+    They are found from some of these drives; they are empty if these have no tolerances or cannot be built.
+    """
+    _, sizes = decode(kind, _find_elites(kind))
+    torque = capacity(_estimate(kind, sizes))
+    order = np.argsort(-torque, kind="stable")[:: max(len(torque) // SETTINGS.ratings, 1)]
+    drives = (drive for row in order if (drive := build_drive(kind, sizes[row], float(torque[row]))))
+    return find_likely_critical_samples(islice(drives, SETTINGS.reference_drives))
 
 
 def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:

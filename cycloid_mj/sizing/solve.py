@@ -9,8 +9,9 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange
+from cycloid_mj.sizing.objective import shortest, strongest
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of, shortest, strongest
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of
 
 LENGTH_WORDS = "a length of {:.4g} mm"
 """Words of a change of the length [mm]."""
@@ -44,25 +45,20 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     """
     failed: list[Pool] = []
     for pool in pools_of(requirement):
-        found = find_drive(pool, study=False)
-        if found and (best := pool.lightest() or find_drive(pool, study=True)):
-            return Trial(pool, best), Answer(pool.requirement, ()), None
+        if found := find_drive(pool, study=True):
+            return Trial(pool, pool.lightest() or found), Answer(pool.requirement, ()), None
         failed.append(pool)
     if not failed:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     longer = _longer(requirement, failed)
-    for pool in failed:  # their estimates are comparable after ratings of each
-        pool.best(
-            strongest(pool.requirement), study=False, max_ratings=SETTINGS.few_ratings, margin=SETTINGS.torque_margin
-        )
-    pool = max(failed, key=lambda pool: pool.promise)
-    drive = pool.best(strongest(pool.requirement), margin=SETTINGS.torque_margin)
+    pool = max(failed, key=_rated_merit)
+    drive = pool.best(strongest(pool.requirement))
     if not (drive and drive.passed):
-        return None, Answer(requirement, (), 0.0, _limit(pool, drive), longer), pool
+        return None, Answer(requirement, (), 0.0, _limit(pool), longer), pool
     drive = pool.nearer_to_capacity(drive)
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
-    return None, Answer(requirement, (), drive.torque, _limit(pool, drive), longer), pool
+    return None, Answer(requirement, (), drive.torque, _limit(pool), longer), pool
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
@@ -73,12 +69,26 @@ def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) 
     which is found at one limit is found at all larger ones.
     """
     requirement = pool.requirement
-    goal, free = -requirement.torque, requirement.but(length=math.inf)
-    drive = pool.best(strongest(free), goal, only_goal=True, study=study, max_ratings=max_ratings)
+    torque, free = requirement.torque, requirement.but(length=math.inf)
+    drive = pool.best(strongest(free, torque), torque, study=study, max_ratings=max_ratings)
     if drive and drive.figures["length"] > requirement.length:
-        drive = pool.best(shortest(requirement), -1.0 / requirement.length, study=study, max_ratings=max_ratings)
-    carries = drive and drive.capacity >= requirement.torque and (drive.passed or not study)
+        drive = pool.best(shortest(requirement), requirement.length, study=study, max_ratings=max_ratings)
+    carries = drive and drive.capacity >= torque and (drive.passed or not study)
     return drive if drive and carries and drive.figures["length"] <= requirement.length else None
+
+
+def _rated_merit(pool: Pool) -> float:
+    """Return the largest torque for which a candidate of a pool is rated within the limits, before its study [N m].
+
+    If all exceed the required length or backlash, it is minus the logarithm of the smallest excess; -inf if none can be
+    rated.
+    """
+    objective = strongest(pool.requirement)
+    drive = pool.best(objective, study=False) or pool.nearest(objective)
+    if not drive:
+        return -math.inf
+    excess = float(objective.excess({"capacity": drive.capacity, **drive.figures}))
+    return -excess if excess > 0.0 else drive.capacity
 
 
 def _longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[FeasibleChange, ...]:
@@ -128,15 +138,10 @@ def finer_requirements(requirement: Requirement) -> list[Requirement]:
     return [requirement.but(clearance=clearance, tightened=True) for clearance in requirement.finer_clearances]
 
 
-def _limit(pool: Pool, drive: Rated | None) -> str:
-    """Describe what limits the torque of the best drive of a pool.
-
-    `drive` is this drive; if it is None, the strongest of the rated candidates stands for it.
-    """
+def _limit(pool: Pool) -> str:
+    """Describe what limits the torque of the best drive that was rated in a pool."""
     requirement = pool.requirement
-    rated = [drive for drive in pool.rated.values() if drive]
-    if not drive and rated:
-        return max(rated, key=lambda drive: drive.capacity).weakest.name
+    drive = pool.nearest(strongest(requirement))
     if not drive:
         return "its teeth skip under any load, or no drive can be balanced"
     if drive.figures["length"] > requirement.length:

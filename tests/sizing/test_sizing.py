@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from designs import cases
 from requirements_grid import draw_requirements
 
 from cycloid_mj.base.errors import UsageError
@@ -32,9 +33,10 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode, with_preloaded_bearings
 from cycloid_mj.sizing.drives import size_drive
-from cycloid_mj.sizing.estimate import capacity
+from cycloid_mj.sizing.estimate import Estimate, add_capacity, capacity
+from cycloid_mj.sizing.objective import DEVIATIONS, Objective, lightest, most_efficient
 from cycloid_mj.sizing.requirement import Requirement, required
-from cycloid_mj.sizing.search import Rated, first_drive, lightest, most_efficient, pool_of, rate_candidate
+from cycloid_mj.sizing.search import Rated, first_drive, pool_of, rate_candidate
 from cycloid_mj.sizing.solve import best_ratio, length_parts, solve
 from cycloid_mj.statics.sheet import sheet
 
@@ -336,18 +338,17 @@ def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> No
 
 
 @pytest.mark.slow
-def test_too_little_space_for_parts_in_stock_is_reported_with_a_length_too() -> None:
+def test_too_little_space_for_parts_in_stock_is_reported_with_a_length() -> None:
     refused = size_drive(Requirement(5, 0.0926, 5.0, length=0.0425))
-    (way,) = refused.remedies
-    assert re.fullmatch(r"a length of [\d.]+ mm and \d+ mm", way.words)  # a change of length comes first
-    assert way.requirement.diameter > 0.0926
-    assert way.requirement.length > 0.0425
+    assert any(re.fullmatch(r"a length of [\d.]+ mm", way.words) for way in refused.remedies)
+    require_kept(refused)
 
 
 @pytest.mark.slow
-def test_the_crank_is_slowed_down_if_heat_limits_a_feasible_size() -> None:
+def test_a_larger_drive_is_the_remedy_where_it_suffices() -> None:
+    """The search found none without a slower crank."""
     refused = size_drive(Requirement(5, 0.05, 20.0))
-    assert re.search(r"feasible with [\d.]+ rpm and [\d.]+ mm", refused.refusal), refused.refusal
+    assert re.search(r"feasible with [\d.]+ mm", refused.refusal), refused.refusal
     require_kept(refused)
 
 
@@ -451,19 +452,37 @@ def test_the_most_efficient_drive_with_nearly_the_lowest_mass_is_chosen() -> Non
         "temperature": np.array([6.0, 8.0, 9.0, 20.0]),
     }
     asked = SMALL.but(torque=4.0)
-    assert np.argmin(lightest(asked)(figures)) == 0
-    assert np.argmin(most_efficient(asked, 1.02)(figures)) == 1
+    figures = add_capacity(figures)
+    best = [_find_best(objective, figures) for objective in (lightest(asked), most_efficient(asked, 1.02))]
+    assert best == [0, 1]
 
 
-def test_estimates_of_the_torque_count_the_errors_of_the_pins() -> None:
-    """Estimates for perfect teeth were three to ten times what drives within their tolerances carry."""
-    pool = pool_of(SMALL.but(torque=1e3))
+def _find_best(objective: Objective, figures: Estimate) -> int:
+    """Return the index of the candidate with the largest merit within the limits."""
+    return int(np.argmax(np.where(objective.excess(figures) > 0.0, -np.inf, objective.merit(figures))))
+
+
+ESTIMATED = (
+    Requirement(39, 0.09, 1e3, discs=1),
+    Requirement(29, 0.09, 1e3, discs=2),
+    Requirement(30, 0.1, 1e3, process="milled", discs=2),
+    Requirement(15, 0.07, 1e3, process="printed", discs=1),
+)
+
+
+@pytest.mark.parametrize("asked", cases(ESTIMATED, ESTIMATED[0]), ids=lambda asked: f"{asked.process} {asked.ratio}:1")
+def test_estimates_of_the_torque_count_the_errors_of_the_parts(asked: Requirement) -> None:
+    """With two discs, estimates for equal loads of both were up to four times what drives carry."""
+    pool = pool_of(asked)
     assert pool
     estimated = capacity(pool.guess)
-    rated = {row: rate_candidate(pool.requirement, pool.sizes[row], estimated[row]) for row in estimated.argsort()[-3:]}
-    ratios = [one.capacity / estimated[row] for row, one in rated.items() if one]
-    assert ratios
-    assert all(0.5 < ratio < 1.5 for ratio in ratios)
+    strong = np.flatnonzero(estimated > 0.25 * estimated.max())
+    rows = np.random.default_rng(2).choice(strong, 12, replace=False)
+    drives = {row: rate_candidate(asked, pool.sizes[row], float(estimated[row]), pool.samples) for row in rows}
+    ratios = np.log([drive.capacity / estimated[row] for row, drive in drives.items() if drive])
+    assert len(ratios) >= 6
+    assert abs(np.median(ratios)) < math.log(1.5)
+    assert ratios.std() < 2.0 * DEVIATIONS["capacity"]
 
 
 def test_a_study_after_one_at_too_much_torque_is_slightly_below_its_capacity(monkeypatch) -> None:
