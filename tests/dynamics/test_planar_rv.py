@@ -188,6 +188,7 @@ def test_simulate_writes_a_log_that_analyze_reads(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("--design", "rv80e", "--solver", "planar", "--ramp-s", "0", "--hold-s", "0.15")
+    words += ("--set", "friction.law=coulomb")
     assert main(["simulate", *words, "--json", "--quiet", "--out", "."]) == 0
     findings = json.loads(capsys.readouterr().out)
     assert findings["driven_shaft"] == "sun"

@@ -29,7 +29,7 @@ def test_backlash_and_mass_vary_with_the_clearance_of_the_needles() -> None:
 
 @pytest.mark.slow
 def test_statics_of_a_point_are_those_of_a_single_design() -> None:
-    table = sweep("rv80e", {CLEARANCE: [2.0]}, "statics", engine=HERE).frame
+    table = sweep(RV80E, {CLEARANCE: [2.0]}, "statics", engine=HERE).frame
     quantities = sheet(RvReducer(override(RV80E, {CLEARANCE: 2.0}))).quantities
     assert table["backlash_arcmin"][0] == quantities["backlash"].value
     for key in ("stiffness_nm_per_arcmin", "te_loaded_forward_arcsec", "efficiency_percent", "pin_gear_peak_force_n"):

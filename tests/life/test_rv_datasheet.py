@@ -152,7 +152,9 @@ def test_keys_and_units_are_those_of_a_drive_with_a_central_crank(sheet: Datashe
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("changes", [{}, {"friction": {"law": "film"}}], ids=["coulomb", "film"])
+@pytest.mark.parametrize(
+    "changes", [{}, {"friction": {"law": "film", "lubricant": "lithium grease 100"}}], ids=["coulomb", "film"]
+)
 def test_pages_have_every_number_and_nothing_is_clipped(sheet: Datasheet, changes: dict[str, dict[str, str]]) -> None:
     result = datasheet(RvReducer(RV80E.but(**changes))) if changes else sheet
     rows = rows_of(result)

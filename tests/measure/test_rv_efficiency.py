@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from rv_runs import COULOMB_RV80E
 
-from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import efficiency, torque
 from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.closed_form import IDEAL_LOSSES, ideal_efficiency, ideal_limit
@@ -86,12 +85,12 @@ def test_a_free_sun_turns_from_rest_under_a_small_torque() -> None:
 
 @pytest.mark.slow
 def test_measures_have_the_figures_of_the_sun() -> None:
-    measured = efficiency(PRESETS["rv80e"], quick=True)
+    measured = efficiency(COULOMB_RV80E, quick=True)
     assert measured.quantities["efficiency_ideal_limit"].value == pytest.approx(
         measured.quantities["efficiency_ideal_limit"].reference, abs=0.1
     )
     assert "sun" in measured.quantities["no_load_torque"].name
     assert measured["back_driving_torque_rated"] == pytest.approx(LOAD / (1e-2 * measured["back_driving_efficiency"]))
-    braked = torque(PRESETS["rv80e"], quick=True)
+    braked = torque(COULOMB_RV80E, quick=True)
     assert braked["efficiency_crank_held"] == pytest.approx(braked["efficiency"], abs=0.02)
     assert braked["efficiency"] == pytest.approx(measured["efficiency"], abs=0.05)

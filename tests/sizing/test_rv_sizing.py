@@ -95,6 +95,7 @@ def test_a_sized_drive_passes_its_rating_and_a_smaller_one_is_refused(
     assert set(refusal) >= {"most", "limit", "ways", "why"}
     assert 0.0 < refusal["most"] < 412.0
     assert refusal["ways"][-1]["flags"][0] == "--diameter-mm"
-    assert main([*words, "--diameter-mm", "160", "--duty", "1", "--force"]) == 1
+    dry = ["--set", "friction.law=coulomb"]  # with film friction, the pins roll, and the drive stays cool enough
+    assert main([*words, "--diameter-mm", "160", "--duty", "1", "--force", *dry]) == 1
     flags = [way["flags"] for way in json.loads(capsys.readouterr().out)["ways"]]
     assert [item[0] for item in flags] == ["--duty", "--cooling", "--diameter-mm"]
