@@ -80,11 +80,14 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
 
     These are `SETTINGS.likely_samples` samples, ranked by the mean logarithm of their force in all drives. The random
     numbers of a sample are the same for all drives, so that the rank of its force is similar. Empty if the drives have
-    no tolerances.
+    no tolerances, or no sample has a static equilibrium.
     """
     numbers = range(SETTINGS.samples)
-    forces = [np.log(force) for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
-    mean = np.mean([force - np.nanmedian(force) for force in forces], axis=0) if forces else np.empty(0)
+    forces = [force for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
+    ratios = [np.log(force / np.nanmedian(force)) for force in forces if np.isfinite(force).any()]
+    if not ratios:
+        return ()
+    mean = np.mean(ratios, axis=0)
     order = np.argsort(-np.nan_to_num(mean, nan=-math.inf), kind="stable")
     return tuple(order[: SETTINGS.likely_samples].tolist())
 

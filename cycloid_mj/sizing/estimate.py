@@ -24,7 +24,7 @@ from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import TOLERANCE_SHARE, Sizes
-from cycloid_mj.sizing.load_sharing import share_torque
+from cycloid_mj.sizing.load_sharing import protruding_forces, share_torque
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.statics.film import ASSUMED, RollerBearings, cam_mean_diameter, idle_torque_of
 
@@ -148,12 +148,13 @@ class _Loads:
         modulus = _modulus(design, "pin_gear")
         of_teeth = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
         of_pins = arm_out, weights[1], 1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)), design.clearance.output
-        torsional = [share_torque(*springs, 0.0, torque / discs)[2] for springs in (of_teeth, of_pins)]
+        torsional = [share_torque(*springs, torque / discs)[1] for springs in (of_teeth, of_pins)]
         lead = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
         share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead / torque, 1.0)
         error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
-        force, peak, _ = share_torque(*of_teeth, CRITICAL * error, share * torque)
-        pressed, pin_peak, _ = share_torque(*of_pins, CRITICAL * deviation, share * torque)
+        force, pressed = (share_torque(*springs, share * torque)[0] for springs in (of_teeth, of_pins))
+        peak = protruding_forces(*of_teeth, share * torque, CRITICAL * error)
+        pin_peak = protruding_forces(*of_pins, share * torque, CRITICAL * deviation)
         bend = circle * reach**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
         curvature = np.maximum(1.0 / pin + 1.0 / (bend - pin), 1e-3)
         tangential = weights[0] * (force * np.sin(angle) / reach).sum(axis=1)

@@ -7,9 +7,7 @@ from cycloid_mj.base.compiling import cacheable, njit
 
 
 @njit(cache=cacheable(), error_model="numpy")
-def share_torque(
-    arms: Array, weights: Array, stiffness: Array, clearance: float, error: float, torque: Array
-) -> tuple[Array, Array, Array]:
+def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array) -> tuple[Array, Array]:
     """Compute the forces of m springs of each of n candidates that balance a torque by a common rotation.
 
     Parameters
@@ -22,27 +20,37 @@ def share_torque(
         Stiffness of a spring [N/m], shape (n,).
     clearance
         Clearance of all springs [m].
-    error
-        Distance by which a single spring may protrude into its clearance [m].
     torque
         Torque [N m], shape (n,).
 
     Returns
     -------
     tuple
-        The forces without errors [N], shape (n, m); the force of each spring if it is the one that protrudes [N], shape
-        (n, m); and the torsional stiffness of the closed springs without errors [N m/rad], shape (n,).
+        The forces [N], shape (n, m), and the torsional stiffness of the closed springs [N m/rad], shape (n,).
     """
-    forces, protruding, torsional = np.empty_like(arms), np.empty_like(arms), np.empty_like(torque)
+    forces, torsional = np.empty_like(arms), np.empty_like(torque)
     for row in range(len(arms)):
-        arm, load = arms[row], torque[row] / stiffness[row]
-        turn, torsional[row] = _solve_rotation(arm, weights[row], clearance, load, 0.0, 0.0)
-        torsional[row] *= stiffness[row]
-        for column in range(len(arm)):
-            forces[row, column] = stiffness[row] * max(turn * arm[column] - clearance, 0.0)
-            least, _ = _solve_rotation(arm, weights[row], clearance, load, arm[column], clearance - error)
-            protruding[row, column] = stiffness[row] * max(least * arm[column] - clearance + error, 0.0)
-    return forces, protruding, torsional
+        turn, squares = _solve_rotation(arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0)
+        forces[row] = stiffness[row] * np.maximum(turn * arms[row] - clearance, 0.0)
+        torsional[row] = stiffness[row] * squares
+    return forces, torsional
+
+
+@njit(cache=cacheable(), error_model="numpy")
+def protruding_forces(
+    arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array, error: float
+) -> Array:
+    """Compute the force of each spring [N], shape (n, m), if it alone protrudes into its clearance by an `error` [m].
+
+    The other arguments are those of `share_torque`.
+    """
+    forces, less = np.empty_like(arms), clearance - error
+    for row in range(len(arms)):
+        for column in range(arms.shape[1]):
+            arm, load = arms[row, column], torque[row] / stiffness[row]
+            turn, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, less)
+            forces[row, column] = stiffness[row] * max(turn * arm - less, 0.0)
+    return forces
 
 
 @njit(error_model="numpy", inner=True)

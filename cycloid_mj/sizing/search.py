@@ -55,8 +55,8 @@ class SearchSettings:
     iterations, consistency
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
     ratings, few_ratings, studies
-        Most candidates that a search rates (0.15 s of CPU each), that of a remedy or for efficiency rates, and most
-        tolerance studies (0.5 s each).
+        Most candidates that a search rates (0.06 to 0.2 s of CPU each), that of a remedy or for efficiency rates, and
+        most tolerance studies (0.6 to 4 s each).
     strong
         Candidates of each estimate of the torque among which remedies are searched.
     likely
@@ -245,7 +245,8 @@ class Pool:
     `guess` are the estimates of all candidates. `rated` has None where a candidate cannot be built or balanced, or
     jams. The tooth forces of ratings are those of one of the tolerance `samples`. By the point of a rated candidate,
     `corrections` has the logarithms of its figures over their estimates, and `biases` those of its capacity and its
-    backlash by a tolerance study over those by the one sample.
+    backlash by a tolerance study over those by the one sample. `extended` are the candidates whose neighbours were
+    added.
     """
 
     requirement: Requirement
@@ -256,6 +257,7 @@ class Pool:
     corrections: dict[Point, Figures] = field(default_factory=dict)
     biases: dict[Point, tuple[float, float]] = field(default_factory=dict)
     rated: dict[int, Rated | None] = field(default_factory=dict)
+    extended: set[int] = field(default_factory=set)
 
     @classmethod
     def of(cls, requirement: Requirement, points: Array) -> Self | None:
@@ -280,7 +282,14 @@ class Pool:
         ranks = [np.argsort(-torque * share) for torque in _capacities(figures) for share in (1.0, within)]
         rows = np.unique(np.concatenate([rank[: SETTINGS.strong] for rank in ranks]))
         sizes = self.sizes[rows].view(np.recarray)
-        return replace(self, points=self.points[rows], sizes=sizes, guess=_estimate(self.requirement, sizes), rated={})
+        return replace(
+            self,
+            points=self.points[rows],
+            sizes=sizes,
+            guess=_estimate(self.requirement, sizes),
+            rated={},
+            extended=set(),
+        )
 
     @property
     def corrected(self) -> Estimate:
@@ -335,35 +344,22 @@ class Pool:
         With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
         within all limits of the objective.
         """
-        ratings, studies, extended = 0.0, 0, set[int]()
+        aim = objective.merit({objective.key: goal})
+        ratings, studies = 0.0, 0
         while True:
             figures, scale = self._known_figures()
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
-            drive = None if row is None else self.rated[row]
-            meets = row is not None and excesses[row] <= 0.0
-            best = float(merits[row]) if row is not None and meets else -math.inf
-            if not best >= objective.merit({objective.key: np.array(goal)}) and ratings < max_ratings:
-                if row is not None and meets and row not in extended:
-                    extended.add(row)
-                    self._extend(row)
+            best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
+            if not best >= aim and ratings < max_ratings:
+                cost = self._improve(objective, figures, scale, row, best)
+                if cost is not None:
+                    ratings += cost
                     continue
-                gains = objective.expected_improvement(figures, scale, best)
-                if row is None and ratings < SETTINGS.few_ratings:  # one rating at least, if none is likely to suffice
-                    gains = 1.0 / (1.0 + excesses)
-                gains[list(self.rated)] = 0.0
-                new = int(np.argmax(gains))
-                if gains[new] > (SETTINGS.min_improvement if meets else SETTINGS.min_probability):
-                    torque = max(float(figures["capacity"][new]), 1e-3 * self.requirement.torque)
-                    ratings += 1.0 if self._rate(new, torque) else SETTINGS.build_share
-                    continue
-                if row is not None and row not in extended:
-                    extended.add(row)
-                    self._extend(row)
-                    continue
-            if row is None or not drive or not meets:
+            if row is None or not math.isfinite(best):
                 return None
-            if drive.passed or not study:
+            drive = self.rated[row]
+            if not study or (drive and drive.passed):
                 return drive
             if studies == SETTINGS.studies:
                 passed = [index for index, drive in self.rated.items() if drive and drive.passed]
@@ -371,6 +367,41 @@ class Pool:
                 return self.rated[max(passed, key=lambda index: merits[index])] if passed else None
             studies += 1
             self.study(row)
+
+    def _improve(
+        self, objective: Objective, figures: Estimate, scale: Array, row: int | None, best: float
+    ) -> float | None:
+        """Rate the most promising candidate, or add the neighbours of the best rated one, whichever comes first.
+
+        Neighbours come first if the best one is within all limits, else last. Without any rated candidate, the one that
+        exceeds the limits least is rated even if it is unlikely to be within them.
+
+        Parameters
+        ----------
+        objective
+            What is to be improved.
+        figures, scale
+            Results of `_known_figures`.
+        row, best
+            Index of the best rated candidate, or None; and its merit, or -inf if it exceeds a limit.
+
+        Returns
+        -------
+        float or None
+            The cost in ratings, 0 for neighbours; None if no improvement is expected.
+        """
+        within = math.isfinite(best)
+        if row is not None and within and self._extend(row):
+            return 0.0
+        gains = objective.expected_improvement(figures, scale, best)
+        if row is None and SETTINGS.build_share * len(self.rated) < SETTINGS.few_ratings:
+            gains = 1.0 / (1.0 + objective.excess(figures))
+        gains[list(self.rated)] = 0.0
+        new = int(np.argmax(gains))
+        if gains[new] > (SETTINGS.min_improvement if within else SETTINGS.min_probability):
+            torque = max(float(figures["capacity"][new]), 1e-3 * self.requirement.torque)
+            return 1.0 if self._rate(new, torque) else SETTINGS.build_share
+        return 0.0 if row is not None and self._extend(row) else None
 
     def nearest(self, objective: Objective) -> Rated | None:
         """Return the best rated drive by an objective, or the one that exceeds its limits least; None without any."""
@@ -466,19 +497,27 @@ class Pool:
             scale = np.clip(distance / SETTINGS.reach, SETTINGS.least_error, 1.0)
         return add_capacity(figures), scale
 
-    def _extend(self, index: int) -> None:
+    def _extend(self, index: int) -> bool:
         """Add the neighbours of a candidate to the pool, for a local search; each differs from it in a single variable.
 
-        `index` is the index of the candidate. Neighbours that are in the pool already are not added.
+        `index` is the index of the candidate. Neighbours that are in the pool already are not added. The result is
+        False if its neighbours were added before.
         """
+        if index in self.extended:
+            return False
+        self.extended.add(index)
         steps = np.concatenate([sign * np.geomspace(*SETTINGS.neighbours) for sign in (-1.0, 1.0)])
         changes = (np.eye(DIMENSIONS)[:, np.newaxis] * steps[:, np.newaxis]).reshape(-1, DIMENSIONS)
         points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
         _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
         new = first[first >= len(self.sizes)] - len(self.sizes)
-        self.points = np.concatenate([self.points, points[new]])
-        self.sizes = np.concatenate([self.sizes, sizes[new]]).view(np.recarray)
-        self.guess = _estimate(self.requirement, self.sizes)
+        if len(new):
+            added = sizes[new].view(np.recarray)
+            guess = estimate(self.requirement, added, design_of(self.requirement, self.sizes[0]))
+            self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
+            self.points = np.concatenate([self.points, points[new]])
+            self.sizes = np.concatenate([self.sizes, added]).view(np.recarray)
+        return True
 
 
 def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:

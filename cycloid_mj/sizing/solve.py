@@ -53,7 +53,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     longer = _longer(requirement, failed)
     pool = max(failed, key=_rated_merit)
     drive = pool.best(strongest(pool.requirement))
-    if not (drive and drive.passed):
+    if not drive:
         return None, Answer(requirement, (), 0.0, _limit(pool), longer), pool
     drive = pool.nearer_to_capacity(drive)
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
@@ -73,8 +73,7 @@ def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) 
     drive = pool.best(strongest(free, torque), torque, study=study, max_ratings=max_ratings)
     if drive and drive.figures["length"] > requirement.length:
         drive = pool.best(shortest(requirement), requirement.length, study=study, max_ratings=max_ratings)
-    carries = drive and drive.capacity >= torque and (drive.passed or not study)
-    return drive if drive and carries and drive.figures["length"] <= requirement.length else None
+    return drive if drive and drive.capacity >= torque and drive.figures["length"] <= requirement.length else None
 
 
 def _rated_merit(pool: Pool) -> float:
@@ -105,7 +104,7 @@ def least_length(pools: Iterable[Pool]) -> float:
     The length is rounded up.
     """
     drives = [pool.best(shortest(pool.requirement), max_ratings=SETTINGS.few_ratings) for pool in pools]
-    lengths = (drive.figures["length"] for drive in drives if drive and drive.passed)
+    lengths = (drive.figures["length"] for drive in drives if drive)
     return min((math.ceil(1e4 * length) / 1e4 for length in lengths), default=math.inf)
 
 

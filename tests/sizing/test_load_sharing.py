@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cycloid_mj.sizing.load_sharing import share_torque
+from cycloid_mj.sizing.load_sharing import protruding_forces, share_torque
 
 CLEARANCE, ERROR = 2e-6, 1.5e-6
 
 
 def test_springs_without_clearance_share_as_their_lever_arms() -> None:
     arms = np.array([[0.01, 0.02, 0.03]])
-    forces, _, torsional = share_torque(arms, np.array([2.0]), np.array([1e8]), 0.0, 0.0, np.array([5.0]))
+    forces, torsional = share_torque(arms, np.array([2.0]), np.array([1e8]), 0.0, np.array([5.0]))
     squares = 2.0 * float((arms**2).sum())
     assert torsional[0] == pytest.approx(1e8 * squares, rel=1e-12)
     assert forces[0] == pytest.approx(5.0 * arms[0] / squares, rel=1e-12)
@@ -24,7 +24,8 @@ def test_a_protruding_spring_carries_what_balances_the_torque_with_all_others() 
     arms = random.uniform(-0.01, 0.03, (20, 12))
     weights, stiffness = random.uniform(0.5, 3.0, 20), 10.0 ** random.uniform(7.0, 9.0, 20)
     torque = 10.0 ** random.uniform(-1.0, 2.0, 20)
-    forces, protruding, _ = share_torque(arms, weights, stiffness, CLEARANCE, ERROR, torque)
+    forces, _ = share_torque(arms, weights, stiffness, CLEARANCE, torque)
+    protruding = protruding_forces(arms, weights, stiffness, CLEARANCE, torque, ERROR)
 
     def moment(turn: float, row: int, extra: int | None) -> float:
         pressed = np.maximum(turn * arms[row] - CLEARANCE, 0.0)
@@ -42,6 +43,6 @@ def test_a_protruding_spring_carries_what_balances_the_torque_with_all_others() 
 
 def test_a_small_torque_is_carried_by_the_protruding_spring_alone() -> None:
     arms = np.array([[0.01, 0.02]])
-    _, protruding, _ = share_torque(arms, np.ones(1), np.array([1e8]), CLEARANCE, ERROR, np.array([1e-3]))
+    protruding = protruding_forces(arms, np.ones(1), np.array([1e8]), CLEARANCE, np.array([1e-3]), ERROR)
     assert protruding[0, 1] == pytest.approx(1e-3 / 0.02, rel=1e-12)
     assert math.isclose(protruding[0, 0], 1e-3 / 0.01, rel_tol=1e-12)
