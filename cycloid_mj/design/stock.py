@@ -296,7 +296,9 @@ _SEAL_RINGS = """
 17 23 3  18 24 3  20 26 4  22 28 4  25 32 4  28 35 4  30 37 4  35 42 4  40 47 4  45 52 4  50 58 4
 """
 """Seal rings with one lip for needle bearings, type G of INA and NTN (CAT. 2300): shaft, outside, width. They have the
-outside diameter of drawn cups, and are pressed into the same bore. Widths are from memory (not checked)."""
+outside diameter of drawn cups, and are pressed into the same bore (NTN: G7 to R7). No standard applies to them. Widths
+are assumed, 2 mm up to shafts of 7 mm, 3 mm up to 18 mm and 4 mm beyond: compare them with the maker's before ordering.
+They determine only how much longer the motor cover is."""
 
 SNAP_LAND = 3.0
 """Length of the shaft or bore beyond the groove of a retaining ring, relative to the depth of the groove (DIN 471)."""
@@ -417,6 +419,22 @@ class RetainingRing:
     width: float
 
     @property
+    def is_internal(self) -> bool:
+        """Whether the ring is in a bore."""
+        return self.groove > self.diameter
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Inner and outer radius of the ring in its groove [m]."""
+        radius = 0.5 * self.groove
+        return (radius - self.width, radius) if self.is_internal else (radius, radius + self.width)
+
+    @property
+    def eye_radius(self) -> float:
+        """Radius up to which the eyes protrude from the shaft, or into the bore [m]."""
+        return 0.5 * self.diameter + (-self.height if self.is_internal else self.height)
+
+    @property
     def groove_width(self) -> float:
         """Width of the groove [m] (DIN 471)."""
         return self.thickness + (0.1e-3 if self.thickness < 2e-3 else 0.15e-3)
@@ -425,7 +443,7 @@ class RetainingRing:
     def groove_zone(self) -> str:
         """Tolerance zone of the diameter of the groove (DIN 471 and 472)."""
         grade = 10 if self.diameter <= 10e-3 else 11 if self.diameter <= 22e-3 else 12
-        return f"H{max(grade, 11)}" if self.groove > self.diameter else f"h{grade}"
+        return f"H{max(grade, 11)}" if self.is_internal else f"h{grade}"
 
     @property
     def room(self) -> float:

@@ -145,6 +145,17 @@ def test_seals_that_do_not_fit_are_refused(name: str, changes: tuple[str, ...], 
         casing(Reducer(design(name, *changes, "shaft.seal_ring=true")))
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [(SEALED, "retaining_rings = true is not possible"), (RINGS["pin"], "seal_ring = true is not possible")],
+)
+def test_rings_and_a_seal_exclude_each_other(changes: tuple[str, ...], message: str) -> None:
+    """Retaining rings need ball bearings, a seal ring needs needle bearings: neither request is ignored."""
+    both = ("shaft.retaining_rings=true", "shaft.seal_ring=true")
+    with pytest.raises(DesignError, match=message):
+        casing(Reducer(design("pin", *changes, *both)))
+
+
 def test_sizes_in_stock_match_the_standards() -> None:
     """DIN 471 for 20 mm: 1.2 mm, groove 19 x 1.3 mm, land 1.5 mm; DIN 472 for 47 mm: 1.75 mm, groove 49.5 x 1.85 mm."""
     shaft, bore = stock.shaft_ring(20e-3), stock.bore_ring(47e-3)
@@ -153,4 +164,6 @@ def test_sizes_in_stock_match_the_standards() -> None:
     assert (shaft.thickness, shaft.groove, shaft.groove_width) == pytest.approx((1.2e-3, 19e-3, 1.3e-3))
     assert shaft.room - shaft.groove_width == pytest.approx(1.5e-3)
     assert (bore.thickness, bore.groove, bore.groove_width) == pytest.approx((1.75e-3, 49.5e-3, 1.85e-3))
+    assert (shaft.radii, shaft.eye_radius) == (pytest.approx((9.5e-3, 12.1e-3)), pytest.approx(14e-3))
+    assert (bore.radii, bore.eye_radius) == (pytest.approx((20.35e-3, 24.75e-3)), pytest.approx(17.1e-3))
     assert stock.shaft_ring(20.5e-3) is stock.bore_ring(22.4e-3) is stock.seal_ring(10e-3, 16e-3) is None

@@ -13,6 +13,7 @@ from cycloid_mj.parts.export.casing_rules import (
     axial_play,
     is_printed,
     ring_end,
+    stock_shaft_bearing,
 )
 from cycloid_mj.reducer import Reducer
 
@@ -47,8 +48,7 @@ SHAFT_BEARINGS = 2
 
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
     """Return the bearing in stock for both seats of the shaft; None if none has its size."""
-    diameter, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
-    return next(iter(stock.bearings_on(diameter, width, ringed=needs_rings(reducer))), None)
+    return stock_shaft_bearing(reducer, bearing_width_of(reducer))
 
 
 def cam_seat(reducer: Reducer) -> float:

@@ -7,6 +7,7 @@ of the hub, and the output flange.
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TypedDict
 
 import numpy as np
@@ -18,7 +19,6 @@ from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
-from cycloid_mj.parts.cam_bearing import needs_rings
 from cycloid_mj.parts.export.bearing_retainer import Retainer, retainer_of
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.casing_rules import (
     min_grip,
     ring_end,
     stock_screw_length,
+    stock_shaft_bearing,
     thickest_bolt,
     thread_radius,
 )
@@ -337,7 +338,8 @@ def _size_motor_side(
         - wall
     )
     bearing_start = near_seat[0] if design.shaft.mounting == "straddle" else far_seat[0]
-    ring_parts = choose_crank_end(reducer, near_seat[1] - near_seat[0], seat, floor - near_seat[1])
+    bearing = stock_shaft_bearing(reducer, near_seat[1] - near_seat[0])
+    ring_parts = choose_crank_end(reducer, bearing, seat, floor - near_seat[1])
     max_face = min(floor, screw_tip) - floor_thickness
     face, journal = _input_side(reducer, flange, bearing_start, ring_parts, wall, max_face)
     return {
@@ -444,14 +446,13 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
     """
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":
-        retainers = [(bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings()]
-        apart = [bearing for bearing, ring in retainers if ring and ring.cover_radius <= max_radius + wall]
-        next_to_heads = [
-            bearing
+        retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
+        fitting = [
+            (ring.cover_radius <= max_radius + wall, bearing)
             for bearing, ring in retainers
-            if ring and max_radius + wall < ring.cover_radius <= max_radius + 2.0 * wall
+            if ring and ring.cover_radius <= max_radius + 2.0 * wall
         ]
-        return (*next_to_heads, *apart)
+        return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
     return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
 
 
@@ -546,9 +547,8 @@ def seat_radius(reducer: Reducer, width: float) -> float:
 
     It is that of a bearing in stock, or `CasingRules.bearing_ratio` times the radius of the shaft.
     """
-    radius = reducer.design.shaft.radius
-    stocked = stock.bearings_on(2.0 * radius, width, ringed=needs_rings(reducer))
-    return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
+    bearing = stock_shaft_bearing(reducer, width)
+    return 0.5 * bearing.outside if bearing else RULES.bearing_ratio * reducer.design.shaft.radius
 
 
 def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:

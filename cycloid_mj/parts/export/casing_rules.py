@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
+from cycloid_mj.parts.cam_bearing import needs_rings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
@@ -150,6 +151,12 @@ def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
             "thinner walls take smaller, shorter screws"
         )
     return length
+
+
+def stock_shaft_bearing(reducer: Reducer, width: float) -> stock.StockBearing | None:
+    """Return the bearing in stock for seats of the shaft that are `width` [m] wide; None if none has this size."""
+    diameter = 2.0 * reducer.design.shaft.radius
+    return next(iter(stock.bearings_on(diameter, width, ringed=needs_rings(reducer))), None)
 
 
 def shoulder_radius(ring: float, other: float) -> float:

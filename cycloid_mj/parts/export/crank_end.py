@@ -5,6 +5,7 @@ bearings; the other is in the cover, on the side of the discs. Ball bearings tak
 and have no seal: a seal ring is pressed into their bore on the motor side.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -42,21 +43,20 @@ class CrankEnd:
     @property
     def max_collar(self) -> float:
         """Largest radius of a collar of the crank inside of the eyes of the ring in the cover [m]; else infinite."""
-        ring = self.bore_ring
-        return 0.5 * ring.diameter - ring.height if ring else float("inf")
+        return self.bore_ring.eye_radius if self.bore_ring else math.inf
 
 
-def choose_crank_end(reducer: Reducer, width: float, seat: float, bore_room: float) -> CrankEnd:
+def choose_crank_end(reducer: Reducer, bearing: stock.StockBearing | None, seat: float, bore_room: float) -> CrankEnd:
     """Choose the retaining rings or the seal ring that a design requests for its crank.
 
     Parameters
     ----------
     reducer
         The reducer.
-    width
-        Width of each bearing of the crank [m].
+    bearing
+        Bearing in stock on the crank; None if none has the size of its seats.
     seat
-        Radius of the seats of these bearings in the motor cover [m].
+        Radius of the seats of the bearings in the motor cover [m].
     bore_room
         Length of the motor cover beyond the bearing next to the discs [m].
 
@@ -67,25 +67,22 @@ def choose_crank_end(reducer: Reducer, width: float, seat: float, bore_room: flo
         does not allow it.
     """
     shaft = reducer.design.shaft
-    diameter = 2.0 * shaft.radius
-    bearings = stock.bearings_on(diameter, width, ringed=needs_rings(reducer))
-    is_ringed = bool(bearings) and stock.has_inner_ring(bearings[0])
+    is_ringed = bearing is not None and stock.has_inner_ring(bearing)
+    on_shaft = in_bore = seal = None
     if shaft.seal_ring:
-        seal = None if is_ringed else stock.seal_ring(diameter, 2.0 * seat)
+        seal = None if is_ringed else stock.seal_ring(2.0 * shaft.radius, 2.0 * seat)
         if seal is None or shaft.bore_radius:
             raise DesignError(f"shaft.seal_ring = true is not possible: {_describe_seal_problem(reducer, is_ringed)}")
-        return CrankEnd(seal=seal)
-    if not shaft.retaining_rings:
-        return CrankEnd()
-    on_shaft, in_bore = stock.shaft_ring(diameter), stock.bore_ring(round(2.0 * seat, 9))
-    problems = tuple(_describe_ring_problems(reducer, is_ringed, seat, (on_shaft, in_bore), bore_room))
-    if problems:
-        raise DesignError(f"shaft.retaining_rings = true is not possible: {'; '.join(problems)}")
-    return CrankEnd(on_shaft, in_bore)
+    if shaft.retaining_rings:
+        on_shaft, in_bore = stock.shaft_ring(2.0 * shaft.radius), stock.bore_ring(2.0 * seat)
+        problems = tuple(_describe_ring_problems(reducer, is_ringed, seat, (on_shaft, in_bore), bore_room))
+        if problems:
+            raise DesignError(f"shaft.retaining_rings = true is not possible: {'; '.join(problems)}")
+    return CrankEnd(on_shaft, in_bore, seal)
 
 
 def _describe_seal_problem(reducer: Reducer, is_ringed: bool) -> str:
-    """Return why a seal ring does not fit on the shaft, with the remedy, as a clause; empty if it fits."""
+    """Return why a seal ring that is requested does not fit, with the remedy, as a clause."""
     if is_ringed:
         return "the crank has ball bearings, which are sealed themselves: remove the key"
     if reducer.design.shaft.bore_radius:
@@ -127,13 +124,13 @@ def _describe_ring_problems(
         yield f"no standard ring fits {in_mm(2.0 * shaft.radius)} mm and {in_mm(2.0 * seat)} mm: choose another bearing"
         return
     if in_bore.room > bore_room + stock.ROUNDING:
-        needed = shaft.bearing_offset + in_bore.room - bore_room
-        yield f"the ring in the cover needs shaft.bearing_offset_mm = {1e3 * needed:.2f} or more"
-    eyes, opening = shaft.radius + on_shaft.height, shoulder_radius(seat, shaft.radius)
+        needed = shaft.bearing_offset + in_bore.room - bore_room - stock.ROUNDING
+        yield f"the ring in the cover needs shaft.bearing_offset_mm = {math.ceil(1e5 * needed) / 100:.2f} or more"
+    eyes, opening = on_shaft.eye_radius, shoulder_radius(seat, shaft.radius)
     if eyes > opening:
         yield (
             f"the eyes of the ring on the crank need an opening of {in_mm(2.0 * eyes)} mm, but the shoulder of the "
             f"bearing leaves {in_mm(2.0 * opening)} mm: choose a bearing with a larger section"
         )
-    if 0.5 * in_bore.diameter - in_bore.height < shaft.radius + RULES.min_wall:
+    if in_bore.eye_radius < shaft.radius + RULES.min_wall:
         yield "the eyes of the ring in the cover leave no room for a collar of the crank: choose a larger bearing"

@@ -161,25 +161,20 @@ def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
 def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the joints of the parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
     parts, (start, end) = sizes.crank_end, sizes.near
-    if (on_shaft := parts.shaft_ring) and (in_bore := parts.bore_ring):
-        inner, outer = 0.5 * on_shaft.groove, 0.5 * in_bore.groove
-        for part, item, ring, radii, body, (face, direction) in (
-            (names.SHAFT, SHAFT_RING, on_shaft, (inner, inner + on_shaft.width), names.SHAFT, (start, -1.0)),
-            (MOTOR_COVER, BORE_RING, in_bore, (outer - in_bore.width, outer), names.HOUSING, (end, 1.0)),
-        ):
-            bought, mates = _retaining_ring(item, ring, radii, body, face, direction), (part, SHAFT_BEARING)
-            name = f"retaining ring {'on the crank' if part == names.SHAFT else 'in the motor cover'}"
-            groove = 1, ring.groove, ring.groove_width
-            yield Joint(name, JointKind.LOCATED, mates, (), (bought,), ring.groove_zone, *groove)
+    if ring := parts.shaft_ring:
+        solid = _retaining_ring(SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
+        yield _retaining_ring_joint("retaining ring on the crank", names.SHAFT, ring, solid)
+    if ring := parts.bore_ring:
+        solid = _retaining_ring(BORE_RING, ring, names.HOUSING, end + 0.5 * ring.thickness)
+        yield _retaining_ring_joint("retaining ring in the motor cover", MOTOR_COVER, ring, solid)
     if seal := parts.seal:
         fit = f"{cup_fit(reducer, names.HOUSING)} outside, lip on the hardened and ground crank (Ra 0.2 to 0.8 um)"
-        sizes_of_seal = ("outside diameter", seal.outside), ("bore", seal.bore), ("length", seal.width)
         seal_part = BoughtPart(
             SHAFT_SEAL,
             tube(0.5 * seal.bore, 0.5 * seal.outside, seal.width),
             names.HOUSING,
             ((0.0, 0.0, start - 0.5 * seal.width),),
-            sizes_of_seal,
+            (("outside diameter", seal.outside), ("bore", seal.bore), ("length", seal.width)),
             "nitrile rubber on steel",
             seal.designation,
             fit,
@@ -187,31 +182,21 @@ def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, MOTOR_COVER), (), (seal_part,), fit)
 
 
-def _retaining_ring(
-    item: str,
-    ring: stock.RetainingRing,
-    radii: tuple[float, float],
-    body: str,
-    face: float,
-    direction: float,
-) -> BoughtPart:
-    """Return a retaining ring at a face of a bearing as a bought part; its groove is wider by the axial play.
+def _retaining_ring(item: str, ring: stock.RetainingRing, body: str, middle: float) -> BoughtPart:
+    """Return a retaining ring as a bought part.
 
-    Parameters
-    ----------
-    item, body
-        Name of the ring, and of the body that it moves with.
-    ring
-        Ring in stock.
-    radii
-        Inner and outer radius [m].
-    face, direction
-        Height of the face [m], and 1 or -1 for a ring above or below it.
+    `item` is its name, `body` that of the body that it moves with, and `middle` the height of its middle [m].
     """
-    middle = face + direction * 0.5 * ring.thickness
-    solid, dimensions = tube(*radii, ring.thickness), (("diameter", ring.diameter), ("length", ring.thickness))
+    dimensions = ("diameter", ring.diameter), ("length", ring.thickness)
     fit = f"groove {in_mm(ring.groove)} x {in_mm(ring.groove_width)} mm"
-    return BoughtPart(item, solid, body, ((0.0, 0.0, middle),), dimensions, "spring steel", ring.designation, fit)
+    solid, origins = tube(*ring.radii, ring.thickness), ((0.0, 0.0, middle),)
+    return BoughtPart(item, solid, body, origins, dimensions, "spring steel", ring.designation, fit)
+
+
+def _retaining_ring_joint(name: str, part: str, ring: stock.RetainingRing, bought: BoughtPart) -> Joint:
+    """Return the joint `name` of a retaining ring in the groove of `part`, which locates a bearing of the crank."""
+    seat = 1, ring.groove, ring.groove_width
+    return Joint(name, JointKind.LOCATED, (part, SHAFT_BEARING), (), (bought,), ring.groove_zone, *seat)
 
 
 def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
