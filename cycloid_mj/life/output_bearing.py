@@ -62,7 +62,7 @@ class OutputBearings:
         the load is multiplied by the service factor, as in a rating.
     own
         Largest force of discs and shaft on each at the nominal torque [N], the inner one first.
-    seat
+    seat_stiffness
         Radial stiffness of each seat in the cover [N/m]; infinite in a metal.
     """
 
@@ -74,7 +74,7 @@ class OutputBearings:
     static: float
     capacity: float
     own: tuple[float, float]
-    seat: float = math.inf
+    seat_stiffness: float = math.inf
 
     @property
     def layout(self) -> str:
@@ -85,7 +85,7 @@ class OutputBearings:
     @property
     def stiffness_note(self) -> str:
         """Condition of the tilting stiffness, in words; without preload the stiffness with the usual clearance."""
-        seats = "" if math.isinf(self.seat) else "; with the plastic of their seats"
+        seats = "" if math.isinf(self.seat_stiffness) else "; with the plastic of their seats"
         if self.bearing.contact_angle:
             return f"preloaded{seats}"
         loose_stiffness = self.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
@@ -124,7 +124,7 @@ class OutputBearings:
         bearing_force, cosine = 0.5 * self.moment / self.spacing, math.cos(self.bearing.contact_angle)
         ball_force = ball_load_factor * bearing_force / (self.row.balls * cosine)
         approach = 1e-6 * BALL_BEARINGS.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0) / cosine
-        deflection = approach + bearing_force / self.seat
+        deflection = approach + bearing_force / self.seat_stiffness
         return bearing_force * self.spacing**2 / (2.0 * deflection) if bearing_force else 0.0
 
 
@@ -230,8 +230,11 @@ def seat_stiffness(bore: float, outside: float, width: float, modulus: float, po
     return 2.0 * math.pi * shear * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - share / kappa)
 
 
-def _cover_seat(reducer: Reducer) -> float:
-    """Compute the stiffness of each seat of the output's bearings [N/m]: up to the screws in a plastic cover."""
+def _cover_seat_stiffness(reducer: Reducer) -> float:
+    """Compute the stiffness of each seat of the output's bearings [N/m]; infinite in a metal cover.
+
+    A plastic cover is assumed to be rigid from the circle of its screws outwards.
+    """
     sizes, cover = casing(reducer), reducer.design.material_of(names.HOUSING)
     if not cover.is_plastic:
         return math.inf
@@ -281,7 +284,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
         static=hub.static,
         capacity=capacity,
         own=_own_forces(reducer),
-        seat=_cover_seat(reducer),
+        seat_stiffness=_cover_seat_stiffness(reducer),
     )
 
 

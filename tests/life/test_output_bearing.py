@@ -88,12 +88,12 @@ def test_the_stiffness_of_a_seat_matches_finite_elements() -> None:
 def test_seats_in_plastic_covers_make_the_output_softer() -> None:
     """Both bearings of printed yield by the balls and by the plate up to the screws; in a metal only by the balls."""
     printed = output_bearings(Reducer(PRESETS["printed"]))
-    rigid = replace(printed, seat=math.inf)
+    rigid = replace(printed, seat_stiffness=math.inf)
     force, spacing = 0.5 * printed.moment / printed.spacing, printed.spacing
     softer, stiffer = (0.5 * printed.moment / one.tilting_stiffness() for one in (printed, rigid))
-    assert softer - stiffer == pytest.approx(2.0 * force / printed.seat / spacing)
+    assert softer - stiffer == pytest.approx(2.0 * force / printed.seat_stiffness / spacing)
     assert "plastic of their seats" in printed.stiffness_note
-    assert math.isinf(output_bearings(TWO).seat)
+    assert math.isinf(output_bearings(TWO).seat_stiffness)
     assert "plastic" not in output_bearings(TWO).stiffness_note
 
 
