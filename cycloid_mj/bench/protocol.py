@@ -456,10 +456,14 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
         f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
         f"of {rated_torque:.4g} N m"
     )
-    yield (
-        "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
-        f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)"
-    )
+    speed = f"{abs(reducer.design.drive.speed) / RPM:.4g} rpm"
+    if reducer.design.has_film:
+        yield f"the model has film friction: the starting torque is that at a creep speed, the running one at {speed}"
+    else:
+        yield (
+            "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
+            f"({speed})"
+        )
     yield "the model's torques include shaft bearings, seals and grease only as [drag] of the design"
     if not isinstance(reducer, RvReducer):
         return

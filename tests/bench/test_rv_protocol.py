@@ -40,9 +40,12 @@ def test_friction_widens_the_loop_and_the_law_film_has_torques_without_load() ->
     found = lines(RV80E)
     assert found["hysteresis_loss_arcmin"] > 0.02
     assert "running_torque_nm" not in found
-    lubricated = lines(RV80E.but(friction={"law": "film"}))
-    assert 0.0 < lubricated["starting_torque_nm"] < lubricated["running_torque_nm"] < 0.2
-    assert "back_driving_torque_nm" not in lubricated
+    sheet = protocol(RV80E.but(friction={"law": "film"}), BenchFiles(), 784.0, angles=1)
+    starting, running = (sheet.model[f"{name}_torque_nm"].value for name in ("starting", "running"))
+    assert 0.0 < starting < running < 0.2
+    assert "back_driving_torque_nm" not in sheet.model
+    assert any("film friction" in note for note in sheet.notes)
+    assert not any("Coulomb friction" in note for note in sheet.notes)
 
 
 def test_the_transmission_error_is_that_of_a_displaced_bore() -> None:
