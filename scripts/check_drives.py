@@ -2,11 +2,11 @@
 
 For each design: `export` of solids, outlines, plates, assembly and drawings; the smallest distance of each two kinds
 of parts that move against each other, by OpenCASCADE at 12 crank angles; whether each part can pass those that are
-there before it; number and mass of each line of the bill against the solids in place. Arguments: names of presets, or
-design files; without, the presets. With --motor NAME first, the drives have the interface of this motor, as for
-`export --motor`. Half a minute to a minute of CPU a design.
+there before it; number and mass of each line of the bill against the solids in place. Half a minute to a minute of CPU
+a design.
 """
 
+import argparse
 import sys
 import tempfile
 from collections import Counter
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import cast
+from typing import get_args
 
 import numpy as np
 from drive_distances import smallest_distances
@@ -80,14 +80,15 @@ def failed_exports(name: str, motor: MotorName) -> Iterator[str]:
 
 
 def run(arguments: list[str]) -> int:
-    """Print the faults of designs by their names, by default all presets; return 1 if there are any, else 0."""
-    count, motor, names = 0, "auto", arguments
-    if arguments[:1] == ["--motor"]:
-        _, motor, *names = arguments
-    for name in names or presets_for("simulate"):
-        found = list(faults(name, cast("MotorName", motor)))
-        count += len(found)
-        print(f"{name}: {'; '.join(found) or 'good'}", flush=True)
+    """Print the faults of the drives of designs; return 1 if there are any, else 0."""
+    parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    parser.add_argument("designs", nargs="*", default=presets_for("simulate"), help="presets or design files")
+    parser.add_argument("--motor", default="auto", choices=get_args(MotorName), help="motor, as for export --motor")
+    options, count = parser.parse_args(arguments), 0
+    for name in options.designs:
+        sentences = list(faults(name, options.motor))
+        count += len(sentences)
+        print(f"{name}: {'; '.join(sentences) or 'good'}", flush=True)
     return int(count > 0)
 
 
