@@ -13,7 +13,7 @@ EXAMPLES = """Examples:
   cycloid-mj app --design my.toml --port 8200 --no-browser"""
 
 PORT = 8137
-"""Default port of the page; its choice is free."""
+"""Default port of the page (arbitrary)."""
 
 PortFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Port on this computer. Default: {PORT}.")]
 BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open a browser.")]

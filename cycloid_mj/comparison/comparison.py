@@ -137,7 +137,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check the designs to be compared, and return the distinct ones by name; a case is a design under a load.
+    """Check designs under loads that are to be compared, and return the distinct designs by name.
 
     Raises
     ------

@@ -79,10 +79,7 @@ class Measured(Section):
 
     @model_validator(mode="after")
     def _check_lists(self) -> Self:
-        """Raise ValueError for deviations of measured parts whose lists differ in length, or that cannot be used.
-
-        These are files that were not read, or a profile given in both forms.
-        """
+        """Raise ValueError for lists of deviations that differ in length, unread files, or a profile in both forms."""
         groups = {
             "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
             "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),

@@ -47,6 +47,9 @@ def solve_states(
 ) -> dict[State, SampleFigures]:
     """Solve the static equilibrium of many samples of a reducer, loaded and unloaded, without friction and weight.
 
+    `states` are those of `STATES` to solve for, and `angles` is the number of crank angles over a turn. Inertia is
+    negligible because the crank turns at `CREEP_SHARE` of its speed.
+
     Returns
     -------
     dict

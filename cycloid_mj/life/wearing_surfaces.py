@@ -255,7 +255,7 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
     Raises
     ------
     RunError
-        No static equilibrium was found.
+        No static equilibrium exists.
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     force = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, np.sign(on_carrier))).pins

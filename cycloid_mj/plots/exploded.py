@@ -50,7 +50,7 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the axial section of a drive twice: assembled, and below it exploded along the axis.
 
     In the exploded view, the groups of `exploded_groups` follow each other, with a label that has the number of their
-    parts. Parts beside the axis are rotated about it into the plane of the section. `sizes` are the dimensions of the
+    parts. Parts off the axis are rotated about it into the plane of the section. `sizes` are the dimensions of the
     casing.
     """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)

@@ -40,13 +40,7 @@ class ReportPage(str):
 def review_page(log: Path, run: Run | None = None) -> str:
     """Return the report of one logged run as an HTML page.
 
-    Forces are most of a long log. They are read only for the samples at which the page shows the mechanism. `log` is
-    the file of the run, and `run` the run without its forces, if it has been read already.
-
-    Raises
-    ------
-    LogError
-        The run has no design, lacks a column, or has fewer than two samples.
+    Forces are most of a long log. They are read only for the samples at which the page shows the mechanism.
 
     Parameters
     ----------
@@ -54,6 +48,11 @@ def review_page(log: Path, run: Run | None = None) -> str:
         File of the run.
     run
         The run without its forces, if it has been read already.
+
+    Raises
+    ------
+    LogError
+        The run has no design, lacks a column, or has fewer than two samples.
     """
     from cycloid_mj.log import read
 
