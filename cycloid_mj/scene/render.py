@@ -122,6 +122,8 @@ def render_model(
 
     Raises
     ------
+    UsageError
+        The size of the image is out of range.
     CycloidError
         OpenGL is not available.
     """
