@@ -23,7 +23,7 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     sizes, reason = casing_or_none(reducer)
     if sizes is None:
         shaft = design.shaft
-        is_requested = shaft.bore_radius or shaft.cam_joint != "key" or shaft.retaining_rings or shaft.seal_ring
+        is_requested = shaft.bore_radius or shaft.cam_joint == "shrink" or shaft.retaining_rings or shaft.seal_ring
         if is_requested or design.output.main_bearing_seat != "hub":
             yield Check(
                 name="joints",

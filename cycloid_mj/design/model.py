@@ -310,9 +310,10 @@ class Shaft(Section):
         "overhang",
         "overhang: both bearings before the counterweight; straddle: one of them in the hub of the output",
     )
-    cam_joint: Literal["key", "shrink"] = choice(
+    cam_joint: Literal["key", "shrink", "one_piece"] = choice(
         "key",
-        "joint of the cams of several discs to the shaft: key, or adhesive if none fits; shrink, heated cams",
+        "joint of the cams of several discs to the shaft: key, or adhesive if none fits; shrink, heated cams; "
+        "one_piece, a ground crank for two discs",
     )
     bearing_width: float = quantity(
         0.0, "width of each bearing; 0: the shaft's radius, or less on a short journal", u.MILLIMETRE, ge=0.0, le=5000.0
@@ -1175,6 +1176,11 @@ class Design(Section, Presented):
     def rated_torque(self) -> float:
         """Nominal output torque: rated input torque times the ratio, without losses [N m]."""
         return self.drive.torque * self.reduction
+
+    @property
+    def has_one_piece_crank(self) -> bool:
+        """True if the cams are in one piece with the shaft: of a single disc, or as `shaft.cam_joint` requires."""
+        return self.gear.discs == 1 or self.shaft.cam_joint == "one_piece"
 
     @property
     def lobes(self) -> int:

@@ -27,7 +27,7 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     wide_enough = [
         bearing
         for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_rings(reducer))
-        if bearing.bore > flush or (gear.discs == 1 and bearing.bore == flush)
+        if bearing.bore > flush or (design.has_one_piece_crank and bearing.bore == flush)
     ]
     chosen = stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
     return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_rings(reducer) else chosen

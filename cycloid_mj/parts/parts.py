@@ -97,7 +97,7 @@ def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str,
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
     """Return the parts that shaft or output carry as copies: cams and spacers, or the rollers of the output pins.
 
-    `body` is the name of shaft or output.
+    `body` is the name of shaft or output. Cams in one piece with the shaft are not among them.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer):
         return {}
-    if body == names.SHAFT and gear.discs > 1:
+    if body == names.SHAFT and not reducer.design.has_one_piece_crank:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
         middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
@@ -168,7 +168,8 @@ def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     `chord_error` [m] is that of the polygons for the balance of the crank, None for that of mass properties.
     """
     discs = reducer.design.gear.discs
-    crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
+    is_one_piece = reducer.design.has_one_piece_crank
+    crank = (crank_part(reducer, chord_error),) if is_one_piece else crank_parts(reducer)
     all_parts = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
     if reducer.design.ring.kind == "pin":
         all_parts.append(pin_part(reducer))

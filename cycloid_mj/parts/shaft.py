@@ -8,6 +8,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts.accuracy import checked_chord_error
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.curve import Arc, Curve, LineSegment
@@ -22,12 +23,18 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
 """Segments of the crank, next to ``names.CAM`` and ``names.SPACER``; those between discs are numbered."""
 
+MAX_ONE_PIECE_DISCS = 2
+"""Largest number of discs on a crank in one piece: each bearing is put on its cam from its own end of the crank."""
+
+NO_CAM_WALL = "the cams leave no wall around the shaft"
+
 
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
     """Return the entire crank as exact outlines about the reducer axis, at crank angle 0 (cam 1 towards +y).
 
     For one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
-    their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs.
+    their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs. A crank of
+    two discs can also be one piece, with a collar in place of the spacer.
 
     Parameters
     ----------
@@ -55,8 +62,9 @@ def shaft_segments(reducer: Reducer, chord_error: float | None = None) -> Mappin
     """Return the segments of the crank along the axis by name, from the motor on; see `crank_part`.
 
     With one disc they are journal, counterweight (which includes the shaft), journal across the gap, and cam. With
-    several discs they are journal, cam 1, neck with the spacer around it, cam 2 and so on. A straddled shaft also has a
-    journal beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
+    several discs they are journal, cam 1, neck with the spacer around it, cam 2 and so on. A crank of two discs in one
+    piece has a collar, with the name of the spacer, instead of neck and spacer. A straddled shaft also has a journal
+    beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
     """
     if reducer.design.gear.discs == 1:
         crank_segments = _single_disc_crank(reducer, checked_chord_error(reducer, chord_error))
@@ -147,20 +155,32 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
 
 
 def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
-    """Return the segments of the crank of several discs, which balance each other without a counterweight."""
+    """Return the segments of the crank of several discs, which balance each other without a counterweight.
+
+    A DesignError is raised if the cams leave no wall around the shaft, or if a crank in one piece has more than two
+    discs.
+    """
     design = reducer.design
     gear, shaft, half_width = design.gear, design.shaft, design.gear.face_width / 2
-    free_radius = gear.bore_radius - gear.eccentricity
-    require_below("shaft.radius", shaft.radius, free_radius, "the cams leave no wall around the shaft")
+    free_radius, is_one_piece = gear.bore_radius - gear.eccentricity, design.has_one_piece_crank
+    if is_one_piece and gear.discs > MAX_ONE_PIECE_DISCS:
+        raise DesignError(
+            f"a crank in one piece for {gear.discs} discs cannot be assembled: the cams next to it keep the bearing of "
+            'an inner disc from its cam. Set shaft.cam_joint = "key", or gear.discs = 2'
+        )
+    problem = "the journals are too thick for the cam bearings" if is_one_piece else NO_CAM_WALL
+    require_below("shaft.radius", shaft.radius, free_radius, problem)
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
     planes, end, bore = gear.disc_planes, reducer.near_face, _through_bore(reducer)
     crank_segments = [Segment(JOURNAL, journal, bore, end - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
-            gap = planes[number - 2] + half_width, plane - half_width
-            crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, bore, *gap))
-            crank_segments.append(Segment(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
+            gap, spacer = (planes[number - 2] + half_width, plane - half_width), names.SPACER
+            if not is_one_piece:
+                crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, bore, *gap))
+            holes = bore if is_one_piece else (journal,)
+            crank_segments.append(Segment(names.numbered_name(spacer, number - 1), ring, holes, *gap))
         cam_contour = TurnedContour(cam, phase)
         crank_segments.append(
             Segment(names.numbered_name(names.CAM, number), cam_contour, bore, plane - half_width, plane + half_width)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 from designs import FOLDER, cases, design_file
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.export import assembly_order, casing, insertion, place_parts
-from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, assembly_moves, blockages
+from cycloid_mj.parts.export.insertion import DOWN, UP, Blockage, Move, assembly_moves, blockages
 from cycloid_mj.reducer import Reducer
 
 NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
@@ -62,3 +63,34 @@ def test_shrunk_cams_are_on_the_shaft_before_their_gears():
     onto_shaft = [move.parts[0] for move in assembly_moves(shrunk, sizes) if move.group == "shaft" and move.parts]
     assert onto_shaft[:6] == ["shaft", "cam_1", "gear_1", "spacer_1", "cam_2", "gear_2"]
     assert blockages(shrunk, sizes) == ()
+
+
+def one_piece(name):
+    reducer, _ = drive(name)
+    reducer = reducer.but(shaft={"cam_joint": "one_piece"})
+    return reducer, casing(reducer)
+
+
+@pytest.mark.parametrize("name", cases(("twodisc", "sleeved-n40-d2-ring-25um", "nonpin-n33-d2-ring-60um"), "twodisc"))
+def test_each_gear_is_put_on_a_crank_in_one_piece_from_its_own_end(name):
+    reducer, sizes = one_piece(name)
+    onto_shaft = [(move.parts[0], move.direction) for move in assembly_moves(reducer, sizes) if move.group == "shaft"]
+    assert onto_shaft == [("shaft", 0), ("gear_1", UP), ("gear_2", DOWN)]
+    assert blockages(reducer, sizes) == ()
+    assert "gear_1 on cam 1 from the motor end" in assembly_order(reducer, sizes)[6]
+
+
+def test_a_gear_cannot_pass_the_collar_of_a_crank_in_one_piece(monkeypatch):
+    reducer, sizes = one_piece("twodisc")
+    order = [
+        replace(move, direction=DOWN) if move.parts == ("gear_1",) and move.group == "shaft" else move
+        for move in assembly_moves(reducer, sizes)
+    ]
+    monkeypatch.setattr(insertion, "assembly_moves", lambda *_: order)
+    assert Blockage("gear_1", "shaft") in blockages(reducer, sizes)
+
+
+def test_a_crank_in_one_piece_with_three_discs_is_refused():
+    reducer, _ = drive("massless-n49-d3-carrier-8um")
+    with pytest.raises(DesignError, match="cannot be assembled"):
+        casing(reducer.but(shaft={"cam_joint": "one_piece"}))

@@ -315,7 +315,7 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
         length = output_pin_length(reducer)
         size, material = (output.root_radius, length), design.material_of(names.OUTPUT)
         yield _pin_line(OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
-    if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
+    if not (design.has_one_piece_crank or is_printed(reducer, names.SHAFT)):
         yield _shaft_line(reducer, sizes)
 
 

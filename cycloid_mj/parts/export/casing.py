@@ -601,7 +601,7 @@ def output_cover_step(sizes: Casing) -> float | None:
 def _bore_end(reducer: Reducer) -> float:
     """Compute the end along z [m] of the longest bore for the motor shaft: the cam if the crank is one piece."""
     prisms = crank_segments(reducer)
-    return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
+    return prisms[names.CAM].z0 if names.CAM in prisms else max(one.z1 for one in prisms.values())
 
 
 def _choose_hub_bearing(

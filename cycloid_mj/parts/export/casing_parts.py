@@ -1,6 +1,6 @@
 """Solids and places of the casing: the bodies of covers, hub and flange, with the holes and bought parts of joints."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
@@ -27,6 +27,7 @@ from cycloid_mj.parts.export.crank_rings import (
     counterweight_shift,
     crank_collars,
     crank_rings,
+    disc_collar_neck,
     hub_radius,
 )
 from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
@@ -113,8 +114,8 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     """Return a part of the mechanism as its joints in a drive require: with their clearances, bores and keyways.
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
-    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. Shaft, cams and spacer
-    have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
+    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
+    between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
@@ -160,7 +161,8 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     """
     if family == names.SHAFT:
         segments = (*_cut_groove(sizes, replace(segments[0], z0=sizes.journal)), *segments[1:])
-    if reducer.design.gear.discs == 1:
+    if reducer.design.has_one_piece_crank:
+        segments = tuple(_cut_disc_collars(reducer, sizes, segments))
         counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, segments)
         for segment in segments:
             low, high = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
@@ -183,6 +185,20 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     else:
         slot = KeywayContour(radius, key.bought.width, key.bought.in_hub, key.angle)
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
+
+
+def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:
+    """Yield the segments of a crank in one piece, its collar between two discs narrower by a neck at both sides."""
+    neck = CircleContour(reducer.design.shaft.radius)
+    length = disc_collar_neck(reducer, sizes)
+    for segment in segments:
+        if names.family(segment.name) != names.SPACER:
+            yield segment
+            continue
+        low, high = segment.z0 + length, segment.z1 - length
+        yield replace(segment, outline=neck, z1=low)
+        yield replace(segment, z0=low, z1=high)
+        yield replace(segment, outline=neck, z0=high)
 
 
 def _cut_groove(sizes: Casing, journal: Segment) -> Iterator[Segment]:

@@ -87,14 +87,14 @@ def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 @once
 def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
-    """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for a single disc.
+    """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for another joint.
 
-    Its keyways fix the phases of the cams. Shrunk cams have none. The key is at the angle at which the walls of the
+    Its keyways fix the phases of the cams. The key is at the angle at which the walls of the
     cams over it are thickest. It must leave a wall in the cams, and in the shaft over the motor's bore, and stay within
     the faces of the spacer, which touch the cams but not their bearings.
     """
     design = reducer.design
-    if design.gear.discs == 1 or design.shaft.cam_joint == "shrink":
+    if design.has_one_piece_crank or design.shaft.cam_joint != "key":
         return None
     segments, radius = crank_segments(reducer), design.shaft.radius
     cams = [segments[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
@@ -141,9 +141,9 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
 
 
 def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs: keyed, shrunk, or glued if no key fits; none for one disc."""
+    """Yield the joint of cams and shaft of several discs: keyed, shrunk, or glued if no key fits; none of one piece."""
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
-    if gear.discs == 1:
+    if reducer.design.has_one_piece_crank:
         return
     key, parts = cam_key(reducer, sizes), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
     name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)

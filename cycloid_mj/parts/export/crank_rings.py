@@ -27,6 +27,9 @@ CRANK_RING = "crank_ring"
 BEARING_SPACER = "bearing_spacer"
 """Family of the rings between the bearings of an overhung crank: 1 between the outer rings, 2 between the inner."""
 
+FILLETED_NECK = 2.5
+"""Length of a neck between two shoulders over the fillet at each of them, with the room that `edges` requires."""
+
 
 @dataclass(frozen=True)
 class CrankRing:
@@ -41,8 +44,10 @@ class CrankRing:
 
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
-    """Return the rings on the shaft of several discs: before the first cam, beyond the last of a straddled shaft."""
-    return tuple(_crank_rings(reducer, sizes, crank_segments(reducer))) if reducer.design.gear.discs > 1 else ()
+    """Return the rings on a shaft with separate cams: before the first cam, beyond the last of a straddled shaft."""
+    if reducer.design.has_one_piece_crank:
+        return ()
+    return tuple(_crank_rings(reducer, sizes, crank_segments(reducer)))
 
 
 def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
@@ -63,7 +68,7 @@ def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
 
 
 def crank_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> tuple[CrankRing, ...]:
-    """Return the collars of a crank in one piece: before its counterweight, and beyond the cam of a straddled shaft.
+    """Return the collars of a crank in one piece: next to its motor-side bearing, and beyond the cams if straddled.
 
     `segments` are those of the crank, whose counterweight balances exact outlines or polygons.
     """
@@ -74,6 +79,16 @@ def counterweight_shift(reducer: Reducer) -> float:
     """Compute how far the counterweight stands closer to the disc than in the mechanism, for its ring [m]."""
     offset = reducer.design.shaft.bearing_offset
     return max(RULES.collar - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
+
+
+def disc_collar_neck(reducer: Reducer, sizes: Casing) -> float:
+    """Compute the length [m] of the necks between the cams and the collar of a crank in one piece for two discs.
+
+    There is room for the fillets at both ends of a neck, if this leaves a collar; otherwise, a neck is as long as the
+    axial play.
+    """
+    length = max(sizes.play, FILLETED_NECK * reducer.design.shaft.shoulder_fillet)
+    return length if reducer.design.gear.disc_gap - 2.0 * length >= RULES.min_wall else sizes.play
 
 
 def hub_radius(reducer: Reducer, sizes: Casing) -> float:

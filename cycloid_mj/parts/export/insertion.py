@@ -197,6 +197,11 @@ def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0)
     )
 
 
+def _names_on(placements: tuple[PlacedPart, ...], gear: str) -> tuple[str, ...]:
+    """Return the names of the other parts that move with a disc."""
+    return tuple(item.name for item in placements if item.body == gear and item.name != gear)
+
+
 def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble the output, its bearings and flange, then the ring and its pins.
 
@@ -243,6 +248,14 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         yield Move(rings[1:], shaft, DOWN)
         yield from (*second_disc, Move((shaft,), DRIVE, UP))
         return
+    if reducer.design.has_one_piece_crank:
+        yield Move((shaft,), shaft)
+        for gear, direction in zip(reducer.gears, (UP, DOWN), strict=True):
+            yield Move((gear,), gear)
+            yield Move(_names_on(placements, gear), gear, direction)
+            yield Move((gear,), shaft, direction)
+        yield from (Move((shaft,), DRIVE, UP), *second_disc)
+        return
     yield Move((shaft, *_names_of_family(placements, KEY)), shaft)
     is_shrunk = reducer.design.shaft.cam_joint == "shrink"
     for number, gear in enumerate(reducer.gears, start=1):
@@ -252,7 +265,7 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         if is_shrunk:
             yield cam
         yield Move((gear,), gear)
-        yield Move(tuple(item.name for item in placements if item.body == gear and item.name != gear), gear, DOWN)
+        yield Move(_names_on(placements, gear), gear, DOWN)
         if not is_shrunk:
             yield cam
         yield Move((gear,), shaft, DOWN)

@@ -196,6 +196,15 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
             f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
         )
         return f"{bearing_step}{rollers} {names.GEAR} over them{second_disc_step}."
+    if design.has_one_piece_crank:
+        first, second = reducer.gears
+        bearing_step = f"put the {CAM_BEARING}s on the cams in grease"
+        if cam_bearing(reducer):
+            bearing_step = f"press a {CAM_BEARING} into each gear"
+        return (
+            f"The {names.SHAFT} is one piece with its cams: {bearing_step}, then push {first} on cam 1 from the motor "
+            f"end of the crank, and {second} on cam 2 from its output end, each up to the collar between them."
+        )
     if shrunk := shrink_fit(reducer, sizes):
         return (
             f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrunk.difference:.0f} K "

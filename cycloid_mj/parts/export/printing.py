@@ -101,8 +101,8 @@ def manufactured_parts(
 ) -> dict[str, PrintedPart]:
     """Return the parts to be manufactured, as solids and outlines in their own frames, with their number, by name.
 
-    Housing, discs and output are manufactured from any material; so are the crank of one disc, and cams and spacers of
-    several. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if they
+    Housing, discs and output are manufactured from any material; so are a crank in one piece, or cams and spacers of
+    several discs. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if they
     are plastic. The discs of the output have bores for separate output pins.
 
     Parameters
@@ -129,9 +129,9 @@ def manufactured_parts(
         lay_out_parts(reducer, chord_error),
     )
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
-    if gear.discs > 1:
+    if not design.has_one_piece_crank:
         counts |= dict.fromkeys(names.all_numbered(names.CAM, gear.discs), 1) | {names.SPACER: gear.discs - 1}
-    if gear.discs == 1 or is_printed(reducer, names.SHAFT):
+    if design.has_one_piece_crank or is_printed(reducer, names.SHAFT):
         counts[names.SHAFT] = 1
     if is_printed(reducer, names.PIN):
         counts |= {names.PIN: ring.teeth, PRESSED_PIN: ring.teeth}
@@ -217,14 +217,14 @@ def separate_parts(
 def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
     """Return the radius [m] of a cam for a bearing of the bore radius `seat` [m]; raise DesignError if none fits."""
     design = reducer.design
-    gear, discs = design.gear, design.gear.discs
+    gear = design.gear
     flush = gear.eccentricity + design.shaft.radius
     if gear.bearing != "rolling":
         raise DesignError(
             "--cam-bearing-bore-mm needs a cam with a rolling bearing, but this cam slides in the disc (gear.bearing = "
             '"plain"): remove the flag, or set gear.bearing = "rolling"'
         )
-    if not (flush < seat or (discs == 1 and seat == round(flush, 9))) or not seat < gear.bore_radius:
+    if not (flush < seat or (design.has_one_piece_crank and seat == round(flush, 9))) or not seat < gear.bore_radius:
         raise DesignError(
             f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than {2e3 * flush:g} "
             f"mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the outside diameter of the "
@@ -235,7 +235,7 @@ def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
 
 def _resize_cam(reducer: Reducer, segment: Segment, radius: float) -> Segment:
     """Return a segment of the crank, with another radius [m] if it is a cam."""
-    if segment.name != names.CAM:
+    if names.family(segment.name) != names.CAM:
         return segment
     cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
     if isinstance(segment.outline, TurnedContour):

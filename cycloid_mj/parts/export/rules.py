@@ -10,8 +10,10 @@ from cycloid_mj.parts.export.casing import (
     Casing,
 )
 from cycloid_mj.parts.export.casing_rules import (
+    RULES,
     is_plastic,
 )
+from cycloid_mj.parts.export.crank_rings import FILLETED_NECK, disc_collar_neck
 from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import drive_joints
@@ -28,7 +30,7 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     - Each part can be moved to its place past the parts that are mounted before it.
     - Dowels centre the covers, and keep a plastic ring from turning.
     - Threads in a plastic have an insert. Pressed and turning parts have a fit.
-    - Bearings reach their shoulders.
+    - Bearings reach their shoulders, and the crank has the fillets that its fatigue strength assumes.
     - A motor is not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, sizes):
@@ -52,14 +54,29 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
             if is_plastic(reducer) and not thread.insert:
                 yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no standard insert"
     fillet = reducer.design.shaft.shoulder_fillet
-    if reducer.design.gear.discs == 1 and fillet > BEARING_CORNER:
+    if reducer.design.has_one_piece_crank and fillet > BEARING_CORNER:
         yield (
             f"the fillets of {MILLIMETRES * fillet:.3g} mm at the shoulders of the crank keep its bearings off them, "
             f"whose corners have a radius of {MILLIMETRES * BEARING_CORNER:g} mm: reduce shaft.fillet_radius_mm"
         )
+    yield from _describe_short_necks(reducer, sizes)
     if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
             f"the motor turns with the ring on its cover, so that it turns {teeth - 1} times for a turn of the output, "
             f"not {teeth}, and its cable winds up: hold the motor on the carrier, or choose output.member = carrier"
+        )
+
+
+def _describe_short_necks(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield a sentence if a crank in one piece for two discs has no room for the fillets between cams and collar."""
+    gear, fillet = reducer.design.gear, reducer.design.shaft.shoulder_fillet
+    if gear.discs == 1 or not reducer.design.has_one_piece_crank:
+        return
+    if disc_collar_neck(reducer, sizes) < FILLETED_NECK * fillet:
+        smallest_gap = 2.0 * FILLETED_NECK * fillet + RULES.min_wall
+        yield (
+            f"the gap of {MILLIMETRES * gear.disc_gap:g} mm between the discs has no room for fillets between the cams "
+            f"and the collar of the crank: set gear.disc_gap_mm to at least {MILLIMETRES * smallest_gap:.2f}, or "
+            "reduce shaft.fillet_radius_mm"
         )
