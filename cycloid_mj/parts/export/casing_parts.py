@@ -115,7 +115,8 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
-    between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
+    between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into
+    the discs, and rollers turn on their pins.
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:

@@ -102,8 +102,8 @@ def manufactured_parts(
     """Return the parts to be manufactured, as solids and outlines in their own frames, with their number, by name.
 
     Housing, discs and output are manufactured from any material; so are a crank in one piece, or cams and spacers of
-    several discs. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if they
-    are plastic. The discs of the output have bores for separate output pins.
+    several discs. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if
+    they are plastic. The discs of the output have bores for separate output pins.
 
     Parameters
     ----------
