@@ -76,10 +76,11 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Compute the findings of a simulated motion: measured values, their closed form, and warnings.
+    """Compute the findings of a simulated run: measured values, their closed forms, and warnings.
 
-    `log` is the path of the log, which is stored as `Findings.log`. If the log's provenance lacks an entry, the time
-    step is that of the design, the solver is ``mujoco``, and the other entries are None.
+    `motion` are the signals of the run. `log` is the path of the log, which is stored as `Findings.log`. If the log's
+    provenance lacks an entry, the time step is that of the design, the solver is ``mujoco``, and the other entries are
+    None.
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
@@ -149,7 +150,7 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
     """Return the mean of a speed and of its closed form over full periods, and rms and peak of the difference [rad/s].
 
-    The difference is evaluated in all samples of the evaluation mask. `speed` is an attribute of the series `motion`.
+    The difference is evaluated in all samples of the evaluation mask. `speed` is one of the signals of `motion`.
     """
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
@@ -171,7 +172,7 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 
 
 def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
-    """Return rms and peak of the difference between simulated and closed-form acceleration of the point q [m/s2].
+    """Return rms and peak of the difference between simulated and closed-form acceleration of a disc's point q [m/s2].
 
     Each interval between two successive samples that are both in the mask (n,) is evaluated. The simulated acceleration
     is the difference of their velocities over the interval. The closed form (Hsieh 2014, Eq. 19) is evaluated at the

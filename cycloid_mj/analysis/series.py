@@ -311,7 +311,7 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 
 
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
-    """Return the part of a run before the first sample that has a value which is not finite or exceeds `LARGEST`.
+    """Cut a run before its first invalid sample, which has a value that is not finite or exceeds `LARGEST`.
 
     A failed run may end in such samples. All columns are checked, also those that the analysis does not need. The note
     of the shortened run states the time of the first omitted sample.
@@ -361,9 +361,10 @@ def _disc_columns(gear: str) -> tuple[str, ...]:
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Return the motion of a disc, compared with its closed form, by the names of the attributes of `Series`.
+    """Return the motion of a disc with its closed form, by names of attributes of `Series`.
 
-    These are the disc's angle [rad] and speed [rad/s], and position [m] and velocity [m/s] of its point `q` (2,) [m].
+    The motion consists of the disc's angle [rad] and speed [rad/s], and position [m] and velocity [m/s] of its point
+    `q` (2,) [m].
     """
     design = reducer.design
     *_, angle_column, _, _, speed_column = _disc_columns(names.gears(design.gear.discs)[disc])

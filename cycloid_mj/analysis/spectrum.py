@@ -193,10 +193,10 @@ def tapered_orders(
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
-    """Compute the fractional sample numbers (k,) [1] at which increasing values (n,) reach targets (k,); n >= 4.
+    """Compute the fractional sample numbers (k,) at which increasing sampled values (n,) reach target values (k,).
 
-    Lagrange's cubic interpolation is accurate to 1e-5 samples, because the crank angle of a run is smooth. SciPy's
-    splines are not used, because their import takes longer than the evaluation of a run.
+    At least 4 samples are needed. Lagrange's cubic interpolation is accurate to 1e-5 samples, because the crank angle
+    of a run is smooth. SciPy's splines are not used, because their import takes longer than the evaluation of a run.
     """
     first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]

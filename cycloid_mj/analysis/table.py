@@ -41,7 +41,7 @@ def table(findings: Findings) -> list[FigureRow]:
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """Return the rows of the table of findings in groups with a heading each; groups without rows are omitted."""
+    """Return the rows of the table of a run's findings, in groups with a heading each; empty groups are omitted."""
     rows_by_group = (
         _motion_rows("output", findings.output_speed, findings.output_transmission_error),
         _disc_rows(findings),
@@ -97,8 +97,8 @@ def _path_rows(phase: str, path: PathFindings, velocity: VelocityFindings) -> It
 def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
     """Yield the rows of contacts: their mean number, and the largest penetration [um] and force [N] of one contact.
 
-    Of an RV reducer there are also rows of the cranks: the largest force of a crank on a disc, and the largest of their
-    mean forces [N]. The mean is that of roller bearings, with the exponent 10/3.
+    An RV reducer also has rows of the cranks: the largest force of a crank on a disc, and the largest of their mean
+    forces [N]. The mean is that of roller bearings, with the exponent 10/3.
     """
     contact = findings.contact_summary
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)

@@ -38,7 +38,7 @@ def reaches_hold(reducer: Reducer, time: Array) -> bool:
 
 
 def require_hold(reducer: Reducer, time: Array) -> None:
-    """Raise LogError if a run has fewer than `WINDOW.min_samples` samples at constant crank speed.
+    """Raise LogError if a run has fewer than `WINDOW.min_samples` samples at constant crank speed (hold).
 
     `time` (n,) [s] are the times of its samples.
     """
@@ -62,8 +62,8 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     """Return a mask of the settled samples at constant crank speed, shape (n,), of samples at times (n,) [s].
 
     They begin `settle` [s] after the end of the speed ramp, but not later than in the middle between the ramp and the
-    last sample. By default `settle` is `settling`; it is counted from the time of the full load if that is later than
-    the ramp.
+    last sample. The default is the estimate of `settling`, counted from the time of full load if that is later than the
+    ramp.
 
     Raises
     ------

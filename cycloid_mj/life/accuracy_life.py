@@ -85,9 +85,10 @@ class WornSurface:
         return surface.count * surface.section * surface.length * float(depth.mean())
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the wear of a surface to JSON values: material, coefficient [mm3/(N m)], run-in and depth [um].
+        """Convert the wear of a surface to JSON values: material, wear coefficient, run-in depth and wear depth.
 
-        The depth is by position [mm].
+        The coefficient is in mm3/(N m) and depths are in um; the wear depth is listed by position along the surface
+        [mm].
         """
         return {
             "key": self.surface.key,
@@ -145,7 +146,7 @@ class WearLife(Presented):
         return course.life(self.limit) if course else math.nan
 
     def life_text(self, case: Case = "typical") -> str:
-        """Format the hours until wear has increased the lost motion by the permitted growth, in a case of wear.
+        """Format the accuracy life [h], after which wear has increased the lost motion by the permitted growth.
 
         The text is the hours, "about ... h, extrapolated", "unlimited" or "not computed". `case` is "low", "typical" or
         "high", for wear coefficients at their 5, 50 or 95 % percentile.
@@ -381,10 +382,10 @@ class _Log:
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
-        """Store a state of the typical case, and record its accuracy, contact forces and wear depths if `is_due`.
+        """Record a state of the typical case: a row of accuracy, contact forces and wear depths, if it is due.
 
-        A row is also recorded for the first state, and when the lost motion has grown since the last row by the
-        permitted growth divided by `WearSettings.records`.
+        A row is due if `is_due` is true, for the first state, and when the lost motion has grown since the last row by
+        the permitted growth divided by `WearSettings.records`. The state is kept as the last state in any case.
         """
         self._last = state
         growth_step = self._growth / self._drive.settings.records

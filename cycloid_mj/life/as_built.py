@@ -76,11 +76,11 @@ def default_parts(design: Design) -> Parts:
 
 
 def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]:
-    """Return the numbers (from 0) of the samples that have the largest tooth forces in similar drives.
+    """Return the numbers of the tolerance samples that have the largest tooth forces in several similar `reducers`.
 
-    These are `SETTINGS.likely_samples` samples, ranked by the mean logarithm of their force in all drives. The random
-    numbers of a sample are the same for all drives, so that the rank of its force is similar. Empty if the drives have
-    no tolerances, or no sample has a static equilibrium.
+    A sample is a random drive within the tolerances; its random numbers, and so roughly the rank of its force, are the
+    same for all reducers. The `SETTINGS.likely_samples` samples with the largest mean logarithm of the force are
+    returned, numbered from 0; none if the reducers have no tolerances or no sample has a static equilibrium.
     """
     numbers = range(SETTINGS.samples)
     forces = [force for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
@@ -93,11 +93,12 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
 
 
 def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
-    """Return the number (from 0) of the random sample with the largest tooth force at the rated percentile.
+    """Return the number of the tolerance sample whose tooth force is the 95 % percentile of all samples.
 
-    The percentile is `SETTINGS.percentile` (95 %), of `SETTINGS.samples` drives within the tolerances of the design.
-    Only samples with some `numbers` are computed, those of `find_likely_critical_samples`; the others are taken to have
-    smaller forces. None if the design has no tolerances; the first if no sample has a static equilibrium.
+    The `SETTINGS.samples` samples are random drives within the tolerances, numbered from 0. Only those in `numbers`,
+    from `find_likely_critical_samples`, are computed; the others are assumed to have smaller forces. The percentile is
+    `SETTINGS.percentile`. None if the design has no tolerances; the first of `numbers` if no sample has a static
+    equilibrium.
     """
     force = _tooth_forces(reducer, numbers) if numbers else None
     if force is None:
@@ -108,9 +109,9 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
 
 
 def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force of the samples with some numbers [N]; None without tolerances.
+    """Compute the largest tooth force [N] of each tolerance sample whose number is in `numbers`.
 
-    It is NaN without a static equilibrium.
+    The force is NaN for a sample without static equilibrium. Return None if the design has no tolerances.
     """
     if not (zones := tolerance_zones(reducer)):
         return None
@@ -126,7 +127,7 @@ def _rank(count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those whose largest forces are at the rated percentile.
+    """Draw random designs within the tolerances, and select those at the 95 % percentile of their largest forces.
 
     Forces are those of tooth, output pin and cam, or of tooth, crank bearing and planet in an RV reducer. For each kind
     of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has
@@ -178,13 +179,13 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
 
 
 def _critical_samples(
-    figures: Mapping[str, Array], names: Mapping[str, str], usable: Integers
+    forces: Mapping[str, Array], names: Mapping[str, str], usable: Integers
 ) -> tuple[tuple[int, ...], str]:
-    """Return the numbers of the samples at the percentile of each force, without repetition, and a text on the study.
+    """Return the numbers of the samples at the percentile of each force, without repetition, and a text on the choice.
 
     Parameters
     ----------
-    figures
+    forces
         Forces of all samples [N] by key, shape (samples,) each.
     names
         Keys of the forces that rank the samples, and their names.
@@ -192,10 +193,10 @@ def _critical_samples(
         Numbers of the samples that may be selected.
     """
     rank = _rank(usable.size)
-    chosen = {key: int(usable[np.argsort(figures[key][usable], kind="stable")][rank]) for key in names}
-    forces = ", ".join(f"{name} {figures[key][chosen[key]]:.4g} N" for key, name in names.items())
+    chosen = {key: int(usable[np.argsort(forces[key][usable], kind="stable")][rank]) for key in names}
+    force_text = ", ".join(f"{name} {forces[key][chosen[key]]:.4g} N" for key, name in names.items())
     return tuple(dict.fromkeys(chosen.values())), (
         "parts within the tolerances of the design: the weakest items of the samples at the "
-        f"{SETTINGS.percentile:g} % percentile of the largest forces, {forces}, at the nominal torque without "
+        f"{SETTINGS.percentile:g} % percentile of the largest forces, {force_text}, at the nominal torque without "
         f"friction; {SETTINGS.samples} samples"
     )

@@ -191,8 +191,10 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
     """
     for bearing in bearings_of(reducer):
         forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
-        turns = np.array([bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
-        yield from _rate_bearing(reducer, bearing, forces, turns, loadings, peak_torque)
+        weighted_speeds = np.array(
+            [bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings]
+        )
+        yield from _rate_bearing(reducer, bearing, forces, weighted_speeds, loadings, peak_torque)
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
@@ -337,38 +339,40 @@ def _rate_bearing(
     reducer: Reducer,
     bearing: Bearing,
     forces: Sequence[Array],
-    turns: Array,
+    weighted_speeds: Array,
     loadings: Sequence[Loading],
     peak_torque: float,
 ) -> Iterator[RatedItem]:
-    """Yield life, modified life and static factor of the most loaded of several equal bearings.
+    """Yield life, modified life and static safety factor of the most loaded of several equal bearings.
 
     Parameters
     ----------
     bearing
-        One of `bearings_of`.
+        The kind of bearing, one of `bearings_of`.
     forces
         Forces at each point of the duty [N], shape (m, bearings) each.
-    turns
+    weighted_speeds
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
     loadings
-        The points of the duty.
+        The points of the duty, with their torques.
     peak_torque
-        Output torque of the static factor [N m]; forces are scaled in proportion.
+        Output torque for the static factor [N m]; forces are scaled in proportion to the torque.
     """
     settings, ratings = reducer.design.bearing, bearing.ratings
-    load = bearing_load(reducer, forces, turns, ratings.exponent)
-    life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), settings.reliability, ratings.exponent)
+    load = bearing_load(reducer, forces, weighted_speeds, ratings.exponent)
+    life = rolling.life_hours(
+        ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability, ratings.exponent
+    )
     power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
     formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
     inner_body, outer_body = bearing.joins
     note = (
         f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {inner_body} and {outer_body}, "
-        f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
+        f"{float(weighted_speeds.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    if (viscosity := oil_viscosity(reducer)) and turns.any():
-        speed = float(turns.sum()) / sum(load_case.point.share for load_case in loadings)
+    if (viscosity := oil_viscosity(reducer)) and weighted_speeds.any():
+        speed = float(weighted_speeds.sum()) / sum(load_case.point.share for load_case in loadings)
         yield rate_modified_life(bearing.key, bearing.name, ratings, viscosity, settings.cleanliness, load, life, speed)
     ratios = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
@@ -410,14 +414,14 @@ def rate_modified_life(
     basic_life: float,
     speed: float,
 ) -> RatedItem:
-    """Return the item of the bearing life [h] modified for lubrication and contamination (ISO 281:2007).
+    """Rate a bearing by its life [h] modified for lubrication and contamination (ISO 281:2007).
 
-    It is a_ISO times `basic_life` [h].
+    The modified life is a_ISO times `basic_life`.
 
     Parameters
     ----------
     key, name, ratings
-        Those of the bearing.
+        Key, name and load ratings of the bearing.
     viscosity
         Kinematic viscosity of the oil [m2/s].
     cleanliness
@@ -425,7 +429,7 @@ def rate_modified_life(
     load
         Equivalent load [N].
     basic_life
-        Life without these influences [h].
+        Life without the factor a_ISO [h].
     speed
         Speed of the rings relative to each other [rad/s].
     """
@@ -450,17 +454,17 @@ def rate_modified_life(
     )
 
 
-def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, exponent: float) -> float:
+def bearing_load(reducer: Reducer, forces: Sequence[Array], weighted_speeds: Array, exponent: float) -> float:
     """Compute the equivalent dynamic load [N] over a duty on the most loaded of equal bearings, with service factor.
 
     Parameters
     ----------
     forces
         Forces at each point of the duty [N], shape (m, bearings) each.
-    turns
+    weighted_speeds
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
     exponent
         Exponent p of the bearing's life. With this load, the life is Miner's sum over the points.
     """
     means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
-    return reducer.design.bearing.service_factor * rolling.mean_load(means, turns, exponent)
+    return reducer.design.bearing.service_factor * rolling.mean_load(means, weighted_speeds, exponent)

@@ -214,9 +214,9 @@ Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, 
 
 
 def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute groups of quantities, curves, assumptions and limiting item for the sheet of a central-crank drive.
+    """Compute the contents of the data sheet of a central-crank drive: quantities, curves, assumptions, limiting item.
 
-    `life` is the required life [h]. `static` has the quantities by statics at the nominal torque; `advance` is called
+    `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
     after each step.
     """
     design = reducer.design
@@ -251,9 +251,9 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
 
 
 def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute groups of quantities, curves, assumptions and the limiting item for the data sheet of an RV reducer.
+    """Compute the contents of the data sheet of an RV reducer: quantities, curves, assumptions, limiting item.
 
-    `life` is the required life [h]. `static` has the quantities by statics at the nominal torque; `advance` is called
+    `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
     after each step.
     """
     limits = compute_rv_limits(reducer, life)
@@ -366,7 +366,7 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
 def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """Return the rows of backlash, lost motion, stiffness, transmission error and hysteresis loss of a data sheet.
 
-    `static` has the quantities by statics at the nominal torque.
+    `static` is the data sheet computed by statics at the nominal torque.
     """
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -382,7 +382,7 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """Return the rows of efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits.
 
-    `static` has the quantities by statics at the nominal torque.
+    `static` is the data sheet computed by statics at the nominal torque.
     """
     design = reducer.design
     quantities = static.quantities
@@ -409,9 +409,10 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
-    """Return the efficiency [%] with the losses of all bearings at the nominal torque.
+    """Return the row of the efficiency [%] at the nominal torque, including the losses of all bearings.
 
-    With the friction law ``film`` it has an interval. `condition` is the note of the row: torque and speed in words.
+    With the friction law ``film``, it has a 5 to 95 % interval. `condition` is the note of the row: torque and speed in
+    words.
     """
     efficiency = figure_row(reducer, "drive_efficiency_percent", "Efficiency", condition)
     torque = reducer.design.rated_torque
@@ -425,8 +426,8 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     """Yield the torque limit by the steady temperatures [N m], and the temperature difference of disc and ring [K].
 
-    The limit is missing if it is infinite. The note of the difference states the one at which the teeth jam. Nothing is
-    yielded for a design whose dimensions already include thermal expansion (``thermal.applied``).
+    The limit is left out if it is infinite. The note of the difference states at which difference the teeth jam. No row
+    is yielded for a design whose dimensions already include thermal expansion (``thermal.applied``).
     """
     if reducer.design.thermal.applied:
         return
@@ -653,7 +654,7 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
 def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[str, ...]:
     """Return the assumptions of the data sheet, a sentence each: statics, ratings, friction, material and clearances.
 
-    `ratings` are the sentences on the rated torque, and `static` has the quantities by statics with their assumptions.
+    `ratings` are the sentences on the rated torque, and `static` is the data sheet by statics with its assumptions.
     """
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",

@@ -35,10 +35,10 @@ half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air
 
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance of each pair [um].
+    """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance by expansion [um].
 
-    `loadings` are the solved forces at each point of the duty. For the clearances, all parts are assumed to have the
-    temperature of the housing.
+    `loadings` are the solved forces at each point of the duty. Clearances are those of teeth, output pins and cam; for
+    them, all parts are assumed to have the temperature of the housing.
     """
     design = reducer.design
     service = design.service
@@ -88,7 +88,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
 
 
 def rate_housing_temperature(reducer: Reducer, temperature: float, source: str, note: str) -> RatedItem:
-    """Return the item of a temperature of the housing [°C] against the lowest limit of grease, seals and materials.
+    """Rate a temperature of the housing [°C] against the lowest temperature limit of grease, seals and materials.
 
     `source` is the formula of the temperature. `note` states its conditions, to which all limits are added.
     """
@@ -207,7 +207,7 @@ def _outside_of(reducer: Reducer) -> str:
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:
-    """Compute the growth of the clearance of a kind of pair per kelvin [m/K], at its tightest contact.
+    """Compute the growth of the clearance of a kind of mating pair per kelvin [m/K], at its tightest contact.
 
     All parts have the same temperature. Ring pins move with the housing, output pins with the output disc, and the
     disc expands from its centre. For output pins, the tightest pin includes the mismatch of the circles of pins and

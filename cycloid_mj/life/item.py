@@ -231,7 +231,7 @@ class Rating(Presented):
         return f"{self.line_of(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
-        """Return the rated items of a drive as a text table: load, limit, safety or life, parts, source, notes."""
+        """Return a table with a row for each rated item: load, limit, safety or life, parts, source, notes."""
         header = ("item", "load", "limit", "safety or life", "parts", "formula and source", "assumptions")
         rows = tuple(
             (item.name, item.load_text, item.limit_text, item.verdict, self.parts, item.source, item.note)

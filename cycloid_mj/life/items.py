@@ -122,9 +122,10 @@ def _add_thermal_limits(rating: Rating, design: Design, duty: Duty) -> Rating:
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
-    """Merge the ratings of several random drives of a design: each item is that of the drive with the least margin.
+    """Merge the ratings of tolerance samples of a design: each item is that of the sample with the least margin.
 
-    `design_name` becomes the name of the design; `sample_text` describes the samples and becomes the first assumption.
+    `design_name` becomes the name of the design; `sample_text` describes the samples, which are random drives within
+    the tolerances, and becomes the first assumption.
     """
     first_rating = ratings[0]
     weakest = [
@@ -200,8 +201,8 @@ def rate_at_rated_load(reducer: Reducer) -> Rating:
 def rate_for_verdict(reducer: Reducer) -> Rating:
     """Rate a reducer at its nominal torque and speed for its required life, within its tolerances if it has any.
 
-    This is the rating of ``cycloid-mj rate`` without options. Unlike that of `rate_at_rated_load`, the rating of an RV
-    reducer includes heat.
+    The command ``cycloid-mj rate`` without options prints this rating. Unlike `rate_at_rated_load`, it includes heat
+    for an RV reducer.
     """
     parts = default_parts(reducer.design)
     if isinstance(reducer, RvReducer):

@@ -124,8 +124,9 @@ class ScrewedJoint:
 def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Iterator[RatedItem]:
     """Yield safety factors of all joints of a drive (screws, dowels, keys, glue, press fits) at a peak output torque.
 
-    Each item compares the torque on a joint [N m] with the torque at which it slips, shears or yields; that of the
-    output pins' holes compares pressures [MPa]. Forces of pins are in proportion to those of a solved `loading`.
+    For each joint, the torque on it [N m] is compared with the torque at which it slips, shears or yields; for the
+    holes of the output pins, pressures [MPa] are compared. Forces on pins are scaled from those of a solved `loading`,
+    in proportion to the torque.
     """
     torques = JointTorques.at_output(reducer, peak_torque)
     force_scale = peak_torque / abs(loading.point.torque)
@@ -155,7 +156,7 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Yield items for screws and dowels of each clamped face, and for the ring between the covers.
+    """Rate the torque capacity of the screws and dowels of each clamped face, and of the ring between the covers.
 
     If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are those on
     crank, carrier and ring at the peak torque.
@@ -216,10 +217,10 @@ def gaping_moment(retainer: ScrewedJoint) -> float:
 
 
 def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Yield the rated item of the screws of a retainer: the moment at which the clamped outer ring gapes.
+    """Rate the screws of a bearing retainer: tilting moment against the moment at which the clamped outer ring gapes.
 
-    The retainer clamps the outer ring of a crossed roller bearing, which the tilting moment of discs and shaft loads.
-    `force_scale` [1] multiplies the forces of `loading`. Yields nothing for a pair of ball bearings.
+    The retainer clamps the outer ring of the crossed roller bearing; discs and shaft exert the tilting moment on this
+    bearing. `force_scale` [1] multiplies the forces of `loading`. Yields nothing for a pair of ball bearings.
     """
     if casing(reducer).retainer is None:
         return
@@ -240,9 +241,10 @@ def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> It
 def _rate_clamped_ring(
     reducer: Reducer, ring_torque: float, cover_screws: ScrewedJoint, dowel_torque: float
 ) -> RatedItem:
-    """Return the item of the slip of a ring that is clamped between covers whose screws are outside of the ring.
+    """Rate a ring that is clamped between covers whose screws are outside of it: torque on it against its slip torque.
 
-    `ring_torque` acts on the ring; `dowel_torque` is what its dowels transmit without friction, both [N m].
+    `ring_torque` acts on the ring; `dowel_torque` is the torque that its dowels transmit without friction, both [N m].
+    `cover_screws` are the screws that clamp it.
     """
     slip_torque = _ring_slip_torque(reducer, cover_screws)
     dowels = f"; dowels transmit {dowel_torque:.3g} N m" if dowel_torque else ""
@@ -424,7 +426,7 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Yield items for glued, keyed or shrunk joints of the crank: the motor's shaft in its bore, cams on the shaft.
+    """Rate the glued, keyed or shrunk joints of the crank: the motor's shaft in its bore, and cams on the shaft.
 
     `torques` are those on crank, carrier and ring at the peak torque.
     """
@@ -452,7 +454,7 @@ def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, lengt
 
 
 def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
-    """Return the item `name` of cams that are shrunk on the shaft: one carries the whole torque [N m] (assumed)."""
+    """Rate the shrink fit of the cams on the shaft: `torque` [N m] against the slip torque of a single cam."""
     press = shrunk.press
     item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press, shrunk.zones, shrunk.yield_pressure)
     largest = -fits.clearances(shrunk.zones, press.diameter)[0]
@@ -466,7 +468,7 @@ def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
-    """Return the item of a parallel key under a torque [N m], limited by its side pressure (DIN 6892, method C).
+    """Rate a parallel key: `torque` [N m] against the torque that its side pressure allows (DIN 6892, method C).
 
     `shaft_diameter` is in [m].
     """
@@ -485,9 +487,9 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: flo
 
 
 def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Yield items for the seats of the output pins in the output disc: hole pressure, and press fit against turning.
+    """Rate the seats of the output pins in the output disc: pressure in the holes, and press fits against turning.
 
-    `force_scale` [1] multiplies the forces of `loading`. Pins in one piece with the disc have no item.
+    `force_scale` [1] multiplies the forces of `loading`. Yields nothing for pins in one piece with the disc.
     """
     design, output = reducer.design, reducer.design.output
     if in_one_piece(reducer):
@@ -524,7 +526,7 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
 
 
 def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Yield an item for the pressed or glued seat of a ring pin, against the friction torque that turns the pin.
+    """Rate the pressed or glued seat of a ring pin: friction torque on the pin against the torque at which it turns.
 
     `force_scale` [1] multiplies the forces of `loading`. Yields nothing for pins that turn in sockets or are printed.
     """
@@ -563,11 +565,11 @@ def _rate_press_fit(
     seat: tuple[float, float, str, Material],
     zones: str,
 ) -> RatedItem:
-    """Return the item of a press fit under a `turning_torque` [N m] on the pin in its hole (DIN 7190-1, Lame).
+    """Rate the press fit of a pin in its hole: `turning_torque` [N m] against its slip torque (DIN 7190-1, Lame).
 
-    `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the name of the part that
-    the pin belongs to (which determines its material), and the material around the hole. `zones` are the tolerance
-    zones of pin and hole, such as ``m6 in N7``.
+    `key_and_name` are key and name of the rated item. `seat` contains radius and length of the joint [m], the name of
+    the part that the pin belongs to (which determines its material), and the material around the hole. `zones` are the
+    tolerance zones of pin and hole, such as ``m6 in N7``.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)
@@ -585,10 +587,10 @@ def _rate_press_fit(
 def _press_fit_item(
     key_and_name: tuple[str, str], torque: float, fit: strength.PressFit, zones: str, max_pressure: float
 ) -> RatedItem:
-    """Return the item of a press fit: the torque on it against the torque at which it slips at its least interference.
+    """Rate a press fit: the `torque` on it [N m] against the torque at which it slips at its least interference.
 
-    `key_and_name` are those of the item, `torque` [N m] is that on the fit. `zones` are the tolerance zones of pin and
-    hole. At `max_pressure` [Pa], a part yields.
+    `key_and_name` are key and name of the rated item. `zones` are the tolerance zones of pin and hole, such as ``m6 in
+    N7``. At `max_pressure` [Pa], a part yields.
     """
     least_interference, largest_interference = (
         -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))

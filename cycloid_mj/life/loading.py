@@ -204,8 +204,8 @@ def solve_loading(
 def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
     """Solve for the mean rotation of the disc relative to the crank that the load causes, without clearances [rad].
 
-    It is extrapolated from the rotation between `PRELOAD_SHARE` of the torque [N m] and the whole torque, whose
-    equilibria are `contact_loads`.
+    The rotation between `PRELOAD_SHARE` of the `torque` [N m] and the full torque is extrapolated to no torque.
+    `contact_loads` are the equilibria under the full torque.
     """
     preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
     turn = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
@@ -222,7 +222,7 @@ def _peak_pressures(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
 
 
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute power, pressure times speed and sliding speed of the contacts that slide, by kind of pair.
+    """Compute force times speed, pressure times speed and speed of the sliding contacts, by kind of mating pair.
 
     The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
     turn slides where its friction is lower: on the flank or in its seat. The bores of sleeves and rollers wear evenly;
@@ -276,14 +276,14 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
 def _summarize_sliding(
     reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
 ) -> Sliding:
-    """Return the sliding of the contacts of a kind over a turn: power [W], largest p v [Pa m/s] and mean speed [m/s].
+    """Summarize sliding over a turn: power F v [W], largest pressure times speed p v [Pa m/s] and mean speed [m/s].
 
-    The power is force times sliding speed; p v is the pressure on the projected area times the sliding speed.
+    F v is normal force times sliding speed of all contacts of a kind of pair. p is the pressure on the projected area.
 
     Parameters
     ----------
     kind
-        Kind of pair, for the length of its contacts.
+        Kind of mating pair, which determines the length of the contacts.
     force, speed
         Normal forces [N] and sliding speeds [m/s] at each crank angle and contact, shape (m, n).
     radius
@@ -301,9 +301,9 @@ def _summarize_sliding(
 
 
 def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
-    """Compute the largest time average of force times sliding speed per length of a surface [W/m], in any sector of it.
+    """Compute the time average of force times sliding speed per length of a surface [W/m], in its most loaded sector.
 
-    There are `SECTORS` equal sectors in a turn.
+    A surface has `SECTORS` equal sectors in a turn.
 
     Parameters
     ----------
@@ -314,8 +314,8 @@ def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: 
     lengths
         Length of all these surfaces together in each sector [m], shape (SECTORS,).
     passes_evenly
-        Whether each contact passes through all angles at constant speed, so that it is in each sector for an equal
-        share of the time; otherwise that share is counted from the crank angles.
+        Whether each contact passes through all angles at constant speed, so that it spends equal times in all sectors;
+        otherwise these times are counted from the crank angles.
     """
     mean, total = sector_means(power, angle)
     density = mean * power.shape[1] / SECTORS if passes_evenly else total / len(power)
@@ -333,7 +333,7 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
 
 
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
-    """Return the angle of the pin of each contact with the ring from the eccentric [rad], shape (m, n), its phase.
+    """Return the phase of the ring pin of each contact [rad], shape (m, n): its angle from the disc's eccentric.
 
     `crank` are crank angles [rad], shape (m,). The n contacts are those of each disc with each half of the ring.
     """
@@ -356,9 +356,10 @@ def _circle_lengths(radius: float, count: int) -> Array:
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
-    """Compute the arc length of all discs' outlines in each sector of the pins' phase [m], shape (SECTORS,).
+    """Compute the length of flank that a pin passes in each sector of its phase [m], all discs together (SECTORS,).
 
-    The phase is the angle of a pin plus that of the crank; it makes a turn while the pin passes a lobe.
+    The phase is the angle of a pin from the eccentric. It makes a turn, which has `SECTORS` equal sectors, while the
+    pin passes a lobe.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
     ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes

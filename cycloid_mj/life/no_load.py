@@ -98,7 +98,7 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield the inputs of the no-load torque of each kind of bearing.
+    """Yield the inputs of Palmgren's no-load torque for each kind of bearing of the drive.
 
     Yields
     ------

@@ -187,10 +187,10 @@ class CrossedRollerBearing:
 
     @property
     def rollers(self) -> tuple[float, float]:
-        """Number of rollers of a crossed roller bearing [1] and their length [m], as long as thick (ISO 76).
+        """Number of rollers of a crossed roller bearing [1], and length of a roller [m], which equals its diameter.
 
-        They follow from the spacing of the rollers and the static rating C0 = 44 Z L D cos 45 deg, without the factor
-        of their curvature. Every second roller carries a direction.
+        They follow from the spacing of the rollers and the static rating C0 = 44 Z L D cos 45 deg (ISO 76), without the
+        factor of their curvature. Every second roller carries load of one direction.
         """
         total_thickness = math.pi * self.bearing.pitch / CROSSED_ROLLERS.roller_spacing
         length = 1e-6 * self.bearing.static / (44.0 * total_thickness * math.cos(CROSSED_ROLLERS.contact_angle))
@@ -289,9 +289,9 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
 
 
 def _own_load_and_moment(reducer: Reducer) -> tuple[float, float]:
-    """Compute the largest equivalent load [N] and tilting moment [N m] of crossed rollers at the nominal torque.
+    """Compute the largest equivalent load [N] and tilting moment [N m] of the crossed roller bearing at nominal torque.
 
-    They are caused by discs and shaft.
+    The forces of discs and shaft on the output cause them; external loads are not included.
     """
     at_rated = _rated_loading(reducer)
     _, moment = crossed_roller_loads(reducer, at_rated)

@@ -27,10 +27,10 @@ It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short tes
 
 
 def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> RatedItem:
-    """Return the item of the hours until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
+    """Rate a plastic surface by the hours until it has a permanent set, by Miner's sum over the duty cycle.
 
-    `loadings` are the solved forces at the points of the duty, `kind` is the kind of contact pair, and `name` its name
-    in the item.
+    `loadings` are the solved forces at the points of the duty, `kind` is the kind of mating pair, and `name` its name
+    in the result.
     """
     strength = loadings[0].reducer.contacts[kind].strength
     limit = SHAKEDOWN_PRESSURE * strength
@@ -60,11 +60,11 @@ def creep_damage(pressure: npt.ArrayLike, limit: float) -> Array:
 
 
 def damage_rate(loading: Loading, kind: str, limit: float) -> float:
-    """Compute the damage (Miner) of the most loaded place of a plastic surface per hour of turning [1/h]; 1 is a set.
+    """Compute the damage per hour of rotation [1/h] at the most loaded point of a plastic surface, by Miner's rule.
 
-    A lobe of the disc meets all ring pins in turn, so its damage is the mean over them; that of pins and holes is the
-    largest. `kind` is the kind of contact pair, and `limit` the pressure that leaves a permanent set within a short
-    test [Pa].
+    At a damage of 1 the surface has a permanent set. A lobe of the disc meets all ring pins in turn, so its damage is
+    the mean over them; for pins and holes it is the largest of their damages. `kind` is the kind of mating pair, and
+    `limit` the pressure that leaves a permanent set within a short test [Pa].
     """
     design = loading.reducer.design
     force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, kind)
@@ -81,21 +81,22 @@ def damage_rate(loading: Loading, kind: str, limit: float) -> float:
 
 
 def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Array:
-    """Compute the share of the time during which a place of a part's surface is under the contact strip [1].
+    """Compute the share of the time during which a point of a part's surface is inside the contact strip [1].
 
     Parameters
     ----------
     loading
-        The loading.
+        Solved forces at a point of the duty.
     kind, part
-        Kind of pair, and one of its `PARTNERS`. Contacts in seats stay at one place: their share is 1.
+        Kind of mating pair, and the part, one of its `PARTNERS`. Contacts in seats do not move along the surface: their
+        share is 1.
     half_width
         Half widths of the strips of all contacts [m], shape (m, n).
 
     Returns
     -------
     Array
-        Shares [1], shape (m, n). A strip passes each place once per turn of the crank against the part.
+        Shares [1], shape (m, n). A strip passes each point once per turn of the crank relative to the part.
     """
     reducer, design = loading.reducer, loading.reducer.design
     if kind == "output":
@@ -114,7 +115,7 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
 
 
 def _mean_over_passes(loading: Loading, damage: Array) -> float:
-    """Return the largest mean damage of contacts at the same place of the lobes [1/h].
+    """Return the damage per hour at the most damaged point of the lobes [1/h], the mean over all pins that pass it.
 
     Contacts of a disc with the ring (with each half of a split ring) are sorted into sectors of their phases; in each
     of them, `damage` (m, n) is averaged over the pins and turns of the crank.

@@ -215,9 +215,10 @@ def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dic
 
 
 def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which an item just reaches its limit, or the required `life` [h].
+    """Extrapolate the torque [N m] at which a rated item just reaches its limit, or the required `life` [h].
 
-    The item was rated at `torque` [N m].
+    The item was rated at `torque` [N m]. The load of an item is assumed to follow a power law of the torque, such as
+    the square root for pressures.
     """
     margin = item.margin(life)
     if item.safety is None:

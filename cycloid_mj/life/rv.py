@@ -86,9 +86,9 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield the bearings in the discs, then those in the flanges, with load ratings and forces at each torque [N].
+    """Yield the crank bearings in the discs, then those in the flanges, with load ratings and forces [N].
 
-    `torques` [N m] are those on the output at the points of a duty.
+    The forces are those under each of `torques` [N m], the output torques at the points of a duty.
     """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
@@ -279,16 +279,16 @@ def _rate_lubricated(
     load_rates: Array,
     speed_ratios: Array,
 ) -> RatedItem:
-    """Return the item of a life until pitting with the lubricant factors of ISO 6336-2.
+    """Rate the life until pitting with the lubricant factors of ISO 6336-2.
 
     Parameters
     ----------
     pitting
-        The item without these factors.
+        Rated item of the pitting life without these factors.
     contacts
         Entrainment speed at the design's speed [m/s], and reduced radius [m], at each point of the duty.
     pressures, load_rates
-        Largest pressure [Pa] and number of loads per time at each point of the duty, as for the item without factors.
+        Largest pressure [Pa] and load rate [rad/s] at each point of the duty, as in `_rate_pitting`.
     speed_ratios
         Speed at each point over that of the design [1].
     """
@@ -330,14 +330,14 @@ def _rate_planets(
 def _rate_pitting(
     key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], load_rates: Array
 ) -> RatedItem:
-    """Return the item of the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
+    """Rate the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
 
     Parameters
     ----------
     key, name
-        Key and name of the item.
+        Key and name of the rated item.
     kind
-        Kind of pair, for the materials.
+        Kind of mating pair, which determines the materials.
     pressures
         Largest Hertz pressure at each point of the duty [Pa].
     load_rates

@@ -83,8 +83,8 @@ def rv_performance_groups(
 ) -> dict[str, tuple[Quantity, ...]]:
     """Return data-sheet rows on torques, accuracy, efficiency and heat of an RV reducer: heading -> quantities.
 
-    `static` has the quantities by statics at the nominal torque, `limits` the rated and momentary torque for a `life`
-    [h].
+    `static` is the data sheet computed by statics at the nominal torque, `limits` the rated and momentary torque for a
+    `life` [h].
     """
     return {
         "Ratings": tuple(_rating_rows(reducer, life, limits)),
@@ -142,7 +142,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """Yield the rows of backlash, lost motion, stiffness, and transmission errors by load, errors and tolerances.
 
-    `static` has the quantities by statics at the nominal torque.
+    `static` is the data sheet computed by statics at the nominal torque.
     """
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -156,7 +156,7 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
 
 
 def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
-    """Return the row of the transmission error [arcsec] of parts within ``[crank_tolerance]``; empty without any."""
+    """Return the row of the transmission error [arcsec] of parts within their tolerances; empty without tolerances."""
     percentile = TOLERANCE_SETTINGS.percentile
     try:
         samples = draw_rv_samples(reducer, ERROR_SAMPLES, TOLERANCE_SETTINGS.seed, 0)
@@ -177,7 +177,7 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
 def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """Yield the rows of efficiency, torques without load, temperature rise and thermal limits.
 
-    `static` has the quantities by statics at the nominal torque.
+    `static` is the data sheet computed by statics at the nominal torque.
     """
     design = reducer.design
     included = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
@@ -200,7 +200,7 @@ def _solve_nominal_state(reducer: RvReducer, share: float) -> ThermalState:
 
 
 def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of temperatures [K], torque limit [N m] and speed limit [rpm] by the steady state."""
+    """Yield the rows of the steady temperature rises [K], and of the torque [N m] and speed [rpm] that they allow."""
     state = _solve_nominal_state(reducer, reducer.design.service.duty_share)
     temperatures = state.temperatures
     cooling = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
@@ -261,8 +261,8 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
 def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     """Yield the rows of grease viscosity, ambient temperatures, and permissible duty at nominal torque and speed.
 
-    The rises of all temperatures are taken as in proportion to the share of the time. The largest ambient temperature
-    is left out if the nominal torque allows no temperature in the range of the grease.
+    All temperature rises are assumed to be in proportion to the share of the time. The largest ambient temperature is
+    left out if the nominal torque allows no temperature in the range of the grease.
     """
     design = reducer.design
     yield from grease_rows(design)

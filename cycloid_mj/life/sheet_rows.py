@@ -114,7 +114,7 @@ def hysteresis(reducer: Reducer) -> Quantity:
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
     """Return the rows of no-load running, starting and back-driving torque [N m], with grease, bearings and seals.
 
-    `static_sheet` has the quantities by statics, of which the efficiency of back-driving is used.
+    `static_sheet` is the data sheet computed by statics, whose efficiency of back-driving is used.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running, running_warm, starting, back_driving = (
@@ -131,8 +131,8 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
     )
     start = no_load_torque(reducer, 0.0, SETTINGS.cold)
     efficiency = 0.01 * static_sheet.quantities["back_driving_efficiency"].value
-    lever = design.reduction / efficiency if efficiency > 0.0 else math.nan
-    range_of = "range" if not design.has_film else "5 to 95 % of the film, and range of the bearings"
+    torque_ratio = design.reduction / efficiency if efficiency > 0.0 else math.nan
+    range_text = "range" if not design.has_film else "5 to 95 % of the film, and range of the bearings"
     rows = (
         ("running_torque_cold", "No-load torque, 20 °C", running, cold_torque, 1.0, "on the crank"),
         ("running_torque_warm", "No-load torque, 60 °C", running_warm, warm_torque, 1.0, "on the crank"),
@@ -142,47 +142,54 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
             "Back-driving torque, 20 °C",
             back_driving,
             start,
-            lever,
+            torque_ratio,
             "on the output, crank free",
         ),
     )
-    return tuple(_torque_row(*row, range_of) for row in rows)
+    return tuple(_torque_row(*row, range_text) for row in rows)
 
 
 def _torque_row(
-    key: str, name: str, contacts: Quantity, rest: NoLoadTorque, lever: float, where: str, range_of: str
+    key: str,
+    name: str,
+    contact_row: Quantity,
+    bearing_torque: NoLoadTorque,
+    torque_ratio: float,
+    shaft_text: str,
+    range_text: str,
 ) -> Quantity:
-    """Return the row of the sum of two torques [N m]: that of contacts, and `lever` times that of bearings and seals.
-
-    The ends of their intervals are added as well.
+    """Return the row of a no-load torque [N m], the sum of contact friction and of bearing and seal friction.
 
     Parameters
     ----------
     key, name
         Key and name of the row.
-    contacts, rest
-        Torque of the contacts at the shaft of the row, and torque of bearings and seals on the crank.
-    lever
-        Factor that converts the latter to that shaft [1].
-    where, range_of
-        Texts for the note: which shaft it is, and what the ends of the interval stand for.
+    contact_row
+        Torque of the contacts at the shaft of the row; the ends of its interval are added to those of the bearings.
+    bearing_torque
+        Torque of bearings and seals referred to the crank, with its range.
+    torque_ratio
+        Factor that refers `bearing_torque` to the shaft of the row [1].
+    shaft_text, range_text
+        Texts for the note: which shaft it is, and what the ends of the interval mean.
     """
-    if not math.isfinite(contacts.value):
-        return replace(contacts, key=key, name=name)
-    low = (contacts.value if contacts.low is None else contacts.low) + lever * rest.low
-    high = (contacts.value if contacts.high is None else contacts.high) + lever * rest.high
-    inputs = f", mostly from {' and '.join(cause for cause, _ in contacts.causes[:2])}" if contacts.causes else ""
-    interval = f"{low:.3g} to {high:.3g} ({range_of}){inputs}; " if math.isfinite(low) else ""
-    note = f"with seals, grease, bearings; {where}; {interval}Palmgren's M0 and ISO/TR 14179-2"
-    row = Quantity(key, name, contacts.value + lever * rest.total, "N m", note=note)
-    return replace(row, low=low, high=high, causes=contacts.causes) if contacts.causes else row
+    if not math.isfinite(contact_row.value):
+        return replace(contact_row, key=key, name=name)
+    low = (contact_row.value if contact_row.low is None else contact_row.low) + torque_ratio * bearing_torque.low
+    high = (contact_row.value if contact_row.high is None else contact_row.high) + torque_ratio * bearing_torque.high
+    inputs = f", mostly from {' and '.join(cause for cause, _ in contact_row.causes[:2])}" if contact_row.causes else ""
+    interval = f"{low:.3g} to {high:.3g} ({range_text}){inputs}; " if math.isfinite(low) else ""
+    note = f"with seals, grease, bearings; {shaft_text}; {interval}Palmgren's M0 and ISO/TR 14179-2"
+    row = Quantity(key, name, contact_row.value + torque_ratio * bearing_torque.total, "N m", note=note)
+    return replace(row, low=low, high=high, causes=contact_row.causes) if contact_row.causes else row
 
 
 def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
-    """Compute a torque without load that the friction of the contacts causes [N m], at a temperature of the parts [°C].
+    """Compute a no-load torque by the friction of the contacts alone [N m], at a temperature of the parts [°C].
 
-    `key` is that of the torque in the catalogue of figures: of running, starting or back-driving. The temperature has
-    an effect with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has the reason.
+    `key` selects the running, starting or back-driving torque; it is the key in the catalogue of figures. The
+    temperature has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has
+    the reason.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)

@@ -53,7 +53,7 @@ def rate_strength(
 
 
 def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
-    """Return the fatigue item of the root of an output pin under pulsating forces of the discs.
+    """Rate the root of an output pin against fatigue under pulsating forces of the discs.
 
     `pin_forces` [N] have the shape (..., discs, pins). The pin is a cantilever of the output disc, or a beam that is
     clamped at both ends; under a roller it is the core that bends.
@@ -95,7 +95,7 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 
 
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Return the fatigue item of the weakest shoulder of the shaft, under the solved forces `worst` of a duty.
+    """Rate the weakest shoulder of the shaft against fatigue under `worst`, the solved forces of the largest load.
 
     In the frame of the shaft, the load is nearly constant: its variation over a turn causes the stress amplitude.
     """
@@ -137,7 +137,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
-    """Return the fatigue item of a part from the stress range at its critical node in a finite-element study.
+    """Rate a part against fatigue by the stress range at its critical node in a finite-element study.
 
     `part` is the name of the part in the study; stresses are scaled from the study's load to a torque [N m].
     """
@@ -160,7 +160,7 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 
 
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Return the fatigue item of the wall next to a hole: a clamped beam over the hole with a force in its middle.
+    """Rate the wall next to a hole against fatigue, as a clamped beam over the hole with a force in its middle.
 
     The force is the largest of a tooth or output pin in the loading `worst`. The pulsating stress is the larger of
     bending and shear (von Mises).

@@ -103,10 +103,10 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
 
 
 def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    """Return the item of the hours until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
+    """Rate steel surfaces by the hours until they pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
 
-    `loadings` are the solved forces at the points of the duty, `kind` is the kind of contact pair, `pressure` its
-    largest Hertz pressure over the duty [Pa], which is reported.
+    `loadings` are the solved forces at the points of the duty, `kind` is the kind of mating pair, `pressure` its
+    largest Hertz pressure over the duty [Pa], which is only reported.
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     damage, least_damage, hourly, pin_cycles = 0.0, 0.0, 0.0, 0.0
@@ -141,12 +141,12 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
 def rate_lubricated_pitting(
     pitting: RatedItem, factors: Sequence[PittingFactors], pressures: Sequence[float], speeds: Sequence[float]
 ) -> RatedItem:
-    """Return the item of the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
+    """Rate the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
 
     Parameters
     ----------
     pitting
-        The item without these factors.
+        Rated item of the pitting life without these factors.
     factors, pressures
         Factors, and largest Hertz pressure [Pa], at each point of the duty.
     speeds

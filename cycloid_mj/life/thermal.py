@@ -154,7 +154,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 def _find_speed_limit(
     reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
 ) -> float:
-    """Return the largest speed of the crank [rad/s] that heat allows, with the speeds of all points in proportion."""
+    """Return the largest crank speed [rad/s] that heat allows; the speeds of all points of a duty are scaled alike."""
     share, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
@@ -191,11 +191,11 @@ class _Steady:
 
 
 def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve for losses and temperatures of the parts that agree with each other, by fixed-point iteration from 20 °C.
+    """Solve for the steady losses and temperatures of the parts, by fixed-point iteration from 20 °C.
 
-    `points` are those of the duty. Losses and conductances are those with the clearances at the temperatures. If the
-    parts would jam at the next temperatures, the step is shortened. If they jam after the shortest step as well, the
-    result has the losses before that step and is not converged.
+    `points` are those of the duty. Losses and conductances depend on the temperatures, also through the clearances. If
+    the parts would jam at the next temperatures, the step is shortened. If they jam after the shortest step as well,
+    the result has the losses before that step and is not converged.
     """
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
@@ -512,11 +512,10 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield an item that compares the temperature difference of disc and ring with that at which the teeth jam [K].
+    """Rate the temperature difference of disc and ring [K] against the difference at which the teeth jam.
 
-    `loadings` are the solved forces at each point of the duty; a constant duty has the rests of ``service.duty_share``,
-    and the difference is then the mean of its cycles. Losses and conductances are those at 20 °C, without the iteration
-    of `thermal`.
+    `loadings` are the solved forces at each point of the duty; with rests (``service.duty_share``), the difference is
+    the mean over running and rest. Losses and conductances are those at 20 °C, without the iteration of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
@@ -538,9 +537,9 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
 
 
 def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
-    """Yield the item of the largest torque of a duty [N m] against the torque that heat allows.
+    """Rate heat: the largest torque of a duty [N m] against the torque that the steady temperatures allow.
 
-    For an RV reducer, whose losses `rate_heat` does not know, the housing temperature [°C] follows.
+    For an RV reducer, which `rate_heat` does not support, the housing temperature [°C] is rated too.
 
     Raises
     ------

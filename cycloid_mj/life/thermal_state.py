@@ -110,7 +110,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Temperatures, temperature differences, warm play, losses and thermal limits of a drive, by key."""
+        """Temperatures, temperature differences, clearances of the warm drive, losses and thermal limits, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")

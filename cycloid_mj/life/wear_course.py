@@ -120,7 +120,7 @@ class WearingDrive:
         return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
-        """Compute the rate of pressure times sliding distance [Pa m/s] in each cell of each surface.
+        """Compute the rate of pressure times sliding distance [Pa m/s] in each cell of each wearing surface.
 
         `worn_reducer` has the gaps of the worn parts. The rates are means over the points of the duty, shape (cells,),
         by the key of the surface.
@@ -142,7 +142,7 @@ class WearingDrive:
 
 
 def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, SlidingContacts]:
-    """Solve forces, sliding speeds and positions of the contacts of each gap at crank angles [rad], shape (m,).
+    """Solve for forces, sliding speeds and positions of the contacts of each kind of gap at crank angles (m,) [rad].
 
     `load` [N m] is the torque that opposes the rotation of the output.
     """
@@ -217,8 +217,8 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
     """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
 
-    `case` is "low", "typical" or "high" wear. `doses` (pressure times sliding distance) [Pa m] and their `rates` [Pa
-    m/s] are by the keys of the surfaces. The result is inf without wear.
+    `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding distance so far [Pa m], and `rates`
+    their rates [Pa m/s], by the keys of the surfaces. The result is inf without wear.
     """
     steps = [math.inf]
     for surface in drive.surfaces:

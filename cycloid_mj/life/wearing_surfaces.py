@@ -273,8 +273,8 @@ def _wrap(angle: Array) -> Array:
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
     """Compute the half width of Hertzian line contacts [m] under forces [N], in the shape of `force`.
 
-    `kind` is the kind of contact pair, `curvature` the relative curvature [1/m]; None stands for that of the pair. The
-    result is limited to `hertz_reach` times `radius` [m].
+    `kind` is the kind of mating pair, `curvature` the relative curvature [1/m]; None: that of the pair in the design.
+    The result is limited to `hertz_reach` times `radius` [m].
     """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)
@@ -287,8 +287,8 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
 def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     """Compute the mean rate of pressure times sliding distance [Pa m/s] of each cell of a surface, shape (cells,).
 
-    `sliding` are the contacts of its gap over a turn in one direction. The drive turns in each direction for half of
-    the time, under a load that always opposes the rotation.
+    `sliding` are the contacts on this surface over a turn in one direction. The drive turns in each direction for half
+    of the time, under a load that always opposes the rotation.
     """
     power = sliding.force * sliding.speed * surface.lever
     area = surface.count * surface.length * surface.section / surface.cells

@@ -46,7 +46,7 @@ def line_contact_groups(
 ) -> Groups:
     """Compute the dimensionless groups of line contacts, from which the formulas of this module compute film thickness.
 
-    They are the groups U (speed), G (material) and W (load) of the module docstring.
+    They are U (speed), G (material) and W (load); the module docstring defines them.
 
     Parameters
     ----------
