@@ -16,27 +16,11 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.deprecated import deprecated_argument
 from cycloid_mj.base.errors import RunError, UsageError, warn
 from cycloid_mj.base.interrupt import check_interrupt
-from cycloid_mj.base.names import (
-    DRAGS,
-    FORCE_X,
-    FORCE_Y,
-    FORCES,
-    FRICTION_POWER,
-    MOMENT,
-    NORMAL_POWER,
-    PEAK_FORCE,
-    PINS,
-    POINT_Q,
-    REDUCER,
-    column,
-    gears,
-    planar_joints,
-    planar_speeds,
-)
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Deferred, Run, own
 from cycloid_mj.base.version import __version__
@@ -155,8 +139,8 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
 def log_columns(model: Model, reducer: Reducer) -> Groups:
     """Return the unit of each column of the log: topic -> name of the column -> unit."""
     kinds = sorted(model.laws)
-    groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
-    groups[REDUCER] |= {
+    groups = {topic: dict(columns) for topic, columns in sensors(reducer).items()}
+    groups[names.REDUCER] |= {
         "contacts": "1",
         "penetration": "m",
         "peak_force": "N",
@@ -164,11 +148,15 @@ def log_columns(model: Model, reducer: Reducer) -> Groups:
         "potential_energy": "J",
         "kinetic_energy": "J",
     }
-    groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
-    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in model.drags}
-    groups[REDUCER] |= POINT_Q
-    force_units = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
-    groups[FORCES] = {column(pair.name, part): unit for pair in model.pairs for part, unit in force_units.items()}
+    groups[names.REDUCER] |= {
+        names.column(kind, power): "W" for kind in kinds for power in (names.FRICTION_POWER, names.NORMAL_POWER)
+    }
+    groups[names.REDUCER] |= {names.column(name, names.FRICTION_POWER): "W" for name in model.drags}
+    groups[names.REDUCER] |= names.POINT_Q
+    force_units = {names.FORCE_X: "N", names.FORCE_Y: "N", names.MOMENT: "N m", names.PEAK_FORCE: "N"}
+    groups[names.FORCES] = {
+        names.column(pair.name, part): unit for pair in model.pairs for part, unit in force_units.items()
+    }
     return groups
 
 
@@ -281,16 +269,16 @@ def simulate(
         provenance=provenance(reducer, contact_kind(compiled), compiled.timestep, solver_name(compiled))
         | warnings_entry((*run_warnings(compiled, reducer, cycle), *late_texts)),
         attachments=attachments(compiled, reducer),
-        topics={topic: tuple(names) for topic, names in groups.items()},
+        topics={topic: tuple(columns) for topic, columns in groups.items()},
     )
 
 
 def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array]:
     """Join the blocks of a run to one read-only array (n,) for each column, by its name."""
     columns: dict[str, Array] = {}
-    for topic, names in groups.items():
+    for topic, column_names in groups.items():
         tables = [block.values[topic] for block in run]
-        columns |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(names)}
+        columns |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(column_names)}
     return columns
 
 
@@ -488,7 +476,7 @@ def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: 
     It reads the sensors, drags, contact laws and film table of the `compiled` model; `data` is the ``MjData`` to
     advance, `plan` has the number of steps per sample.
     """
-    index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
+    index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, names.DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
     sources, orbits = sensor_addresses(data, reducer), disc_freedoms(compiled.model, reducer)
@@ -526,11 +514,11 @@ class _Recorder:
         """
         design = reducer.design
         groups = sensors(reducer)
-        names = list(chain.from_iterable(groups.values()))
+        sensor_names = list(chain.from_iterable(groups.values()))
         self.steps, self._warning = stepping.steps, stepping.warning
         self.unconverged_count = 0
-        self._sensor_count, self._first_pin = len(names), len(groups[REDUCER])
-        self._has_pins = PINS in groups
+        self._sensor_count, self._first_pin = len(sensor_names), len(groups[names.REDUCER])
+        self._has_pins = names.PINS in groups
         self._pairs_of_kind = [
             np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)
         ]
@@ -541,13 +529,15 @@ class _Recorder:
         mesh_period = 2.0 * math.pi / (design.ring.teeth * orbit_speed) if orbit_speed else math.inf
         mesh_samples = min(mesh_period / (plan.stride * plan.timestep), plan.samples)
         self._friction_history = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
-        self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
-        first_disc = gears(design.gear.discs)[0]
-        self._pose = [names.index(name) for name in planar_joints(first_disc)]
-        self._speeds = [names.index(name) for name in planar_speeds(first_disc)]
-        self._input, self._output = names.index(f"{reducer.INPUT}_angle"), names.index("output_angle")
+        self._gears = [sensor_names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
+        first_disc = names.gears(design.gear.discs)[0]
+        self._pose = [sensor_names.index(name) for name in names.planar_joints(first_disc)]
+        self._speeds = [sensor_names.index(name) for name in names.planar_speeds(first_disc)]
+        self._input, self._output = sensor_names.index(f"{reducer.INPUT}_angle"), sensor_names.index("output_angle")
         bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
-        self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
+        self._free_pins = np.array(
+            [[sensor_names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int
+        )
 
     def advance(self, samples: int) -> tuple[Array, str]:
         """Take the next `samples` of a simulated run, and check them.
@@ -595,10 +585,10 @@ class _Recorder:
             drags,
             *pin_motion,
         ]
-        tables = {REDUCER: np.concatenate(parts, axis=1)}
+        tables = {names.REDUCER: np.concatenate(parts, axis=1)}
         if self._has_pins:
-            tables[PINS] = sensor_values[:, self._first_pin : self._sensor_count]
-        return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
+            tables[names.PINS] = sensor_values[:, self._first_pin : self._sensor_count]
+        return tables | {names.FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield for each check a mask (n,) of the samples that fail it, and a function that describes such a failure.

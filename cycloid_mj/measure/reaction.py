@@ -9,22 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import (
-    CAM,
-    CRANK,
-    CRANK_BEARING,
-    FORCE_X,
-    FORCE_Y,
-    GEAR,
-    HOUSING,
-    OUTPUT,
-    PLANET_MESH,
-    SHAFT,
-    SUN,
-    column,
-    planar_speeds,
-)
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import (
@@ -71,8 +57,8 @@ class Reaction:
 
 def body_masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank, and the loaded body under the name of the output."""
-    shaft, output = body_solids(reducer)[SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
-    return {GEAR: _gear(reducer.shape), SHAFT: mass_properties(shaft), OUTPUT: output}
+    shaft, output = body_solids(reducer)[names.SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
+    return {names.GEAR: _gear(reducer.shape), names.SHAFT: mass_properties(shaft), names.OUTPUT: output}
 
 
 @once
@@ -98,7 +84,8 @@ def unbalance(reducer: Reducer) -> Unbalance:
     design = reducer.design
     if isinstance(reducer, RvReducer):
         return _rv_unbalance(reducer)
-    shaft_solid, gear_mass, eccentricity = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
+    shaft_solid, gear_mass = body_solids(reducer)[names.SHAFT], _gear(reducer.shape)
+    eccentricity = design.gear.eccentricity
     shaft_mass, discs = mass_properties(shaft_solid), design.gear.discs
     centroid, z = shaft_mass.centroid[:2], shaft_mass.centroid[2]
     directions = unit(-np.array(reducer.phases))
@@ -110,7 +97,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
     cam = mass_properties(
-        Solid(CAM, (crank_segments(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
+        Solid(names.CAM, (crank_segments(reducer)[names.CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
     )
     return Unbalance(gear_mass.mass * eccentricity + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 
@@ -118,7 +105,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 def _rv_unbalance(reducer: RvReducer) -> Unbalance:
     """Compute static unbalance of the discs [kg m] and couple unbalance of discs and cranks [kg m2], with RV layout."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
-    directions, crank = unit(-np.array(reducer.phases)), masses[CRANK]
+    directions, crank = unit(-np.array(reducer.phases)), masses[names.CRANK]
     moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
     couple = moment * np.array(gear.disc_planes) @ directions
     couple += reducer.cranks.count * (crank.mass * crank.centroid[:2] * crank.centroid[2] - crank.inertia[:2, 2])
@@ -132,7 +119,7 @@ def carrier_tilting(run: Run, reducer: Reducer) -> Array:
     The forces of the cranks act in the plane of each disc; the moment is about the middle of all discs.
     """
     gear = reducer.design.gear
-    force = -run.forces(CRANK_BEARING).reshape(len(run), gear.discs, -1, 2).sum(axis=2)
+    force = -run.forces(names.CRANK_BEARING).reshape(len(run), gear.discs, -1, 2).sum(axis=2)
     return Planes(force, np.array(gear.disc_planes)).moment
 
 
@@ -160,10 +147,10 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
         return _rv_reaction(run, reducer, gravity)
     masses = body_masses(reducer)
     return Reaction(
-        ring=-_sum_forces(run, mechanism.against(HOUSING)),
-        crank=-_sum_forces(run, mechanism.against(SHAFT))
-        + masses[SHAFT].mass * (gravity - shaft_acceleration(run, masses[SHAFT])),
-        output=-_sum_forces(run, mechanism.against(OUTPUT)) + masses[OUTPUT].mass * gravity,
+        ring=-_sum_forces(run, mechanism.against(names.HOUSING)),
+        crank=-_sum_forces(run, mechanism.against(names.SHAFT))
+        + masses[names.SHAFT].mass * (gravity - shaft_acceleration(run, masses[names.SHAFT])),
+        output=-_sum_forces(run, mechanism.against(names.OUTPUT)) + masses[names.OUTPUT].mass * gravity,
     )
 
 
@@ -175,13 +162,13 @@ def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
     sun floats.
     """
     mechanism, masses = reducer.mechanism, moving_masses(reducer)
-    cranks = [body for body in mechanism.bodies if body.carrier == OUTPUT]
+    cranks = [body for body in mechanism.bodies if body.carrier == names.OUTPUT]
     pairs_on_cranks = [pair for body in cranks for pair in mechanism.against(body.name)]
     carrier_mass = sum(masses[body.part].mass for body in cranks) + masses[mechanism.turning].mass
     # the force of a planet on the sun is logged; the bearings of a floating sun carry nothing
-    on_sun = run.forces(PLANET_MESH).sum(axis=1) + masses[SUN].mass * gravity
+    on_sun = run.forces(names.PLANET_MESH).sum(axis=1) + masses[names.SUN].mass * gravity
     return Reaction(
-        ring=-_sum_forces(run, mechanism.against(HOUSING)),
+        ring=-_sum_forces(run, mechanism.against(names.HOUSING)),
         crank=on_sun * (reducer.planet.sun_support == "fixed"),
         output=-_sum_forces(run, pairs_on_cranks) + carrier_mass * gravity,
     )
@@ -197,12 +184,12 @@ def inertia_force(run: Run, reducer: Reducer, disc_accelerations: Sequence[Array
     pairs = zip(mechanism.discs, disc_accelerations, strict=True)
     force = -sum((masses[disc.part].mass * item for disc, item in pairs), start=np.zeros((len(run) - 1, 2)))
     if not isinstance(reducer, RvReducer):
-        shaft = body_masses(reducer)[SHAFT]
+        shaft = body_masses(reducer)[names.SHAFT]
         return np.asarray(force - shaft.mass * shaft_acceleration(run, shaft)[1:])
     if reducer.planet.sun_support == "fixed":
         return force
-    sun_speed = run.block(planar_speeds(SUN)[:2])
-    return np.asarray(force - masses[SUN].mass * np.diff(sun_speed, axis=0) / np.diff(run.time)[:, np.newaxis])
+    sun_speed = run.block(names.planar_speeds(names.SUN)[:2])
+    return np.asarray(force - masses[names.SUN].mass * np.diff(sun_speed, axis=0) / np.diff(run.time)[:, np.newaxis])
 
 
 def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
@@ -227,5 +214,7 @@ def _eccentric_direction(run: Run) -> Array:
 
 def _sum_forces(run: Run, stems: list[str]) -> Array:
     """Add the logged forces of some pairs [N], shape (n, 2)."""
-    axes = [run.block([column(stem, along) for stem in stems]).sum(axis=1) for along in (FORCE_X, FORCE_Y)]
+    axes = [
+        run.block([names.column(stem, along) for stem in stems]).sum(axis=1) for along in (names.FORCE_X, names.FORCE_Y)
+    ]
     return np.stack(axes, axis=1)

@@ -14,27 +14,12 @@ from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.forces import cam_force, crank_bearing_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    WIDTH,
-    NotebookFigure,
-    crank_axis,
-    legend_handles,
-    turn_degrees,
-    typeset,
-    with_style,
-)
+from cycloid_mj.plots import style
 from cycloid_mj.reducer import reducer_of
 
 Grid = Sequence[Sequence[Series]]
 
-COLORS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+COLORS = (style.BLUE, style.VERMILION, style.GREEN, style.PURPLE, style.ORANGE)
 ABOUT_MEAN = (SIGNALS["output_te"], SIGNALS["gear_te"])
 OVER_A_TURN = {
     "transmission_error": ("Transmission error of the output", SIGNALS["output_te"]),
@@ -104,7 +89,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     return figures | {"compare_vibration": _draw_spectra(grid)}
 
 
-@with_style
+@style.with_style
 def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn: a row of axes for each design, a column for each load.
 
@@ -117,23 +102,24 @@ def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             panel, values = axes[row][column], signal.simulated(motion)[motion.one_turn]
-            degrees, heading = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
+            degrees = style.turn_degrees(motion)
+            heading = f"{motion.design.name}, {load_words(motion.design.load.torque)}"
             if signal in ABOUT_MEAN:
                 mean = float(values.mean())
-                values, heading = values - mean, typeset(f"{heading}: mean {mean:.4g} {unit}")
+                values, heading = values - mean, style.typeset(f"{heading}: mean {mean:.4g} {unit}")
             panel.plot(degrees, values, color=_color(row), linewidth=0.8)
             if values.min() < 0.0 < values.max():
-                panel.axhline(0.0, color=BLACK, linewidth=0.5)
+                panel.axhline(0.0, color=style.BLACK, linewidth=0.5)
             panel.margins(y=0.1)
             panel.set_title(heading, **(SMALL if len(heading) > MAX_TITLE else {}))
-            crank_axis(panel, degrees)
+            style.crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")
     figure.supylabel(f"[{unit}]" if unit else "number", fontsize=8.0)
     return figure
 
 
-@with_style
+@style.with_style
 def _draw_spectra(grid: Grid) -> Figure:
     """Draw the spectra of the vibration, a column for each load, with dotted lines at multiples of the mesh frequency.
 
@@ -160,8 +146,8 @@ def _draw_spectra(grid: Grid) -> Figure:
     axes[0][0].set_ylabel("disc centre\n[m/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     axes[1][0].set_ylabel("output\n[rad/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     entries = [(runs[0].design.name, {"color": _color(row)}) for row, runs in enumerate(grid)]
-    mesh = ("multiples of the mesh frequency", {"color": GREY, "linestyle": ":"})
-    figure.legend(handles=legend_handles(*entries, mesh), loc="outside lower center", ncols=len(entries) + 1)
+    mesh = ("multiples of the mesh frequency", {"color": style.GREY, "linestyle": ":"})
+    figure.legend(handles=style.legend_handles(*entries, mesh), loc="outside lower center", ncols=len(entries) + 1)
     return figure
 
 
@@ -170,12 +156,12 @@ def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
     mesh = motion.reducer.mesh_periods * abs(motion.reducer.orbit_speed) / (2 * np.pi)
     for multiple in np.arange(1, 4) * mesh:
         if frequency[1] < multiple < frequency[-1]:
-            panel.axvline(multiple, color=GREY, linewidth=0.7, linestyle=":", zorder=0)
+            panel.axvline(multiple, color=style.GREY, linewidth=0.7, linestyle=":", zorder=0)
 
 
 def _empty_figure(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
     """Return a figure with a title and a grid of axes; `row` is the height of each row [in]."""
-    figure = NotebookFigure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
+    figure = style.NotebookFigure(figsize=(style.WIDTH, row * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 

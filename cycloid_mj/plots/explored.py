@@ -13,21 +13,9 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.ranks import number_inputs, rank_correlations
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.figures import find_figure
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    PALETTE,
-    VERMILION,
-    WIDTH,
-    NotebookFigure,
-    add_condition,
-    in_words,
-    typeset,
-    with_style,
-    wrap_label,
-)
+from cycloid_mj.plots import style
 
-COLOURS = (*PALETTE, BLACK)
+COLOURS = (*style.PALETTE, style.BLACK)
 
 
 @dataclass(frozen=True)
@@ -51,7 +39,7 @@ class SweepStyle:
 SWEEP = SweepStyle()
 
 
-@with_style
+@style.with_style
 def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw quantities of a sweep against its inputs; failed points are marked on the axis of the input.
 
@@ -83,11 +71,11 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
     """Return a figure with a panel for each quantity, in two columns; `draw` is called with axes and name of each."""
     rows = max(1, math.ceil(len(quantities) / 2))
-    figure = NotebookFigure(figsize=(WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
+    figure = style.NotebookFigure(figsize=(style.WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
-        axes.set_title(wrap_label(_title(sweep, name), SWEEP.title_width))
+        axes.set_title(style.wrap_label(_title(sweep, name), SWEEP.title_width))
     for axes in panels[len(quantities) :]:
         axes.remove()
     _add_heading(figure, sweep)
@@ -97,20 +85,20 @@ def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, 
 def _add_heading(figure: Figure, sweep: Sweep) -> None:
     """Add design and number of points above a figure."""
     failed = f", {sweep.failed} failed" if sweep.failed else ""
-    add_condition(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
+    style.add_condition(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
 
 
 def _title(sweep: Sweep, name: str) -> str:
     """Return a column in words with its unit."""
     unit = sweep.frame.units.get(name, "")
-    return in_words(name, unit) if name in sweep.task.keys else figure_words(name, unit)
+    return style.in_words(name, unit) if name in sweep.task.keys else figure_words(name, unit)
 
 
 def figure_words(column: str, unit: str = "") -> str:
     """Return a column of a measure in words with its unit, as in the catalogue of figures if it contains it."""
     measure, _, key = column.rpartition(".")
     if (figure := find_figure(key)) is None:
-        return in_words(column, unit)
+        return style.in_words(column, unit)
     words = f"{figure.name} [{figure.unit}]" if figure.unit != "1" else figure.name
     return f"{measure}: {words}" if measure else words
 
@@ -165,7 +153,7 @@ def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:
     if is_failed.any():
         positions = _input_positions(axes, sweep, key)[is_failed]
         axes.plot(
-            positions, np.zeros(is_failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
+            positions, np.zeros(is_failed.sum()), "x", color=style.VERMILION, markersize=5, clip_on=False,
             transform=axes.get_xaxis_transform(),
         )  # fmt: skip
 
@@ -202,8 +190,8 @@ def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
         )
         axes.figure.colorbar(contours, ax=axes, pad=0.02)
     if is_finite.sum() <= 10 * SWEEP.max_markers:
-        axes.plot(x[is_finite], y[is_finite], ".", color=BLACK, markersize=1.5)
-    axes.plot(x[~is_finite], y[~is_finite], "x", color=VERMILION, markersize=3)
+        axes.plot(x[is_finite], y[is_finite], ".", color=style.BLACK, markersize=1.5)
+    axes.plot(x[~is_finite], y[~is_finite], "x", color=style.VERMILION, markersize=3)
     axes.margins(0.03)
 
 
@@ -214,7 +202,7 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """
     keys = _main_inputs(sweep, quantities)
     rows = max(1, len(quantities))
-    figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
+    figure = style.NotebookFigure(figsize=(max(style.WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlations = rank_correlations(sweep, tuple(quantities))
     stride = math.ceil(len(sweep) / SWEEP.max_points) or 1
@@ -224,15 +212,17 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
             values = sweep.frame.numbers[name][::stride]
             rho = correlations.rho[row, correlations.inputs.index(key)] if key in correlations.inputs else math.nan
             strength = 0.0 if math.isnan(rho) else abs(rho)
-            colour = VERMILION if strength > 0.5 else BLUE
+            colour = style.VERMILION if strength > 0.5 else style.BLUE
             axes.plot(
                 _input_positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
             )
             axes.margins(x=0.05)
-            axes.set_xlabel(wrap_label(_title(sweep, key), SWEEP.label_width) if row == rows - 1 else "", fontsize=7.0)
-            axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
+            axes.set_xlabel(
+                style.wrap_label(_title(sweep, key), SWEEP.label_width) if row == rows - 1 else "", fontsize=7.0
+            )
+            axes.set_title("" if math.isnan(rho) else style.typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
-                axes.set_ylabel(wrap_label(_title(sweep, name), SWEEP.label_width), fontsize=6.5)
+                axes.set_ylabel(style.wrap_label(_title(sweep, name), SWEEP.label_width), fontsize=6.5)
     _add_heading(figure, sweep)
     return figure
 

@@ -8,23 +8,7 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import SIGNALS, Series
 from cycloid_mj.base.array import Array
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    BOTH,
-    ERROR,
-    ORANGE,
-    SIMULATED,
-    THEORY,
-    add_degree_axis,
-    centre_on_zero,
-    crank_axis,
-    create_figure,
-    legend_above,
-    turn_degrees,
-    typeset,
-    with_style,
-)
+from cycloid_mj.plots import style
 
 SPEED_SPAN = 0.01
 """Half the span of the axis of the disc speed, relative to the speed: shows the error at its true size."""
@@ -33,11 +17,11 @@ SPAN_MARGIN, MIN_SPAN = 1.2, 1e-9
 """Half the span over the largest deviation from the mean, at least; and its smallest value [rad/s]."""
 
 
-@with_style
+@style.with_style
 def input_figure(motion: Series) -> Figure:
     """Draw prescribed and simulated crank speed over the entire run, and their difference (Hsieh 2014, Fig. 5)."""
     figure, top, bottom = _draw_speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
-    top.axhline(0.0, color=BLACK, linewidth=0.5)
+    top.axhline(0.0, color=style.BLACK, linewidth=0.5)
     top.margins(y=0.08)
     top.set_title("Crank speed")
     bottom.set_xlabel("time [s]")
@@ -45,10 +29,10 @@ def input_figure(motion: Series) -> Figure:
     return figure
 
 
-@with_style
+@style.with_style
 def gear_speed_figure(motion: Series) -> Figure:
     """Draw the disc speed over a crank turn, simulated and by Eq. 12 of Hsieh 2014, above its error (Fig. 6 there)."""
-    degrees = turn_degrees(motion)
+    degrees = style.turn_degrees(motion)
     figure, top, bottom = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.select(motion.one_turn)
     mean_speed = float(np.mean(speed.theory))
@@ -56,7 +40,7 @@ def gear_speed_figure(motion: Series) -> Figure:
     half_span = max(SPEED_SPAN * abs(mean_speed), SPAN_MARGIN * largest_deviation, MIN_SPAN)
     top.set_ylim(mean_speed - half_span, mean_speed + half_span)
     top.set_title("Speed of the cycloid disc")
-    crank_axis(bottom, degrees)
+    style.crank_axis(bottom, degrees)
     figure.align_ylabels()
     return figure
 
@@ -80,35 +64,35 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
     tuple
         The figure, the axes of the speed, and the axes of the difference.
     """
-    figure = create_figure(3.6)
+    figure = style.create_figure(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)
     speed, error = SIGNALS[key], SIGNALS[f"{key}_error"]
     if speed.theory:
-        top.plot(x, speed.theory(motion)[rows], **THEORY)
-    top.plot(x, speed.simulated(motion)[rows], **SIMULATED)
+        top.plot(x, speed.theory(motion)[rows], **style.THEORY)
+    top.plot(x, speed.simulated(motion)[rows], **style.SIMULATED)
     difference = error.simulated(motion)[rows]
-    bottom.plot(x, difference, **ERROR)
-    centre_on_zero(bottom, difference)
-    add_degree_axis(top)
+    bottom.plot(x, difference, **style.ERROR)
+    style.centre_on_zero(bottom, difference)
+    style.add_degree_axis(top)
     top.set_ylabel(speed.label)
     bottom.set_ylabel(error.label)
-    legend_above(top, *BOTH)
+    style.legend_above(top, *style.BOTH)
     return figure, top, bottom
 
 
-@with_style
+@style.with_style
 def transmission_error_figure(motion: Series) -> Figure:
     """Draw the transmission errors of output and disc over a crank turn, with their means and peak-to-peak values."""
-    figure, degrees = create_figure(3.6), turn_degrees(motion)
-    parts = (("output", "output_te", BLUE), ("cycloid disc", "gear_te", ORANGE))
+    figure, degrees = style.create_figure(3.6), style.turn_degrees(motion)
+    parts = (("output", "output_te", style.BLUE), ("cycloid disc", "gear_te", style.ORANGE))
     for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
         error = SIGNALS[key].simulated(motion)[motion.one_turn]
         axes.plot(degrees, error, color=color, linewidth=1.0)
         axes.axhline(float(error.mean()), color=color, linewidth=0.7, linestyle=(0, (4, 3)))
         axes.set_ylabel("angle [arcsec]")
-        peak_to_peak, mean = (typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
+        peak_to_peak, mean = (style.typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
         axes.set_title(f"Transmission error of the {part}: {peak_to_peak} arcsec peak to peak, mean {mean} arcsec")
         axes.margins(y=0.12)
-        crank_axis(axes, degrees)
+        style.crank_axis(axes, degrees)
         axes.label_outer()
     return figure

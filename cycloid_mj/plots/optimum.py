@@ -8,18 +8,8 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
+from cycloid_mj.plots import style
 from cycloid_mj.plots.explored import figure_words
-from cycloid_mj.plots.style import (
-    BLUE,
-    GREY,
-    SKY,
-    VERMILION,
-    add_condition,
-    create_figure,
-    in_words,
-    legend_above,
-    with_style,
-)
 
 MAX_KEYS = 6
 """Keys with a panel."""
@@ -27,10 +17,10 @@ MAX_KEYS = 6
 POINT: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.5}
 FEASIBLE, INFEASIBLE, START, BEST = "feasible", "infeasible", "start", "best"
 MARKERS: dict[str, dict[str, Any]] = {
-    FEASIBLE: {**POINT, "color": BLUE},
-    INFEASIBLE: {**POINT, "color": SKY},
-    START: {**POINT, "color": GREY, "marker": "s", "markersize": 6.0},
-    BEST: {**POINT, "color": VERMILION, "marker": "*", "markersize": 11.0},
+    FEASIBLE: {**POINT, "color": style.BLUE},
+    INFEASIBLE: {**POINT, "color": style.SKY},
+    START: {**POINT, "color": style.GREY, "marker": "s", "markersize": 6.0},
+    BEST: {**POINT, "color": style.VERMILION, "marker": "*", "markersize": 11.0},
 }
 """Kind of point -> its marker, in the order of the legend."""
 
@@ -38,7 +28,7 @@ COLUMNS = 3
 """Panels in a row."""
 
 
-@with_style
+@style.with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
     """Draw the evaluated points of an optimisation: its two objectives in the upper panel, its variables below.
 
@@ -48,7 +38,7 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     """
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied_ranges) // COLUMNS)
-    figure = create_figure(3.0 + 1.9 * rows)
+    figure = style.create_figure(3.0 + 1.9 * rows)
     grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[3.0, *([1.9] * rows)])
     main_axes = figure.add_subplot(grid[0, :])
     columns = optimum.frame.columns
@@ -56,14 +46,14 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
         _scatter(main_axes, optimum, x, y)
         front = list(optimum.front)
-        main_axes.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
+        main_axes.step(x[front], y[front], where="post", color=style.BLUE, linewidth=0.9)
         main_axes.set(xlabel=_axis_label(optimum, objectives[0].key), ylabel=_axis_label(optimum, objectives[1].key))
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
     has_infeasible = len(optimum.feasible) < np.isfinite(y).sum()
-    legend_above(main_axes, *(item for item in MARKERS.items() if has_infeasible or item[0] != INFEASIBLE))
+    style.legend_above(main_axes, *(item for item in MARKERS.items() if has_infeasible or item[0] != INFEASIBLE))
     for number, key_range in enumerate(varied_ranges):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
         _scatter(
@@ -76,13 +66,13 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
             xlabel=_axis_label(optimum, key_range.key),
             ylabel="" if number % COLUMNS else _axis_label(optimum, objectives[0].key),
         )
-    add_condition(figure, optimum.words)
+    style.add_condition(figure, optimum.words)
     return figure
 
 
 def _axis_label(optimum: Optimum, key: str) -> str:
     """Return the axis label of a key of the design or of a figure, with its unit."""
-    return in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
+    return style.in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:

@@ -9,54 +9,42 @@ from matplotlib.figure import Figure
 from cycloid_mj.analysis import MICROMETRE, SIGNALS, PinPath, Series
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    SIMULATED,
-    add_degree_axis,
-    crank_axis,
-    create_figure,
-    legend_above,
-    set_square_limits,
-    turn_degrees,
-    with_style,
-)
+from cycloid_mj.plots import style
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
 
-CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
+CLEARANCE: dict[str, Any] = {"color": style.GREY, "linewidth": 1.0, "linestyle": "--"}
 
 
-@with_style
+@style.with_style
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
     """Draw the motion of ring pin 1, or of its sleeve, over a crank turn; `pin` has its clearance.
 
     The panels have the path of its centre within the clearance, the distance of the centre from the middle of its seat,
     and its spin (speed of rotation).
     """
-    figure = create_figure(3.2)
+    figure = style.create_figure(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
-    degrees = turn_degrees(motion)
+    degrees = style.turn_degrees(motion)
     part = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
     _draw_path(axes["p"], position, _limit_of_centre(motion.reducer, clearance, float(np.abs(position).max())), part)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
-        panel.plot(degrees, values, color=BLUE, linewidth=0.9)
+        panel.plot(degrees, values, color=style.BLUE, linewidth=0.9)
         panel.set_title(title)
-        crank_axis(panel, degrees)
+        style.crank_axis(panel, degrees)
     distance.axhline(clearance, **CLEARANCE)
     distance.set_ylim(0.0, 1.15 * max(clearance, float(radial.max())))
     distance.set_ylabel(f"distance [{MICROMETRE}]")
-    legend_above(distance, ("clearance", CLEARANCE))
+    style.legend_above(distance, ("clearance", CLEARANCE))
     distance.tick_params(labelbottom=False)
     distance.set_xlabel("")
-    spin.axhline(0.0, color=BLACK, linewidth=0.5)
+    spin.axhline(0.0, color=style.BLACK, linewidth=0.5)
     spin.margins(y=0.1)
-    add_degree_axis(spin)
+    style.add_degree_axis(spin)
     spin.set_ylabel(SIGNALS["pin_spin"].label)
     figure.align_ylabels([distance, spin])
     return figure
@@ -87,8 +75,8 @@ def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
     `part` is the name of the pin in the title.
     """
     axes.plot(*limit, **CLEARANCE)
-    axes.plot(*position.T, **SIMULATED)
-    axes.plot(*position[0], marker="o", markersize=4, color=BLUE)
-    axes.plot(0.0, 0.0, marker="+", markersize=7, color=BLACK, markeredgewidth=0.7)
-    set_square_limits(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
+    axes.plot(*position.T, **style.SIMULATED)
+    axes.plot(*position[0], marker="o", markersize=4, color=style.BLUE)
+    axes.plot(0.0, 0.0, marker="+", markersize=7, color=style.BLACK, markeredgewidth=0.7)
+    style.set_square_limits(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
     axes.set_title(f"Centre of {part} (dot: start)")

@@ -6,39 +6,20 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import MICROMETRE, Compared, Series
 from cycloid_mj.base.array import Array
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    BOTH,
-    ERROR,
-    GREEN,
-    ORANGE,
-    SIMULATED,
-    THEORY,
-    VERMILION,
-    centre_on_zero,
-    crank_axis,
-    create_figure,
-    legend_above,
-    legend_handles,
-    set_square_limits,
-    turn_degrees,
-    typeset,
-    with_style,
-)
+from cycloid_mj.plots import style
 
-_LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
+_LIGHT = {style.BLUE: "#9CCBEA", style.ORANGE: "#F6D9A0", style.GREEN: "#A5D9CB"}
 
 
-@with_style
+@style.with_style
 def path_figure(motion: Series) -> Figure:
     """Draw the path of point q of the disc over a crank turn, simulated and by Eq. 16 of Hsieh 2014 (Fig. 7 there).
 
     Further panels magnify the path where the difference of both is largest, and show this error over the crank angle.
     """
-    figure = create_figure(5.0)
+    figure = style.create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
-    degrees, position = turn_degrees(motion), motion.q_position.select(motion.one_turn)
+    degrees, position = style.turn_degrees(motion), motion.q_position.select(motion.one_turn)
     worst = int(np.argmax(position.error_size))
     _draw_path(axes["p"], position, motion.q)
     _draw_detail(axes["n"], position, worst)
@@ -47,17 +28,17 @@ def path_figure(motion: Series) -> Figure:
     return figure
 
 
-@with_style
+@style.with_style
 def velocity_figure(motion: Series) -> Figure:
     """Draw the velocity of point q of the disc over a crank turn, by simulation and closed form (Hsieh 2014, Fig. 8).
 
     The closed form is Eqs 17 and 18 there. The lower panel has the difference of both.
     """
-    figure = create_figure(4.2)
+    figure = style.create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
-    degrees, velocity = turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
+    degrees, velocity = style.turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
     x, y = (Compared(velocity.simulated[:, i], velocity.theory[:, i]) for i in range(2))
-    parts = (("$v_x$", x, BLUE), ("$v_y$", y, ORANGE), ("$|v|$", velocity.size, GREEN))
+    parts = (("$v_x$", x, style.BLUE), ("$v_y$", y, style.ORANGE), ("$|v|$", velocity.size, style.GREEN))
     for _, part, color in parts:
         top.plot(degrees, 1e3 * part.theory, color=_LIGHT[color], linewidth=3.2)
         top.plot(degrees, 1e3 * part.simulated, color=color, linewidth=0.9)
@@ -66,10 +47,12 @@ def velocity_figure(motion: Series) -> Figure:
     top.set_title("Velocity of q")
     entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in parts]
     closed_form_style = {"color": "#C9C9C9", "linewidth": 3.2}
-    legend_above(top, *entries, ("closed form", closed_form_style), ("simulation", {"color": BLACK, "linewidth": 0.9}))
-    centre_on_zero(bottom, *(1e3 * part.error for _, part, _ in parts))
+    style.legend_above(
+        top, *entries, ("closed form", closed_form_style), ("simulation", {"color": style.BLACK, "linewidth": 0.9})
+    )
+    style.centre_on_zero(bottom, *(1e3 * part.error for _, part, _ in parts))
     bottom.set_ylabel("error [mm/s]")
-    crank_axis(bottom, degrees)
+    style.crank_axis(bottom, degrees)
     figure.align_ylabels()
     return figure
 
@@ -79,14 +62,14 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
 
     `position` has both paths in m. `q` is the point in the frame of the disc [m], shape (2,).
     """
-    axes.plot(*(1e3 * position.theory.T), **THEORY)
-    axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
+    axes.plot(*(1e3 * position.theory.T), **style.THEORY)
+    axes.plot(*(1e3 * position.simulated.T), **style.SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     axes.set_xlabel("x from the initial disc centre [mm]")
     axes.set_ylabel("y [mm]")
-    axes.set_title(typeset(f"Path of q = ({1e3 * q[0]:.4g}, {1e3 * q[1]:.4g}) mm"))
-    axes.legend(handles=legend_handles(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
+    axes.set_title(style.typeset(f"Path of q = ({1e3 * q[0]:.4g}, {1e3 * q[1]:.4g}) mm"))
+    axes.legend(handles=style.legend_handles(*style.BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
 
 
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
@@ -99,22 +82,24 @@ def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
     steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
     pitch = float(steps[max(0, worst - 1) : worst + 1].mean()) if steps.size else 1.0
     half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
-    axes.plot(*theory, marker="o", markersize=5, **THEORY)
-    axes.plot(*simulated_path, marker="o", markersize=2.5, **SIMULATED)
+    axes.plot(*theory, marker="o", markersize=5, **style.THEORY)
+    axes.plot(*simulated_path, marker="o", markersize=2.5, **style.SIMULATED)
     is_inside = np.abs(theory).max(axis=0) < 3 * half_span
     for start, end in zip(theory.T[is_inside], simulated_path.T[is_inside], strict=True):
-        axes.plot(*zip(start, end, strict=True), **ERROR)
-    set_square_limits(axes, half_span)
+        axes.plot(*zip(start, end, strict=True), **style.ERROR)
+    style.set_square_limits(axes, half_span)
     axes.set_title("largest difference")
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
     for spine in axes.spines.values():
-        spine.set(visible=True, color=VERMILION)
+        spine.set(visible=True, color=style.VERMILION)
 
 
 def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
     """Mark a point (2,) [mm] of the path, and draw lines from it to the panel `detail` in which it is magnified."""
-    axes.plot(*point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=1.0)
+    axes.plot(
+        *point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=style.VERMILION, markeredgewidth=1.0
+    )
     for corner in ((0.0, 0.0), (0.0, 1.0)):
         axes.annotate(
             "",
@@ -122,7 +107,7 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
             xycoords="data",
             xytext=corner,
             textcoords=detail.transAxes,
-            arrowprops={"arrowstyle": "-", "color": VERMILION, "linewidth": 0.6, "alpha": 0.6, "shrinkB": 3.5},
+            arrowprops={"arrowstyle": "-", "color": style.VERMILION, "linewidth": 0.6, "alpha": 0.6, "shrinkB": 3.5},
             annotation_clip=False,
         ).set_in_layout(False)
 
@@ -140,13 +125,15 @@ def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> N
         Index of the marked sample.
     """
     error, size = 1e6 * position.error, 1e6 * position.error_size
-    axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
-    axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)
-    axes.plot(degrees, size, **ERROR)
-    axes.plot(degrees[worst], size[worst], marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION)
-    axes.axhline(0.0, color=BLACK, linewidth=0.5)
+    axes.plot(degrees, error[:, 0], color=style.BLUE, linewidth=0.8)
+    axes.plot(degrees, error[:, 1], color=style.ORANGE, linewidth=0.8)
+    axes.plot(degrees, size, **style.ERROR)
+    axes.plot(
+        degrees[worst], size[worst], marker="o", markersize=7, markerfacecolor="none", markeredgecolor=style.VERMILION
+    )
+    axes.axhline(0.0, color=style.BLACK, linewidth=0.5)
     axes.margins(y=0.12)
     axes.set_ylabel(f"error [{MICROMETRE}]")
-    crank_axis(axes, degrees)
-    parts = (("x", BLUE), ("y", ORANGE), ("distance", VERMILION))
-    legend_above(axes, *((name, {"color": color, "linewidth": 1.2}) for name, color in parts))
+    style.crank_axis(axes, degrees)
+    parts = (("x", style.BLUE), ("y", style.ORANGE), ("distance", style.VERMILION))
+    style.legend_above(axes, *((name, {"color": color, "linewidth": 1.2}) for name, color in parts))

@@ -12,17 +12,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.constraints import FigureLimit
 from cycloid_mj.explore.tolerances import CONSTANT_RTOL, Tolerances
 from cycloid_mj.figures import figure as row_of
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    SKY,
-    VERMILION,
-    add_condition,
-    create_figure,
-    legend_handles,
-    with_style,
-    wrap_label,
-)
+from cycloid_mj.plots import style
 
 
 @dataclass(frozen=True)
@@ -52,42 +42,42 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
     return figures
 
 
-@with_style
+@style.with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
     """Draw the error budget of a quantity: the share of each tolerance in its variance (Sobol index), as bars.
 
     The quantity is `Tolerances.budget_of`. For each tolerance, a wide bar is the total index with its 95 % confidence
     interval, and a narrow bar inside it is the first-order index, which is drawn as 0 if negative.
     """
-    figure = create_figure(1.3 + 0.26 * len(tolerances.budget))
+    figure = style.create_figure(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
     rows = np.arange(len(tolerances.budget))
     total = np.array([share.total for share in tolerances.budget])
     interval_ends = np.array([share.ci95 for share in tolerances.budget])
-    axes.barh(rows, total, height=0.66, color=SKY)
-    axes.barh(rows, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
+    axes.barh(rows, total, height=0.66, color=style.SKY)
+    axes.barh(rows, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=style.BLUE)
     interval_lengths = np.maximum(np.abs(interval_ends - total[:, np.newaxis]).T, 0.0)
-    axes.errorbar(total, rows, xerr=interval_lengths, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
+    axes.errorbar(total, rows, xerr=interval_lengths, fmt="none", ecolor=style.BLACK, elinewidth=0.8, capsize=2.0)
     axes.set_yticks(rows, [share.source.replace("_", " ") for share in tolerances.budget])
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(interval_ends))))
     axes.grid(visible=False, axis="y")
     axes.set(xlabel="share of the variance [1]", title=f"Error budget: {row_of(tolerances.budget_of).name}")
     entries = (
-        ("total effect, 95 % confidence interval", {"color": SKY, "linewidth": 6}),
-        ("first-order effect", {"color": BLUE, "linewidth": 3}),
+        ("total effect, 95 % confidence interval", {"color": style.SKY, "linewidth": 6}),
+        ("first-order effect", {"color": style.BLUE, "linewidth": 3}),
     )
-    figure.legend(handles=legend_handles(*entries), loc="outside lower left", ncols=len(entries))
-    add_condition(figure, f"{tolerances.design}, jammed samples excluded")
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower left", ncols=len(entries))
+    style.add_condition(figure, f"{tolerances.design}, jammed samples excluded")
     return figure
 
 
-@with_style
+@style.with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
     """Draw a histogram of each computed quantity over the samples that do not jam, with lines at its limits."""
     figure_keys = list(tolerances.figures)
     rows = -(-len(figure_keys) // HISTOGRAM.columns)
-    figure = create_figure(HISTOGRAM.row_height * rows + 0.4)
+    figure = style.create_figure(HISTOGRAM.row_height * rows + 0.4)
     panels = np.ravel(figure.subplots(rows, HISTOGRAM.columns))
     for axes in panels[len(figure_keys) :]:
         axes.remove()
@@ -98,7 +88,7 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
             tolerances.figures[key][~tolerances.jams],
             [limit for limit in tolerances.limits if limit.key == key],
         )
-    add_condition(
+    style.add_condition(
         figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jammed samples excluded"
     )
     return figure
@@ -110,7 +100,7 @@ def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimi
     Values that are not finite are dropped, and the share `HistogramSettings.outlier_share` of the smallest and of the
     largest values is not shown. If the quantity is constant or has no values, a text says so.
     """
-    axes.set_title(wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
+    axes.set_title(style.wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
     unit = row_of(key).unit
@@ -128,8 +118,11 @@ def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimi
         axes.set_xticks([])
         return
     axes.hist(
-        values, bins=min(HISTOGRAM.max_bins, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE
+        values,
+        bins=min(HISTOGRAM.max_bins, round(values.size**0.5) + 1),
+        range=(float(low), float(high)),
+        color=style.BLUE,
     )
     for limit in limits:
-        axes.axvline(limit.bound, color=VERMILION, linewidth=1.2)
-        axes.set_title(str(limit), fontsize=8.0, color=VERMILION)
+        axes.axvline(limit.bound, color=style.VERMILION, linewidth=1.2)
+        axes.set_title(str(limit), fontsize=8.0, color=style.VERMILION)

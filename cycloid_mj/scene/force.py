@@ -7,25 +7,8 @@ from typing import cast
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, cross
-from cycloid_mj.base.names import (
-    CRANK_BEARING,
-    FORCE_X,
-    FORCE_Y,
-    HOUSING,
-    KINDS,
-    MOMENT,
-    OUTPUT,
-    PLANET_MESH,
-    SHAFT,
-    SUN,
-    column,
-    disc_of,
-    gears,
-    kind_of,
-    number_of,
-    pin,
-)
 from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
@@ -38,7 +21,7 @@ from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import poses, ring_places, transform
 from cycloid_mj.scene.rv_drawing import RvDrawing
 
-WRENCH = (FORCE_X, FORCE_Y, MOMENT)
+WRENCH = (names.FORCE_X, names.FORCE_Y, names.MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
 
 
@@ -62,7 +45,7 @@ FORCE_COLOURS: dict[str, Colour] = {
     "tooth": (0.84, 0.37, 0.0, 1.0),
     "cam": (0.0, 0.0, 0.0, 1.0),
     "output": (0.0, 0.45, 0.70, 1.0),
-    CRANK_BEARING: (0.0, 0.45, 0.70, 1.0),
+    names.CRANK_BEARING: (0.0, 0.45, 0.70, 1.0),
 }
 """Kinds of mating pairs that are shown; the force in a socket or sleeve equals that of the disc on the pin."""
 
@@ -97,7 +80,7 @@ class ContactForces:
     @cached_property
     def discs(self) -> tuple[int, ...]:
         """Index of the disc of each pair; 0 if it has none."""
-        return tuple(disc_of(name) for name in self.names)
+        return tuple(names.disc_of(name) for name in self.names)
 
     def of(self, *kinds: str) -> "ContactForces":
         """Return the pairs of some kinds."""
@@ -116,7 +99,7 @@ def contact_forces(
     reducer: Reducer,
     columns: Mapping[str, Array],
     drawing: Drawing | RvDrawing | None = None,
-    kinds: Container[str] = KINDS.values(),
+    kinds: Container[str] = names.KINDS.values(),
 ) -> ContactForces:
     """Compute force and point of action of those mating pairs whose force has columns.
 
@@ -135,14 +118,18 @@ def contact_forces(
         Kinds of mating pairs to include, as in `ContactForces.kinds`.
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
-    poses_by_part, disc_names = poses(reducer, columns), gears(reducer.design.gear.discs)
+    poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)
     measured_geometry = _inner_parts_measured(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
-    wrench_columns = [columns[column(name, part)] for name in kind_by_pair for part in WRENCH]
+    wrench_columns = [columns[names.column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["output_angle"].size
     wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
     loaded_parts = [
-        pin(number_of(name)) if kind in _ON_PINS else SUN if kind == PLANET_MESH else disc_names[disc_of(name)]
+        names.pin(names.number_of(name))
+        if kind in _ON_PINS
+        else names.SUN
+        if kind == names.PLANET_MESH
+        else disc_names[names.disc_of(name)]
         for name, kind in kind_by_pair.items()
     ]
     origin = np.reshape([poses_by_part[part][:, :2] for part in loaded_parts], (len(kind_by_pair), count, 2)).transpose(
@@ -226,10 +213,10 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
     """Return the kinds of the pairs that have all columns of a wrench, by the name of the pair; skip other pairs."""
-    suffix = column("", FORCE_X)
+    suffix = names.column("", names.FORCE_X)
     pairs = (name.removesuffix(suffix) for name in columns if name.endswith(suffix))
-    complete_pairs = (pair for pair in pairs if all(column(pair, component) in columns for component in WRENCH))
-    return {pair: kind for pair in complete_pairs if (kind := kind_of(pair))}
+    complete_pairs = (pair for pair in pairs if all(names.column(pair, component) in columns for component in WRENCH))
+    return {pair: kind for pair in complete_pairs if (kind := names.kind_of(pair))}
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,8 +248,8 @@ class _InnerParts:
         """
         points = np.empty_like(direction)
         for row, (name, kind) in enumerate(kind_by_pair.items()):
-            number = number_of(name) - 1
-            centre = self.others[kind][:, disc_of(name), number] if kind in self.others else self.ring[:, number]
+            number = names.number_of(name) - 1
+            centre = self.others[kind][:, names.disc_of(name), number] if kind in self.others else self.ring[:, number]
             points[:, row] = centre + self.radii[kind] * direction[:, row]
         return points
 
@@ -270,13 +257,13 @@ class _InnerParts:
 def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
     """Return the inner parts at the measured poses of the bodies, by the name of the body."""
     nominal = ring_places(reducer)
-    ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
-    if pin(1) in by_part:
-        ring = np.stack([by_part[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+    ring = transform(by_part[names.HOUSING][:, np.newaxis], nominal)
+    if names.pin(1) in by_part:
+        ring = np.stack([by_part[names.pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
     if isinstance(reducer, RvReducer):
         return _rv_inner_parts(reducer, by_part, ring)
-    pins = transform(by_part[OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _central_inner_parts(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
+    pins = transform(by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
+    return _central_inner_parts(ring, cams(reducer, by_part[names.SHAFT]), pins, drawn_radii(reducer))
 
 
 def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerParts:
@@ -299,15 +286,17 @@ def _rv_inner_parts(reducer: RvReducer, by_part: Mapping[str, Array], ring: Arra
     """Return the inner parts of an RV reducer; the force of a planet is at the pitch point on the line to the sun."""
     cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([by_part[name] for name in cranks], axis=1)
-    bearings = [reducer.mechanism.mating(CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)]
+    bearings = [
+        reducer.mechanism.mating(names.CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)
+    ]
     eccentrics = np.stack([transform(crank_poses, place) for place in bearings], axis=1)
-    pitch_points = _pitch_points(reducer, by_part[SUN], crank_poses)
+    pitch_points = _pitch_points(reducer, by_part[names.SUN], crank_poses)
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
     return _InnerParts(
         ring,
-        {CRANK_BEARING: eccentrics, PLANET_MESH: pitch_points[:, np.newaxis]},
-        radii | {CRANK_BEARING: needle_radius, PLANET_MESH: 0.0},
+        {names.CRANK_BEARING: eccentrics, names.PLANET_MESH: pitch_points[:, np.newaxis]},
+        radii | {names.CRANK_BEARING: needle_radius, names.PLANET_MESH: 0.0},
     )
 
 
@@ -324,8 +313,8 @@ def _drawn_rv_parts(reducer: RvReducer, drawn: RvDrawing) -> _InnerParts:
     radii = _ring_radii(drawn.radii.pin, drawn.radii.sleeve_bore)
     return _InnerParts(
         drawn.ring,
-        {CRANK_BEARING: eccentrics, PLANET_MESH: pitch_points[:, np.newaxis]},
-        radii | {CRANK_BEARING: drawn.eccentric_radius, PLANET_MESH: 0.0},
+        {names.CRANK_BEARING: eccentrics, names.PLANET_MESH: pitch_points[:, np.newaxis]},
+        radii | {names.CRANK_BEARING: drawn.eccentric_radius, names.PLANET_MESH: 0.0},
     )
 
 

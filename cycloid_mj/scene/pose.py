@@ -4,21 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, rotate
 from cycloid_mj.base.errors import LogError
-from cycloid_mj.base.names import (
-    FORCE_X,
-    FORCE_Y,
-    HOUSING,
-    OUTPUT,
-    SHAFT,
-    SUN,
-    column,
-    gears,
-    of_disc,
-    pin,
-    planar_joints,
-)
 from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.reducer import Reducer, RvReducer
@@ -27,7 +15,7 @@ from cycloid_mj.reducer.rv_bodies import crank_joint, crank_names
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
     """Return the names of the columns that poses require."""
-    planar = (name for gear in gears(reducer.design.gear.discs) for name in planar_joints(gear))
+    planar = (name for gear in names.gears(reducer.design.gear.discs) for name in names.planar_joints(gear))
     cranks = map(crank_joint, crank_names(reducer)) if isinstance(reducer, RvReducer) else ()
     return (f"{reducer.INPUT}_angle", *planar, *cranks, "output_angle")
 
@@ -71,18 +59,21 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     zeros = np.zeros_like(columns["output_angle"])
     ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
     poses_by_part = {
-        HOUSING: _pose(zeros, zeros, ring),
+        names.HOUSING: _pose(zeros, zeros, ring),
         **(
             _crank_poses(reducer, columns, carrier)
             if isinstance(reducer, RvReducer)
-            else {SHAFT: _pose(zeros, zeros, columns["crank_angle"])}
+            else {names.SHAFT: _pose(zeros, zeros, columns["crank_angle"])}
         ),
-        **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
-        OUTPUT: _pose(zeros, zeros, carrier),
+        **{
+            gear: _pose(*(columns[name] for name in names.planar_joints(gear)))
+            for gear in names.gears(design.gear.discs)
+        },
+        names.OUTPUT: _pose(zeros, zeros, carrier),
     }
     if design.ring.kind == "pin":
         pin_poses = _pin_poses(reducer, columns, ring)
-        poses_by_part |= {pin(number): pose for number, pose in enumerate(pin_poses, start=1)}
+        poses_by_part |= {names.pin(number): pose for number, pose in enumerate(pin_poses, start=1)}
     return poses_by_part
 
 
@@ -92,8 +83,8 @@ def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Arra
     `columns` are the log columns by name, shape (n,), `carrier` (n,) [rad] is the angle of the carrier.
     """
     zeros = np.zeros_like(carrier)
-    x, y, angle = (columns.get(name, zeros) for name in planar_joints(SUN))
-    poses_by_part = {SUN: _pose(x, y, angle)}
+    x, y, angle = (columns.get(name, zeros) for name in names.planar_joints(names.SUN))
+    poses_by_part = {names.SUN: _pose(x, y, angle)}
     for crank in crank_names(reducer):
         centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).place, (carrier.size, 2)), carrier)
         poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], carrier + columns[crank_joint(crank)])
@@ -110,11 +101,17 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
     nominal = ring_places(reducer)
     numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring)
     displacements = np.array(
-        [[columns.get(column(pin(number), name), zeros) for name in ("x", "y", "angle")] for number in numbers]
+        [
+            [columns.get(names.column(names.pin(number), name), zeros) for name in ("x", "y", "angle")]
+            for number in numbers
+        ]
     ).swapaxes(1, 2)
     if reducer.design.ring.has_massless_pins:
         force = np.array(
-            [[_force_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
+            [
+                [_force_on_discs(reducer, columns, number, axis) for axis in (names.FORCE_X, names.FORCE_Y)]
+                for number in numbers
+            ]
         )
         displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring))
     centres = rotate(nominal[:, np.newaxis] + displacements[..., :2], ring)
@@ -124,7 +121,7 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
 def _force_on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
     """Return the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
     discs = reducer.design.gear.discs
-    pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
+    pairs = [names.column(names.of_disc(names.pin(number), disc, discs), axis) for disc in range(discs)]
     return np.sum([columns.get(pair, np.zeros_like(columns["output_angle"])) for pair in pairs], axis=0)
 
 

@@ -10,23 +10,8 @@ from itertools import product
 import numpy as np
 from scipy.special import j1
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, Mask, cross
-from cycloid_mj.base.names import (
-    CAM,
-    CRANK,
-    FORCE_X,
-    FORCE_Y,
-    GEAR,
-    LOBE,
-    MOMENT,
-    OUTPUT_PIN,
-    PIN,
-    SOCKET,
-    column,
-    numbered_name,
-    of_disc,
-    planar_joints,
-)
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.geometry.profile import CycloidGear, unit
@@ -180,7 +165,7 @@ def part_frame(turn: Turn, part: str) -> PartFrame:
     zeros = np.zeros_like(turn.angle)
     origin = np.zeros((zeros.size, 2))
     if part in turn.reducer.gears:
-        x, y, angle = planar_joints(part)
+        x, y, angle = names.planar_joints(part)
         return PartFrame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
         return PartFrame(origin, turn["crank_angle"])
@@ -258,7 +243,7 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     nominal = nominal_pin_centre(turn.reducer, pin)
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
-    return nominal + turn.vectors(*planar_joints(numbered_name(PIN, pin + 1))[:2])
+    return nominal + turn.vectors(*names.planar_joints(names.numbered_name(names.PIN, pin + 1))[:2])
 
 
 def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
@@ -284,7 +269,7 @@ def _on_gear(turn: Turn, name: str, disc: int) -> Action:
 
 def _pair_name(turn: Turn, name: str, disc: int) -> str:
     """Return the name of a pair of a disc."""
-    return of_disc(name, disc, turn.reducer.design.gear.discs)
+    return names.of_disc(name, disc, turn.reducer.design.gear.discs)
 
 
 def _discs(turn: Turn) -> range:
@@ -303,7 +288,10 @@ def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
 
 
 def _read_action(turn: Turn, name: str, origin: Array) -> Action:
-    force, moment = turn.vectors(column(name, FORCE_X), column(name, FORCE_Y)), turn[column(name, MOMENT)]
+    force, moment = (
+        turn.vectors(names.column(name, names.FORCE_X), names.column(name, names.FORCE_Y)),
+        turn[names.column(name, names.MOMENT)],
+    )
     return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
 
 
@@ -319,12 +307,14 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
     frame = _disc(turn, disc)
-    cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
+    cam = _hole_contact(
+        turn, _pair_name(turn, names.CAM, disc), "cam", _in(frame, _on_gear(turn, names.CAM, disc)), np.zeros(2)
+    )
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_displacement[disc]
-    names = [numbered_name(OUTPUT_PIN, pin_number) for pin_number in range(1, len(centres) + 1)]
+    pin_names = [names.numbered_name(names.OUTPUT_PIN, pin_number) for pin_number in range(1, len(centres) + 1)]
     holes = [
         _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(frame, _on_gear(turn, name, disc)), centre)
-        for name, centre in zip(names, centres, strict=True)
+        for name, centre in zip(pin_names, centres, strict=True)
     ]
     return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), cam, *holes]
 
@@ -338,8 +328,8 @@ def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartConta
     frame, contacts = _disc(turn, disc), []
     bores = reducer.stage.crank_positions([0.0])[0]
     for number, centre in enumerate(bores, start=1):
-        name = _pair_name(turn, numbered_name(CRANK, number), disc)
-        action = _in(frame, _on_gear(turn, numbered_name(CRANK, number), disc))
+        name = _pair_name(turn, names.numbered_name(names.CRANK, number), disc)
+        action = _in(frame, _on_gear(turn, names.numbered_name(names.CRANK, number), disc))
         width = np.full_like(action.size, MAX_HALF_ANGLE * reducer.bore_radius)
         position = action.on_hole(centre, reducer.bore_radius, width)
         line = needle_contact(reducer, action.size, -1.0 / reducer.bore_radius)
@@ -353,7 +343,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
     `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
     eccentric, or the negative curvature of the bore. The result also states whether Hertz's theory is valid.
     """
-    cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
+    cranks, material = reducer.cranks, reducer.design.material_of(names.GEAR)
     load = force * STRIBECK / cranks.needles
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
     curvature = 1.0 / cranks.needle_radius + raceway_curvature
@@ -384,7 +374,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
     output, frame = turn.reducer.design.output, part_frame(turn, "output")
     contacts = []
     for disc, (pin_number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
-        name = numbered_name(OUTPUT_PIN, pin_number)
+        name = names.numbered_name(names.OUTPUT_PIN, pin_number)
         contact_force = _in(frame, _on_gear(turn, name, disc).reaction())
         widest = np.full_like(contact_force.size, MAX_HALF_ANGLE * output.root_radius)
         width = widest if output.rollers else _round_width(turn, "output", contact_force)
@@ -398,11 +388,11 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
-        contact_force = _in(frame, _on_gear(turn, CAM, disc).reaction())
+        contact_force = _in(frame, _on_gear(turn, names.CAM, disc).reaction())
         width = _round_width(turn, "cam", contact_force)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_displacement[disc]
         position = contact_force.on_disc(centre, gear.bore_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", contact_force, position, width))
+        contacts.append(_contact(turn, _pair_name(turn, names.CAM, disc), "cam", contact_force, position, width))
     return contacts
 
 
@@ -422,7 +412,7 @@ def _pin_contacts(turn: Turn) -> list[PartContact]:
         sockets.append(_in(frame, _socket_force(turn, 0, disc)))
     for disc, contact_force in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
         width = _round_width(turn, "pin_socket", contact_force)
-        name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
+        name = names.SOCKET if _has_free_pins(turn) else _pair_name(turn, names.SOCKET, disc)
         position = contact_force.on_disc(centre, gear.pin_radius, width)
         contacts.append(_contact(turn, name, "pin_socket", contact_force, position, width))
     return contacts
@@ -442,7 +432,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
     rotation_error = tooth_frame.angle + (turn["crank_angle"] + phase) / gear.lobes
     contacts = []
     for lobe in range(gear.ring_teeth):
-        name = numbered_name(LOBE, lobe + 1)
+        name = names.numbered_name(names.LOBE, lobe + 1)
         contact_force = _on_gear(turn, name, disc)
         tooth_action = _in(tooth_frame, contact_force)
         position, curvature = lobe_contact_point(
@@ -468,7 +458,7 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
     `pin` and `disc` are indices from 0.
     """
-    gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
+    gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), names.numbered_name(names.PIN, pin + 1)
     contact_force = _in(frame, _on_gear(turn, name, disc))
     position = contact_force.on_hole(
         frame.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
@@ -489,7 +479,7 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_displacement[pin]
     radius = np.linalg.norm(contact_force.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
     contact_force = contact_force.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
-    name = numbered_name(SOCKET, pin + 1)
+    name = names.numbered_name(names.SOCKET, pin + 1)
     return _hole_contact(
         turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", contact_force, centre
     )
@@ -498,8 +488,8 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
     """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
     if _has_free_pins(turn):
-        return _read_action(turn, numbered_name(SOCKET, pin + 1), pin_centre(turn, pin))
-    return _on_gear(turn, numbered_name(PIN, pin + 1), disc)
+        return _read_action(turn, names.numbered_name(names.SOCKET, pin + 1), pin_centre(turn, pin))
+    return _on_gear(turn, names.numbered_name(names.PIN, pin + 1), disc)
 
 
 def _has_free_pins(turn: Turn) -> bool:

@@ -5,21 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, cross
-from cycloid_mj.base.names import (
-    CRANK,
-    FORCE_X,
-    FORCE_Y,
-    LOBE,
-    MOMENT,
-    PIN,
-    SOCKET,
-    all_numbered,
-    column,
-    of_disc,
-    planar_joints,
-    planar_speeds,
-)
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.gaps import mesh_gaps
 from cycloid_mj.statics.rv import (
@@ -80,8 +67,8 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
     columns = {"crank_angle": springs.crank, "load_torque": np.full_like(crank, reducer.design.load.torque)}
     columns |= dict(_disc_columns(reducer, springs)) | dict(_force_columns(reducer, springs, loads))
     if reducer.design.ring.has_pin_bodies:
-        for pin in all_numbered(PIN, reducer.design.ring.teeth):
-            columns |= dict.fromkeys((*planar_joints(pin), *planar_speeds(pin)), zeros)
+        for pin in names.all_numbered(names.PIN, reducer.design.ring.teeth):
+            columns |= dict.fromkeys((*names.planar_joints(pin), *names.planar_speeds(pin)), zeros)
     return Turn(reducer, crank, columns, np.arange(crank.size), zeros, zeros)
 
 
@@ -89,10 +76,10 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
     """Yield name and values (k,) of the logged columns of each disc: x, y [m], angle [rad], and their speeds, all 0."""
     eccentrics = reducer.design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)
     for disc, name in enumerate(reducer.gears):
-        x, y, angle = planar_joints(name)
+        x, y, angle = names.planar_joints(name)
         yield from ((x, eccentrics[:, disc, 0]), (y, eccentrics[:, disc, 1]))
         yield angle, -springs.crank / reducer.design.lobes
-        yield from ((speed, np.zeros_like(springs.crank)) for speed in planar_speeds(name))
+        yield from ((speed, np.zeros_like(springs.crank)) for speed in names.planar_speeds(name))
 
 
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
@@ -104,7 +91,7 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction
     owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner
-    stem = PIN if design.ring.kind == "pin" else LOBE
+    stem = names.PIN if design.ring.kind == "pin" else names.LOBE
     on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
     for disc in range(springs.discs):
         wrenches = np.zeros_like(on_pins)
@@ -113,15 +100,15 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
             wrenches[owners[contact]] += loads.pins[:, contact, np.newaxis] * own
         centre = design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, disc]
         on_pins += [_wrench_about(wrench, centre) for wrench in wrenches]
-        for name, wrench in zip(all_numbered(stem, design.ring.teeth), wrenches, strict=True):
-            yield from _wrench_columns(of_disc(name, disc, springs.discs), wrench)
-        for number, name in enumerate(all_numbered(CRANK, reducer.cranks.count)):
+        for name, wrench in zip(names.all_numbered(stem, design.ring.teeth), wrenches, strict=True):
+            yield from _wrench_columns(names.of_disc(name, disc, springs.discs), wrench)
+        for number, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
             force = loads.cranks[:, disc, number]
             moment = cross(reducer.stage.crank_positions(springs.crank)[:, number], force)
             moment += springs.lever * bearing_friction[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
-            yield from _wrench_columns(of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
+            yield from _wrench_columns(names.of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
     if design.ring.has_pin_bodies:
-        for pin, name in enumerate(all_numbered(SOCKET, design.ring.teeth)):
+        for pin, name in enumerate(names.all_numbered(names.SOCKET, design.ring.teeth)):
             yield from _wrench_columns(name, _wrench_about(on_pins[pin], -nominal_pin_centre(reducer, pin)))
 
 
@@ -133,5 +120,5 @@ def _wrench_about(wrench: Array, origin: Array) -> Array:
 
 def _wrench_columns(pair: str, wrench: Array) -> Iterator[tuple[str, Array]]:
     """Yield name and values of the columns of the force and moment (k, 3) of a pair."""
-    for quantity, values in zip((FORCE_X, FORCE_Y, MOMENT), wrench.T, strict=True):
-        yield column(pair, quantity), values
+    for quantity, values in zip((names.FORCE_X, names.FORCE_Y, names.MOMENT), wrench.T, strict=True):
+        yield names.column(pair, quantity), values

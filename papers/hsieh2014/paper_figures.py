@@ -11,18 +11,8 @@ from matplotlib.patches import Circle
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
+from cycloid_mj.plots import style
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import (
-    BLACK,
-    GREY,
-    THEORY,
-    WIDTH,
-    crank_axis,
-    create_figure,
-    legend_handles,
-    turn_degrees,
-    with_style,
-)
 from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 
@@ -35,80 +25,80 @@ LINES = ("-", (0, (3, 1.5)))
 HEIGHT: dict[str, Any] = {"linestyle": (0, (6, 3)), "linewidth": 0.9}
 
 
-@with_style
+@style.with_style
 def speeds_figure(motions: Sequence[Series]) -> Figure:
     """Draw the gear's speed over a crank turn, all designs in one plot, in deg/s as the paper, and rad/s (Fig. 6)."""
-    figure = create_figure(3.4)
+    figure = style.create_figure(3.4)
     axes = figure.subplots()
     first = motions[0].gear_speed.select(motions[0].one_turn)
-    axes.plot(turn_degrees(motions[0]), np.degrees(first.theory), **THEORY)
+    axes.plot(style.turn_degrees(motions[0]), np.degrees(first.theory), **style.THEORY)
     for number, motion in enumerate(motions):
         speed = motion.gear_speed.select(motion.one_turn)
-        axes.plot(turn_degrees(motion), np.degrees(speed.simulated), **_look(number))
+        axes.plot(style.turn_degrees(motion), np.degrees(speed.simulated), **_look(number))
     axes.margins(y=0.08)
     axes.set_ylabel("speed of the gear [deg/s]")
     other = axes.secondary_yaxis("right", functions=(np.radians, np.degrees))
     other.set_ylabel("[rad/s]")
-    crank_axis(axes, turn_degrees(motions[0]))
+    style.crank_axis(axes, style.turn_degrees(motions[0]))
     _legend(figure, motions)
     return figure
 
 
-@with_style
+@style.with_style
 def paths_figure(motions: Sequence[Series]) -> Figure:
     """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
-    figure = create_figure(3.6)
+    figure = style.create_figure(3.6)
     path, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
     theory = motions[0].q_position.select(motions[0].one_turn).theory
-    path.plot(*(1e3 * theory.T), **THEORY)
+    path.plot(*(1e3 * theory.T), **style.THEORY)
     for number, motion in enumerate(motions):
         position = motion.q_position.select(motion.one_turn)
         path.plot(*(1e3 * position.simulated.T), **_look(number))
-        error.plot(turn_degrees(motion), 1e6 * position.error_size, **_look(number))
+        error.plot(style.turn_degrees(motion), 1e6 * position.error_size, **_look(number))
     path.set(aspect="equal", adjustable="datalim", xlabel="x from the initial gear centre [mm]", ylabel="y [mm]")
     path.margins(0.1)
     path.set_title("Path of q")
     error.set_ylabel("[\N{MICRO SIGN}m]")
     error.set_title("Distance of q from Eq. 16")
     error.set_ylim(0.0, 1.08 * error.get_ylim()[1])
-    crank_axis(error, turn_degrees(motions[0]))
+    style.crank_axis(error, style.turn_degrees(motions[0]))
     _legend(figure, motions)
     return figure
 
 
-@with_style
+@style.with_style
 def velocities_figure(motions: Sequence[Series]) -> Figure:
     """Draw the velocity of q over a crank turn with Eq. 18, all designs in one plot, and its error (Fig. 8)."""
-    figure = create_figure(4.4)
+    figure = style.create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     theory = motions[0].q_velocity.size.select(motions[0].one_turn).theory
-    top.plot(turn_degrees(motions[0]), 1e3 * theory, **THEORY)
+    top.plot(style.turn_degrees(motions[0]), 1e3 * theory, **style.THEORY)
     for number, motion in enumerate(motions):
         speed = motion.q_velocity.size.select(motion.one_turn)
-        top.plot(turn_degrees(motion), 1e3 * speed.simulated, **_look(number))
-        bottom.plot(turn_degrees(motion), 1e3 * speed.error, **_look(number))
+        top.plot(style.turn_degrees(motion), 1e3 * speed.simulated, **_look(number))
+        bottom.plot(style.turn_degrees(motion), 1e3 * speed.error, **_look(number))
     top.set_ylabel("velocity of q [mm/s]")
     bottom.set_ylabel("error [mm/s]")
     for panel in (top, bottom):
         panel.margins(y=0.08)
-    crank_axis(bottom, turn_degrees(motions[0]))
+    style.crank_axis(bottom, style.turn_degrees(motions[0]))
     figure.align_ylabels()
     _legend(figure, motions)
     return figure
 
 
-@with_style
+@style.with_style
 def pins_figure(motions: Mapping[str, Series]) -> Figure:
     """Draw pin 1 in its socket at the crank angles of the paper's Fig. 9(a), with its rotation.
 
     Displacements are magnified so that the largest of a run is `FARTHEST` of the pin's radius; rotations are not. The
     circle marks the clearance; in a half-open socket, the pin can leave it.
     """
-    figure = create_figure(1.75 * len(motions) + 0.5)
+    figure = style.create_figure(1.75 * len(motions) + 0.5)
     panels = figure.subplots(len(motions), len(SHOWN), squeeze=False)
     for row, (name, motion) in zip(panels, motions.items(), strict=True):
         rows = motion.one_turn
-        degrees = np.abs(turn_degrees(motion) - turn_degrees(motion)[0])
+        degrees = np.abs(style.turn_degrees(motion) - style.turn_degrees(motion)[0])
         pin, angle = motion.pin_1, np.degrees(motion.run["pin_1_angle"][rows])
         assert pin is not None
         scale = FARTHEST / max(pin.clearance, float(pin.radial[rows].max()))
@@ -123,7 +113,7 @@ def pins_figure(motions: Mapping[str, Series]) -> Figure:
     return figure
 
 
-@with_style
+@style.with_style
 def heights_figure(
     curves: Mapping[str, tuple[Array, Array]], heights: Mapping[str, float], marks: Sequence[float] = ()
 ) -> Figure:
@@ -138,7 +128,7 @@ def heights_figure(
     marks
         Crank angles of the paper's peaks [deg].
     """
-    figure = create_figure(3.6)
+    figure = style.create_figure(3.6)
     axes = figure.subplots()
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
     laws = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
@@ -155,24 +145,26 @@ def heights_figure(
         axes.axhline(height, color=COLORS[names.index(name)], **HEIGHT)
         looks[f"{name}, the paper"] = {"color": COLORS[names.index(name)], **HEIGHT}
     for mark in marks:
-        axes.axvline(mark, color=GREY, linewidth=0.7, linestyle=":")
+        axes.axvline(mark, color=style.GREY, linewidth=0.7, linestyle=":")
     axes.set_yscale("log")
     axes.set_ylim(axes.get_ylim()[0] / 1.3, 1.6 * top)
     axes.set_ylabel("von Mises stress, largest in bulk [MPa]")
-    crank_axis(axes, np.array([0.0, 360.0]))
+    style.crank_axis(axes, np.array([0.0, 360.0]))
     # two rows: a column for each design, one for the paper
-    figure.legend(handles=legend_handles(*looks.items()), loc="outside lower center", ncols=math.ceil(len(looks) / 2))
+    figure.legend(
+        handles=style.legend_handles(*looks.items()), loc="outside lower center", ncols=math.ceil(len(looks) / 2)
+    )
     return figure
 
 
-@with_style
+@style.with_style
 def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
     """Draw the cam's force over a crank turn: a panel for each design, a line for each case.
 
     `curves` are the forces in bins of the turn [N], by ``design, case``; `marks` are angles of dotted lines [deg].
     """
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
-    figure = create_figure(3.0)
+    figure = style.create_figure(3.0)
     panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
     cases = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
     for panel, name in zip(panels, names, strict=True):
@@ -180,17 +172,17 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
             force = curves[f"{name}, {case}"]
             panel.plot([middle(bin_number) for bin_number in range(len(force))], force, **_look(number))
         for mark in marks:
-            panel.axvline(mark, color=GREY, linewidth=0.8, linestyle=":")
+            panel.axvline(mark, color=style.GREY, linewidth=0.8, linestyle=":")
         panel.set_title(name)
-        crank_axis(panel, np.array([0.0, 360.0]))
+        style.crank_axis(panel, np.array([0.0, 360.0]))
     panels[0].set_ylim(0.0, 1.05 * max(float(force.max()) for force in curves.values()))
     panels[0].set_ylabel("force of the cam [N]")
-    handles = legend_handles(*((case, _look(number)) for number, case in enumerate(cases)))
+    handles = style.legend_handles(*((case, _look(number)) for number, case in enumerate(cases)))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(cases))
     return figure
 
 
-@with_style
+@style.with_style
 def torques_figure(
     ours: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]], ideal: float
 ) -> Figure:
@@ -199,18 +191,21 @@ def torques_figure(
     `ours` and `stated` are torques [N m] by design, then by case; a dashed line is `ideal`, the torque without losses
     [N m].
     """
-    figure = create_figure(2.2)
+    figure = style.create_figure(2.2)
     panels = figure.subplots(1, len(ours), sharex=True, sharey=True, squeeze=False)[0]
     for number, (panel, (name, torques)) in enumerate(zip(panels, ours.items(), strict=True)):
         bars = {**torques, **stated[name]}
         rows = range(len(bars))
         panel.barh(
-            rows, list(bars.values()), height=0.65, color=[COLORS[number]] * len(torques) + [GREY] * len(stated[name])
+            rows,
+            list(bars.values()),
+            height=0.65,
+            color=[COLORS[number]] * len(torques) + [style.GREY] * len(stated[name]),
         )
         for row, torque in zip(rows, bars.values(), strict=True):
             look: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "va": "center", "color": "w"}
             panel.annotate(f"{torque:.2f}", (torque, row), (-4, 0), **look)
-        panel.axvline(ideal, color=BLACK, linewidth=0.8, linestyle=(0, (4, 2)))
+        panel.axvline(ideal, color=style.BLACK, linewidth=0.8, linestyle=(0, (4, 2)))
         panel.set_yticks(rows, list(bars))
         panel.set_title(name)
         panel.set_xlabel("output torque [N m]")
@@ -220,12 +215,12 @@ def torques_figure(
     return figure
 
 
-@with_style
+@style.with_style
 def picture_figure(pictures: Mapping[str, Any]) -> Figure:
     """Draw rendered pictures, shape (height, width, 3) each, with their names, up to three side by side."""
     columns = min(len(pictures), 3)
     rows = math.ceil(len(pictures) / columns)
-    figure = create_figure((WIDTH / columns + 0.25) * rows)
+    figure = style.create_figure((style.WIDTH / columns + 0.25) * rows)
     panels = figure.subplots(rows, columns, squeeze=False).flat
     for panel, (name, picture) in zip(panels, pictures.items(), strict=False):
         panel.imshow(picture)
@@ -237,12 +232,12 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
 
 def _pin(axes: Axes, displacement: Array, turned: float, socket: float) -> None:
     """Draw a pin of radius 1 in a socket of radius `socket`, displaced by `displacement`, rotated by `turned` [deg]."""
-    axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
+    axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=style.GREY, linewidth=0.9))
     x, y = displacement.tolist()
-    axes.add_patch(Circle((x, y), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))
+    axes.add_patch(Circle((x, y), 1.0, facecolor="#DCE9F3", edgecolor=style.BLACK, linewidth=0.8))
     angle = np.radians(90.0 + turned)
     end = displacement + np.array([np.cos(angle), np.sin(angle)])
-    axes.plot([displacement[0], end[0]], [displacement[1], end[1]], color=BLACK, linewidth=1.1)
+    axes.plot([displacement[0], end[0]], [displacement[1], end[1]], color=style.BLACK, linewidth=1.1)
     axes.set(xlim=(-1.45, 1.45), ylim=(-1.45, 1.45), aspect="equal", xticks=[], yticks=[])
     axes.grid(False)
     for spine in axes.spines.values():
@@ -254,5 +249,8 @@ def _look(number: int) -> dict[str, Any]:
 
 
 def _legend(figure: Figure, motions: Sequence[Series]) -> None:
-    entries = [("closed form", THEORY), *((motion.design.name, _look(number)) for number, motion in enumerate(motions))]
-    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=len(entries))
+    entries = [
+        ("closed form", style.THEORY),
+        *((motion.design.name, _look(number)) for number, motion in enumerate(motions)),
+    ]
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower center", ncols=len(entries))

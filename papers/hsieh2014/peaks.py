@@ -9,22 +9,8 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import find_peaks
 
 from cycloid_mj.analysis.series import design_of
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import (
-    CAM,
-    FORCE_X,
-    FORCE_Y,
-    KINDS,
-    LOBE,
-    MOMENT,
-    OUTPUT,
-    OUTPUT_PIN,
-    PEAK_FORCE,
-    PIN,
-    SHAFT,
-    SOCKET,
-    column,
-)
 from cycloid_mj.base.record import Run
 from cycloid_mj.comparison import gravity_turn, settle_run
 from cycloid_mj.design import Design
@@ -41,8 +27,8 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
     A log has the largest normal force since the previous sample; friction is that of the sample itself.
     """
-    sampled = np.hypot(run[column(pair, FORCE_X)], run[column(pair, FORCE_Y)])
-    largest = np.maximum(sampled, run[column(pair, PEAK_FORCE)])
+    sampled = np.hypot(run[names.column(pair, names.FORCE_X)], run[names.column(pair, names.FORCE_Y)])
+    largest = np.maximum(sampled, run[names.column(pair, names.PEAK_FORCE)])
     return np.asarray(maximum_filter1d(largest, 2 * (window // 2) + 1, mode="nearest"))
 
 
@@ -51,11 +37,16 @@ def pairs_on(run: Run, part: str) -> list[str]:
 
     Pin 1 is the pin, or lobe, at the position of pin 1 relative to gravity.
     """
-    ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
+    ring = next(stem for stem in (names.SOCKET, names.LOBE, names.PIN) if run.pairs(names.KINDS[stem]))
     if part == PIN_1:
-        return [f"{LOBE if ring == LOBE else PIN}_{standing_for_pin_1(design_of(run))}"]
-    stems = {SHAFT: (CAM,), "ring": (ring,), "gear": (CAM, PIN, LOBE, OUTPUT_PIN), OUTPUT: (OUTPUT_PIN,)}[part]
-    return [name for stem in stems for name in run.pairs(KINDS[stem])]
+        return [f"{names.LOBE if ring == names.LOBE else names.PIN}_{standing_for_pin_1(design_of(run))}"]
+    stems = {
+        names.SHAFT: (names.CAM,),
+        "ring": (ring,),
+        "gear": (names.CAM, names.PIN, names.LOBE, names.OUTPUT_PIN),
+        names.OUTPUT: (names.OUTPUT_PIN,),
+    }[part]
+    return [name for stem in stems for name in run.pairs(names.KINDS[stem])]
 
 
 def largest_force(run: Run, among: Sequence[str]) -> float:
@@ -72,16 +63,16 @@ def at_peaks(run: Run, window: int = 1) -> Run:
     between samples, it has the direction of the nearest sample with contact.
     """
     changed: dict[str, Array] = {}
-    for pair in run.by_stem(PEAK_FORCE):
-        names = [column(pair, part) for part in (FORCE_X, FORCE_Y, MOMENT)]
-        logged = run.block(names)
+    for pair in run.by_stem(names.PEAK_FORCE):
+        columns = [names.column(pair, part) for part in (names.FORCE_X, names.FORCE_Y, names.MOMENT)]
+        logged = run.block(columns)
         size = np.hypot(logged[:, 0], logged[:, 1])
         touching = np.flatnonzero(size > 0.0)
         if touching.size == 0:
             continue
         nearest = touching[_nearest(touching, len(run))]
         scaled = logged[nearest] * (peak(run, pair, window) / size[nearest])[:, np.newaxis]
-        changed |= dict(zip(names, scaled.T, strict=True))
+        changed |= dict(zip(columns, scaled.T, strict=True))
     return replace(run, columns={**run.columns, **changed})
 
 

@@ -11,28 +11,18 @@ from matplotlib.patches import Circle
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    VERMILION,
-    create_figure,
-    legend_handles,
-    with_style,
-)
+from cycloid_mj.plots import style
 
 CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""
 POINTS, ORBIT = 7000, 360
 """Points of an outline, and positions of the gear on its orbit."""
 
-GEAR: dict[str, Any] = {"color": BLUE, "linewidth": 1.2}
-TROCHOID: dict[str, Any] = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (4, 2))}
-PIN: dict[str, Any] = {"color": GREY, "linewidth": 0.6}
-ARC: dict[str, Any] = {"color": BLACK, "linewidth": 1.4}
-SIGMA: dict[str, Any] = {"color": VERMILION, "linewidth": 1.4}
+GEAR: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.2}
+TROCHOID: dict[str, Any] = {"color": style.ORANGE, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+PIN: dict[str, Any] = {"color": style.GREY, "linewidth": 0.6}
+ARC: dict[str, Any] = {"color": style.BLACK, "linewidth": 1.4}
+SIGMA: dict[str, Any] = {"color": style.VERMILION, "linewidth": 1.4}
 DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6}
 
 
@@ -42,7 +32,7 @@ def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
     return {name: draw(gear) for name, draw in (figures | {"fig4_ring": ring_figure}).items()}
 
 
-@with_style
+@style.with_style
 def rolling_figure(gear: CycloidGear) -> Figure:
     """Draw the pitch circles, the path of a pin's centre in the gear, and the gear's outline."""
     figure, overview, near = _pair()
@@ -51,10 +41,10 @@ def rolling_figure(gear: CycloidGear) -> Figure:
     for axes in (overview, near):
         axes.plot(*_mm(profile.trochoid(gear, t)), **TROCHOID)
         axes.plot(*_mm(profile.outline(gear, t)), **GEAR)
-        axes.add_patch(Circle((0.0, 0.0), 1e3 * c * (N - 1), fill=False, color=GREEN, linewidth=0.9))
-        axes.add_patch(Circle((0.0, -1e3 * c), 1e3 * c * N, fill=False, color=VERMILION, linewidth=0.9))
+        axes.add_patch(Circle((0.0, 0.0), 1e3 * c * (N - 1), fill=False, color=style.GREEN, linewidth=0.9))
+        axes.add_patch(Circle((0.0, -1e3 * c), 1e3 * c * N, fill=False, color=style.VERMILION, linewidth=0.9))
     pitch_point = (0.0, 1e3 * c * (N - 1))
-    near.plot(*pitch_point, color=BLACK, **DOT)
+    near.plot(*pitch_point, color=style.BLACK, **DOT)
     near.annotate("pitch point", pitch_point, xytext=(6, -12), textcoords="offset points", fontsize=7.5)
     for step in np.linspace(-1.0, 1.0, 9):
         centre = profile.trochoid(gear, step * 2 * np.pi / (N - 1))
@@ -67,19 +57,19 @@ def rolling_figure(gear: CycloidGear) -> Figure:
     overview.set_title("Pitch circles, trochoid and gear")
     near.set_title("at +y (grey: rho along the normal)")
     entries = (
-        ("ring's pitch circle, c N", {"color": VERMILION}),
-        ("gear's, c (N\N{MINUS SIGN}1)", {"color": GREEN}),
+        ("ring's pitch circle, c N", {"color": style.VERMILION}),
+        ("gear's, c (N\N{MINUS SIGN}1)", {"color": style.GREEN}),
         ("path of a pin's centre", TROCHOID),
         ("gear", GEAR),
     )
-    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=4)
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower center", ncols=4)
     return figure
 
 
-@with_style
+@style.with_style
 def gear_figure(gear: CycloidGear) -> Figure:
     """Draw the gear as the inner envelope of a pin in all its positions, and the gear's curvature along a lobe."""
-    figure = create_figure(3.3)
+    figure = style.create_figure(3.3)
     near, bend = figure.subplots(1, 2, width_ratios=[1.25, 1])
     lobe = 2 * np.pi / gear.lobes
     for turn in np.linspace(-lobe, lobe, 2 * 41 - 1):
@@ -92,17 +82,17 @@ def gear_figure(gear: CycloidGear) -> Figure:
     phase = np.linspace(0.0, np.pi, 400)
     bend.plot(np.degrees(phase), 1e-3 * profile.curvature(gear, -phase / gear.lobes), **GEAR)
     inflection = np.degrees(profile.inflection_phase(gear))
-    bend.axhline(0.0, color=BLACK, linewidth=0.5)
-    bend.axvline(inflection, color=GREY, linewidth=0.7, linestyle=":")
+    bend.axhline(0.0, color=style.BLACK, linewidth=0.5)
+    bend.axvline(inflection, color=style.GREY, linewidth=0.7, linestyle=":")
     bend.set(xlabel="phase of the contact [deg]: 0 valley, 180 tip", ylabel="curvature [1/mm]", xlim=(0, 180))
     bend.set_xticks(range(0, 181, 45))
     bend.set_title(f"Curvature (inflection at {inflection:.2f} deg)")
     entries = (("pin", PIN), ("path of its centre", TROCHOID), ("gear", GEAR))
-    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=3)
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower center", ncols=3)
     return figure
 
 
-@with_style
+@style.with_style
 def meshing_figure(gear: CycloidGear) -> Figure:
     """Draw the gear among its pins at one crank angle, with every contact and its normal through the pitch point."""
     figure, overview, near = _pair()
@@ -112,12 +102,12 @@ def meshing_figure(gear: CycloidGear) -> Figure:
     outline = _on_orbit(gear, CRANK)
     lines = np.stack([contacts.points, np.broadcast_to(pitch_point, contacts.points.shape)], axis=1)
     for axes in (overview, near):
-        axes.add_collection(LineCollection(list(1e3 * lines), colors=GREY, linewidths=0.4))
+        axes.add_collection(LineCollection(list(1e3 * lines), colors=style.GREY, linewidths=0.4))
         for centre in E * profile.unit(profile.pin_angles(gear)):
-            axes.add_patch(Circle(tuple(1e3 * centre), 1e3 * rho, fill=False, color=BLACK, linewidth=0.8))
+            axes.add_patch(Circle(tuple(1e3 * centre), 1e3 * rho, fill=False, color=style.BLACK, linewidth=0.8))
         axes.plot(*_mm(outline), **GEAR)
-        axes.plot(*_mm(contacts.points), color=VERMILION, **DOT)
-        axes.plot(*(1e3 * pitch_point), color=GREEN, **DOT)
+        axes.plot(*_mm(contacts.points), color=style.VERMILION, **DOT)
+        axes.plot(*(1e3 * pitch_point), color=style.GREEN, **DOT)
     reach = 1.08e3 * (E + rho)
     overview.set(xlim=_span(reach), ylim=_span(reach))
     middle = 1e3 * pitch_point * 1.06
@@ -126,16 +116,16 @@ def meshing_figure(gear: CycloidGear) -> Figure:
     near.set_title("about the pitch point, magnified")
     entries = (
         ("gear", GEAR),
-        ("pins", {"color": BLACK, "linewidth": 0.8}),
-        ("contact", {"color": VERMILION, **DOT}),
-        ("common normals", {"color": GREY, "linewidth": 0.6}),
-        ("pitch point", {"color": GREEN, **DOT}),
+        ("pins", {"color": style.BLACK, "linewidth": 0.8}),
+        ("contact", {"color": style.VERMILION, **DOT}),
+        ("common normals", {"color": style.GREY, "linewidth": 0.6}),
+        ("pitch point", {"color": style.GREEN, **DOT}),
     )
-    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=5)
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower center", ncols=5)
     return figure
 
 
-@with_style
+@style.with_style
 def ring_figure(gear: CycloidGear) -> Figure:
     """Draw the internal gear as the outer envelope of the gear on its orbit, and where both touch."""
     figure, near, overview = _pair()
@@ -149,13 +139,13 @@ def ring_figure(gear: CycloidGear) -> Figure:
         for names, look in ((("arc",), ARC), (("sigma1", "sigma2"), SIGMA)):
             shown = np.where(np.isin(part, names)[:, np.newaxis], closed, np.nan)
             axes.plot(*_mm(shown), **look)
-    near.plot(*_mm(envelope.junction(gear)), color=GREEN, **DOT)
+    near.plot(*_mm(envelope.junction(gear)), color=style.GREEN, **DOT)
     near.set(xlim=(-5.2, 5.2), ylim=(37.2, 42.0))
     near.set_title("The gear's orbit sweeps the ring out")
     overview.plot(*_mm(_on_orbit(gear, CRANK)), **GEAR)
     for contacts, color in (
-        (envelope.arc_contacts(gear, CRANK), BLACK),
-        (envelope.sigma_contacts(gear, CRANK), VERMILION),
+        (envelope.arc_contacts(gear, CRANK), style.BLACK),
+        (envelope.sigma_contacts(gear, CRANK), style.VERMILION),
     ):
         overview.plot(*_mm(contacts.points), color=color, **DOT)
     middle = 1e3 * (gear.pin_circle_radius - gear.pin_radius) * np.array([-np.sin(CRANK), np.cos(CRANK)])
@@ -164,16 +154,16 @@ def ring_figure(gear: CycloidGear) -> Figure:
     entries = (
         ("pins' arcs", ARC),
         ("second envelope", SIGMA),
-        ("junctions", {"color": GREEN, **DOT}),
+        ("junctions", {"color": style.GREEN, **DOT}),
         ("gear", GEAR),
         ("gear on its orbit", {"color": "#C8D9E8"}),
     )
-    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=5)
+    figure.legend(handles=style.legend_handles(*entries), loc="outside lower center", ncols=5)
     return figure
 
 
 def _pair() -> tuple[Figure, Axes, Axes]:
-    figure = create_figure(3.7)
+    figure = style.create_figure(3.7)
     left, right = figure.subplots(1, 2)
     for axes in (left, right):
         axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")

@@ -7,31 +7,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from cycloid_mj.plots.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    create_figure,
-    legend_handles,
-    with_style,
-)
+from cycloid_mj.plots import style
 from hsieh2014.decisions import Varied
 from hsieh2014.ranking import Ranking
 
-MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v"))
+MARKS = ((style.BLUE, "o"), (style.VERMILION, "s"), (style.GREEN, "D"), (style.PURPLE, "^"), (style.ORANGE, "v"))
 
 
-@with_style
+@style.with_style
 def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Figure:
     """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation.
 
     `conditions` maps each load [N m] to the title of its panel.
     """
-    figure = create_figure(3.6)
+    figure = style.create_figure(3.6)
     loads = sorted(conditions)
     panels = figure.subplots(1, len(loads), sharey=True, squeeze=False)[0]
     first = ranked[0]
@@ -42,8 +31,8 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
         for column, (_, rankings) in enumerate(points):
             chosen = [r for r in rankings if (r.pin, r.nonpin, r.load_nm) == (first.pin, first.nonpin, load)]
             _mark(panel, column, chosen, names)
-        panel.axhline(1.0, color=BLACK, linewidth=0.6)
-        panel.axvline(0.5, color=GREY, linewidth=0.6, linestyle=":")
+        panel.axhline(1.0, color=style.BLACK, linewidth=0.6)
+        panel.axvline(0.5, color=style.GREY, linewidth=0.6, linestyle=":")
         panel.set_yscale("log")
         panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.yaxis.set_minor_formatter(FuncFormatter(_few))
@@ -55,7 +44,7 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
         (name, {"color": color, "marker": mark, "linestyle": "none", "markersize": 4.5})
         for name, (color, mark) in zip(names, MARKS, strict=False)
     ]
-    figure.legend(handles=legend_handles(*looks), loc="outside lower center", ncols=3, handlelength=1.0)
+    figure.legend(handles=style.legend_handles(*looks), loc="outside lower center", ncols=3, handlelength=1.0)
     return figure
 
 
