@@ -24,16 +24,10 @@ from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import Casing, PlacedPart, place_parts
 from cycloid_mj.parts.export.assembly import assembly_sections
 from cycloid_mj.parts.export.bearings import shaft_bearing
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    OUTPUT_BEARING,
-    SHAFT_BEARING,
-)
 from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
     shoulder_radius,
 )
-from cycloid_mj.parts.export.crank_end import SHAFT_SEAL
 from cycloid_mj.parts.export.step import occ, planar_face
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
@@ -186,7 +180,7 @@ def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float
 
 def _is_raceway(families: tuple[str, ...]) -> bool:
     """Return whether needles of a bearing roll on a part, or the lip of a seal slides on it."""
-    return bool({CAM_BEARING, SHAFT_BEARING, SHAFT_SEAL} & {*families} and NEEDLES_ON & {*families})
+    return bool({names.CAM_BEARING, names.SHAFT_BEARING, names.SHAFT_SEAL} & {*families} and NEEDLES_ON & {*families})
 
 
 def face_of(section: PartSection) -> Face:
@@ -220,7 +214,7 @@ def _prisms(
         z = place.origin[2]
         for face, section in faces[place.part]:
             ends = section.z0 + z, section.z1 + z
-            if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
+            if names.family(place.part) in (names.SHAFT_BEARING, names.OUTPUT_BEARING):
                 for body, ring in _rings(reducer, sizes, place, section):
                     yield Prism(place.name, body, ring, *ends)
             else:
@@ -232,7 +226,7 @@ def _rings(reducer: Reducer, sizes: Casing, place: PlacedPart, drawn: PartSectio
     (outside,), (bore,) = drawn.loops
     assert isinstance(outside, Circle)
     assert isinstance(bore, Circle)
-    on_shaft = names.family(place.part) == SHAFT_BEARING
+    on_shaft = names.family(place.part) == names.SHAFT_BEARING
     around = names.OUTPUT if on_shaft and sizes.far and place.origin[2] > 0.0 else names.HOUSING
     if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield around, _annulus(outside.radius, bore.radius)

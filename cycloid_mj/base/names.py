@@ -1,4 +1,4 @@
-"""Every name of the model and of the log: bodies, joints, surfaces, mating pairs, topics and columns.
+"""Every name of the model, of the log and of parts: bodies, joints, surfaces, mating pairs, topics and columns.
 
 Like things are numbered from 1 on +y, clockwise. What a drive has of each disc is named after the disc where it has
 several: ``gear_2_cam``; a drive of one disc has a ``gear`` and a ``cam``.
@@ -54,6 +54,39 @@ TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin
 ECCENTRIC = "eccentric"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
 """Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""
+
+MOTOR_COVER, OUTPUT_COVER, FLANGE, RETAINER = "motor_cover", "output_cover", "output_flange", "bearing_retainer"
+COVERS = MOTOR_COVER, OUTPUT_COVER, RETAINER
+"""Parts of the casing that are fixed to the ring."""
+
+SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
+FLANGE_WASHER, FLANGE_DOWEL, RETAINER_SCREW = "flange_washer", "flange_dowel", "retainer_screw"
+SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
+LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
+RETAINER_INSERT = "retainer_screw_insert"
+INSERTS = SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, RETAINER_INSERT
+
+CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
+
+SHAFT_RING, BORE_RING, SHAFT_SEAL = "shaft_ring", "bore_ring", "shaft_seal"
+"""Retaining rings on the crank and in the motor cover, and seal ring in the motor cover."""
+
+RETAINING_RINGS = SHAFT_RING, BORE_RING
+
+CRANK_RING = "crank_ring"
+"""Family of the rings: 1 on the side of the motor, 2 beyond the discs."""
+
+BEARING_SPACER = "bearing_spacer"
+"""Family of the rings between the bearings of an overhung crank: 1 between the outer rings, 2 between the inner."""
+
+KEY = "key"
+"""The key of the cams on the shaft of several discs."""
+
+SECOND_OUTPUT = "output_2"
+"""The output disc on the motor side, if both ends of the output pins are supported."""
+
+PRESSED_PIN = "pressed_pin"
+"""Round part within the housing in the solids of the mechanism, as `OUTPUT_PIN` is within the output."""
 
 DRAGS = {"crank_drag": CRANK_JOINT, "sun_drag": "sun_angle", "output_drag": OUTPUT_JOINT}
 """Loss of seals and lubricant -> the joint that it brakes; a design without has none. An RV reducer is driven by its

@@ -20,15 +20,7 @@ from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
 from cycloid_mj.parts.export.bearings import output_pin_fit, sleeve_pin_depth, sleeve_pin_fit
-from cycloid_mj.parts.export.casing import (
-    FLANGE,
-    FLANGE_WASHER,
-    MOTOR_COVER,
-    OUTPUT_COVER,
-    RETAINER,
-    Casing,
-    casing,
-)
+from cycloid_mj.parts.export.casing import Casing, casing
 from cycloid_mj.parts.export.casing_rules import (
     core_radius,
     in_one_piece,
@@ -70,7 +62,7 @@ class JointTorques:
         """
         if MOTOR in parts or names.SHAFT in parts or any(names.family(part) == names.CAM for part in parts):
             return self.crank
-        return self.carrier if {names.OUTPUT, FLANGE, LOAD} & {*parts} else self.ring
+        return self.carrier if {names.OUTPUT, names.FLANGE, LOAD} & {*parts} else self.ring
 
 
 @dataclass(frozen=True)
@@ -164,16 +156,14 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
-    clamp = next(
-        (screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}),
-        None,
-    )
+    covers = {names.MOTOR_COVER, names.OUTPUT_COVER}
+    clamp = next((screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == covers), None)
     ring_slip_torque = _ring_slip_torque(reducer, clamp) if clamp else 0.0
     for screwed_joint in screwed:
         parts = screwed_joint.joint.parts
-        if RETAINER in parts:
+        if names.RETAINER in parts:
             continue  # it transmits no torque
-        through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
+        through_ring = (names.MOTOR_COVER, names.HOUSING, names.OUTPUT_COVER) if {*parts} == covers else parts
         positive = min(by_face.get(frozenset(face), 0.0) for face in pairwise(through_ring))
         shared = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
         shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
@@ -208,7 +198,9 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 
 def retainer_joint(reducer: Reducer) -> ScrewedJoint:
     """Return the screwed joint of the retainer of a drive with a crossed roller bearing."""
-    return next(screwed_joint for screwed_joint in screwed_joints(reducer) if RETAINER in screwed_joint.joint.parts)
+    return next(
+        screwed_joint for screwed_joint in screwed_joints(reducer) if names.RETAINER in screwed_joint.joint.parts
+    )
 
 
 def gaping_moment(retainer: ScrewedJoint) -> float:
@@ -324,7 +316,7 @@ def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPar
     nominal, joint = screwed_joint.thread.diameter, screwed_joint.joint
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
-    washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == FLANGE_WASHER), 0.0)
+    washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == names.FLANGE_WASHER), 0.0)
     for part, (_, radius, low, high) in joint.holes:
         material = _material(reducer, part)
         if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top - washer, abs_tol=1e-9):

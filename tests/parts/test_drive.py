@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cycloid_mj.base import names
 from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
@@ -12,7 +13,6 @@ from cycloid_mj.life.figures import input_inertia
 from cycloid_mj.parts import crank_segments, mass_properties
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
-from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.printing import separate_parts
 from cycloid_mj.reducer import Reducer
 
@@ -54,7 +54,7 @@ def test_a_ring_in_two_halves_is_cased_as_one(kind: str) -> None:
     whole, split = (PIN.but(ring={"kind": kind, "pins": "sleeved", "halves": halves}) for halves in (1, 2))
     assert drive.drive_mass(split) == pytest.approx(drive.drive_mass(whole), rel=1e-3)
     assert len(separate_parts(split)[HOUSING].segments) == 2
-    assert (PRESSED_PIN in separate_parts(split)) == (kind == "pin")
+    assert (names.PRESSED_PIN in separate_parts(split)) == (kind == "pin")
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,6 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all, measure_rings
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.edges import broken_edges
-from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.motor_mount import Motor
 from cycloid_mj.parts.export.order import assembly_order
@@ -313,7 +312,7 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | N
                 f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half_files[name] for number in (1, 2)
             }
         else:
-            files[name] = half_files[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
+            files[name] = half_files[name] if name.startswith((names.PIN, names.PRESSED_PIN)) else content
     return Export(files, encoded_files.clearances)
 
 
@@ -367,7 +366,7 @@ def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[s
         return solids
     housing = solids[names.HOUSING]
     wheel, core, *_ = (Solid(housing.name, (prism,), housing.density) for prism in housing.prisms)
-    return {**solids, names.HOUSING: wheel, PRESSED_PIN: replace(core, name=PRESSED_PIN)}
+    return {**solids, names.HOUSING: wheel, names.PRESSED_PIN: replace(core, name=names.PRESSED_PIN)}
 
 
 def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:

@@ -8,37 +8,12 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import Part, PartSection, attached_parts, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import cam_radius, cam_seat, pin_pieces
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    DOWEL,
-    FLANGE,
-    FLANGE_DOWEL,
-    FLANGE_INSERT,
-    FLANGE_SCREW,
-    FLANGE_WASHER,
-    LOAD_INSERT,
-    MOTOR_COVER,
-    MOTOR_INSERT,
-    MOTOR_SCREW,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    RETAINER,
-    RETAINER_INSERT,
-    RETAINER_SCREW,
-    SCREW,
-    SCREW_INSERT,
-    SHAFT_BEARING,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_parts import place_casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
 )
-from cycloid_mj.parts.export.crank_end import RETAINING_RINGS, SHAFT_SEAL
-from cycloid_mj.parts.export.crank_joints import KEY
-from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
 from cycloid_mj.parts.export.edges import broken_edges
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.placement import place_discs, place_ring_pins, place_rotated, ring_pin_centres
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
 from cycloid_mj.parts.export.round_part import cut_holes, tube
@@ -51,31 +26,31 @@ from cycloid_mj.reducer.sockets import require_one_ring
 COLOURS: Mapping[str, Colour] = {
     names.HOUSING: (0.55, 0.58, 0.62, 1.0),
     names.PIN: (0.85, 0.75, 0.35, 1.0),
-    PRESSED_PIN: (0.45, 0.45, 0.45, 1.0),
+    names.PRESSED_PIN: (0.45, 0.45, 0.45, 1.0),
     names.GEAR: (0.25, 0.45, 0.7, 1.0),
     names.SHAFT: (0.75, 0.35, 0.3, 1.0),
-    KEY: (0.45, 0.45, 0.45, 1.0),
+    names.KEY: (0.45, 0.45, 0.45, 1.0),
     names.CAM: (0.8, 0.5, 0.35, 1.0),
     names.SPACER: (0.6, 0.6, 0.55, 1.0),
-    **dict.fromkeys((CRANK_RING, BEARING_SPACER), (0.7, 0.7, 0.6, 1.0)),
+    **dict.fromkeys((names.CRANK_RING, names.BEARING_SPACER), (0.7, 0.7, 0.6, 1.0)),
     names.OUTPUT: (0.4, 0.6, 0.45, 1.0),
     names.ROLLER: (0.7, 0.8, 0.7, 1.0),
-    OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),
-    MOTOR_COVER: (0.6, 0.62, 0.7, 1.0),
-    OUTPUT_COVER: (0.65, 0.62, 0.6, 1.0),
-    RETAINER: (0.7, 0.7, 0.65, 1.0),
-    FLANGE: (0.35, 0.55, 0.4, 1.0),
-    **dict.fromkeys((SCREW, FLANGE_SCREW, RETAINER_SCREW), (0.2, 0.2, 0.22, 1.0)),
-    FLANGE_WASHER: (0.7, 0.7, 0.72, 1.0),
-    FLANGE_DOWEL: (0.7, 0.7, 0.72, 1.0),
-    MOTOR_SCREW: (0.2, 0.2, 0.22, 1.0),
-    DOWEL: (0.45, 0.45, 0.45, 1.0),
-    **dict.fromkeys((SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, RETAINER_INSERT), (0.8, 0.65, 0.3, 1.0)),
-    SHAFT_BEARING: (0.8, 0.82, 0.85, 1.0),
-    OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
-    CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
-    **dict.fromkeys(RETAINING_RINGS, (0.3, 0.3, 0.32, 1.0)),
-    SHAFT_SEAL: (0.15, 0.15, 0.15, 1.0),
+    names.OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),
+    names.MOTOR_COVER: (0.6, 0.62, 0.7, 1.0),
+    names.OUTPUT_COVER: (0.65, 0.62, 0.6, 1.0),
+    names.RETAINER: (0.7, 0.7, 0.65, 1.0),
+    names.FLANGE: (0.35, 0.55, 0.4, 1.0),
+    **dict.fromkeys((names.SCREW, names.FLANGE_SCREW, names.RETAINER_SCREW), (0.2, 0.2, 0.22, 1.0)),
+    names.FLANGE_WASHER: (0.7, 0.7, 0.72, 1.0),
+    names.FLANGE_DOWEL: (0.7, 0.7, 0.72, 1.0),
+    names.MOTOR_SCREW: (0.2, 0.2, 0.22, 1.0),
+    names.DOWEL: (0.45, 0.45, 0.45, 1.0),
+    **dict.fromkeys(names.INSERTS, (0.8, 0.65, 0.3, 1.0)),
+    names.SHAFT_BEARING: (0.8, 0.82, 0.85, 1.0),
+    names.OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
+    names.CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
+    **dict.fromkeys(names.RETAINING_RINGS, (0.3, 0.3, 0.32, 1.0)),
+    names.SHAFT_SEAL: (0.15, 0.15, 0.15, 1.0),
 }
 """Colours by family of parts."""
 
@@ -103,11 +78,15 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
             )
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
-            yield place_rotated(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
+            yield place_rotated(names.SECOND_OUTPUT, names.SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
         for number, centre in enumerate(output_centres(reducer), start=1):
             position = np.array([*centre, 0.0])
             yield place_rotated(
-                names.numbered_name(OUTPUT_PIN, number), OUTPUT_PIN, position, carrier_angle, names.OUTPUT
+                names.numbered_name(names.OUTPUT_PIN, number),
+                names.OUTPUT_PIN,
+                position,
+                carrier_angle,
+                names.OUTPUT,
             )
     for disc in place_discs(reducer, crank, carrier_angle):
         yield disc
@@ -129,18 +108,18 @@ def _place_cam_bearings(
     """
     stock_bearing, (x, y, z) = cam_bearing(reducer), centre
     width, count = (stock_bearing[0].width, stock_bearing[1]) if stock_bearing else (0.0, 1)
-    name = gear.replace(names.GEAR, CAM_BEARING)
+    name = gear.replace(names.GEAR, names.CAM_BEARING)
     for number in range(count):
         bearing_name = f"{name}_{number + 1}" if count > 1 else name
         origin = x, y, z + width * (number - 0.5 * (count - 1))
-        yield PlacedPart(bearing_name, CAM_BEARING, origin, angle, gear)
+        yield PlacedPart(bearing_name, names.CAM_BEARING, origin, angle, gear)
 
 
 def _place_pressed_pins(reducer: Reducer, ring_angle: float) -> Iterator[PlacedPart]:
     """Yield the positions of the pins inside sleeves, which the housing holds, in a ring at an angle [rad]."""
     if reducer.design.ring.has_sleeves:
         for number, (x, y) in enumerate(ring_pin_centres(reducer, ring_angle), start=1):
-            yield PlacedPart(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
+            yield PlacedPart(f"{names.PRESSED_PIN}_{number}", names.PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
@@ -190,7 +169,9 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
         return separate_parts(reducer, 0.0, sizes)
     parts = separate_parts(reducer, cam_radius(reducer), sizes)
     width = stock_bearing[0].width if stock_bearing else gear.face_width
-    parts[CAM_BEARING] = Part(CAM_BEARING, cut_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
+    parts[names.CAM_BEARING] = Part(
+        names.CAM_BEARING, cut_holes(names.CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL
+    )
     return parts
 
 

@@ -39,14 +39,7 @@ from cycloid_mj.parts.export.bearings import (
 from cycloid_mj.parts.export.bearings import (
     cam_seat as full_cam_seat,
 )
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    OUTPUT_BEARING,
-    SHAFT_BEARING,
-    Casing,
-    bearing_width_of,
-    seat_radius,
-)
+from cycloid_mj.parts.export.casing import Casing, bearing_width_of, seat_radius
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
@@ -55,7 +48,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.drive import filling
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, Joint, JointKind, TappedHole
+from cycloid_mj.parts.export.joint import Joint, JointKind, TappedHole
 from cycloid_mj.parts.export.joints import ITEMS, bought_parts, drive_joints
 from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, part_material
 from cycloid_mj.parts.export.round_part import cut_holes
@@ -288,7 +281,9 @@ def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     for part in bought_parts(drive_joints(reducer, sizes)):
         counts[part.item] += len(part.origins)
         parts[part.item] = part
-    for item in sorted(parts.keys() - {SHAFT_BEARING}, key=lambda item: (item != OUTPUT_BEARING, ITEMS.index(item))):
+    for item in sorted(
+        parts.keys() - {names.SHAFT_BEARING}, key=lambda item: (item != names.OUTPUT_BEARING, ITEMS.index(item))
+    ):
         part = parts[item]
         size, solid = _size(part.dimensions), Part(item, cut_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR)
         mass = counts[item] * filling(item) * mass_properties(solid).mass
@@ -308,13 +303,13 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
             cut_to = sleeve_pin_length(reducer) if sizes else gear.stack_width
-            yield _pressed_pin_line(PRESSED_PIN, ring.teeth, core, cut_to, material)
+            yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core, cut_to, material)
         else:
             yield _ring_pin_line(reducer, material)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
         size, material = (output.root_radius, length), design.material_of(names.OUTPUT)
-        yield _pin_line(OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
+        yield _pin_line(names.OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
     if not (design.has_one_piece_crank or is_printed(reducer, names.SHAFT)):
         yield _shaft_line(reducer, sizes)
 
@@ -432,20 +427,20 @@ def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
         if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
             bearing, count = in_stock
             yield _stock_bearing_line(
-                CAM_BEARING, gear.discs * count, bearing, bearing_fit(reducer, bearing, names.GEAR)
+                names.CAM_BEARING, gear.discs * count, bearing, bearing_fit(reducer, bearing, names.GEAR)
             )
         else:
             diameters = ("outside diameter", gear.bore_radius), ("bore", cam_seat or full_cam_seat(reducer))
-            line = _round_line(CAM_BEARING, gear.discs, diameters, gear.face_width)
+            line = _round_line(names.CAM_BEARING, gear.discs, diameters, gear.face_width)
             yield replace(line, fit="rollers in the bore of the disc")
     stock_bearing, seal = shaft_bearing(reducer), shaft_seal(reducer)
     fit = "; ".join(filter(None, (shaft_bearing_fit(reducer), seal)))
     if stock_bearing:
-        yield _stock_bearing_line(SHAFT_BEARING, SHAFT_BEARINGS, stock_bearing, fit)
+        yield _stock_bearing_line(names.SHAFT_BEARING, SHAFT_BEARINGS, stock_bearing, fit)
     else:
         width = bearing_width_of(reducer)
         diameters = ("outside diameter", seat_radius(reducer, width)), ("bore", shaft.radius)
-        yield replace(_round_line(SHAFT_BEARING, SHAFT_BEARINGS, diameters, width), fit=fit)
+        yield replace(_round_line(names.SHAFT_BEARING, SHAFT_BEARINGS, diameters, width), fit=fit)
 
 
 def _stock_bearing_line(item: str, count: int, bearing: stock.StockBearing, fit: str) -> BillLine:

@@ -8,7 +8,6 @@ of the hub, and the output flange.
 import math
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TypedDict
 
 import numpy as np
 
@@ -57,88 +56,63 @@ from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
-MOTOR_COVER, OUTPUT_COVER, FLANGE, RETAINER = "motor_cover", "output_cover", "output_flange", "bearing_retainer"
-COVERS = MOTOR_COVER, OUTPUT_COVER, RETAINER
-"""Parts of the casing that are fixed to the ring."""
-SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
-FLANGE_WASHER, FLANGE_DOWEL, RETAINER_SCREW = "flange_washer", "flange_dowel", "retainer_screw"
-SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
-LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
-RETAINER_INSERT = "retainer_screw_insert"
-CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
-
 LIGHT_METAL = "aluminium 6061"
 """Material of covers on a ring of a heavier metal, unless another is chosen: a third of the mass of steel."""
 
 
 @dataclass(frozen=True)
-class Casing:
-    """Sizes of the casing [m]; positions are along z.
+class MotorSide:
+    """Sizes of the motor cover [m]; positions are along z.
 
     Attributes
     ----------
-    outer, wall
-        Outer radius of both covers, and minimum wall around holes.
-    screws, dowel, dowel_angles, dowel_circle
-        Screws of the covers, and dowels of covers and ring (None if none fits) with angles clockwise from +y and the
-        radius of their circle.
     motor, face
         Interface of the motor, and its plane.
     journal
         Start of the crank on the side of the motor.
-    near, far, seat
-        Ends of the shaft bearings in the motor cover and in the hub (None without), and the radius of their seats.
     cavity, floor, pocket
         Radius and bottom of the cavity for the crank in the motor cover; bottom of the pocket around its bearing, at
         `floor` without a pocket.
     step, slim
         Height below which the motor cover is slimmer, behind the threads of its screws, and its radius there; at `face`
         without a step.
+    crank_end
+        Retaining rings or seal ring next to the bearings of the crank in the motor cover.
+    """
+
+    motor: MotorFlange
+    face: float
+    journal: float
+    cavity: float
+    floor: float
+    pocket: float
+    step: float
+    slim: float
+    crank_end: CrankEnd
+
+
+@dataclass(frozen=True)
+class OutputSide:
+    """Sizes of hub, bearings and flange of the output [m]; positions are along z.
+
+    Attributes
+    ----------
     hub, hub_floor, spacing
         Bearing of the output (two of it, or one with crossed rollers), end of the cavity of the output's disc, where
         the first of two starts, and the distance between both or from there to the only one.
-    retainer
-        Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
-    rim
-        Radius of the disc of the output.
-    play, end
-        Least distance of parts that move against each other, and half the width of the ring: it is wider than the discs
-        by the play at both ends, so that they turn freely between the covers.
     flange_bolt, flange_thickness, flange_screws, flange_circle, flange_phase
         Screws of the output flange, its thickness, and number, circle radius and first angle [rad] of the screws.
     flange_dowel, flange_dowel_circle
         Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
     hub_bore, flange_bore
         Largest radii of bores on the axis of hub and flange, inside screws and dowels.
-    crank_end
-        Retaining rings or seal ring next to the bearings of the crank in the motor cover.
-    cover_material
-        Material of both covers, a name of the library; empty: that of the ring.
+    retainer
+        Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
     """
 
-    outer: float
-    wall: float
-    screws: Screws
-    dowel: stock.Dowel | None
-    dowel_angles: tuple[float, ...]
-    dowel_circle: float
-    motor: MotorFlange
-    face: float
-    journal: float
-    near: tuple[float, float]
-    far: tuple[float, float] | None
-    seat: float
-    cavity: float
-    floor: float
-    pocket: float
-    step: float
-    slim: float
     hub: stock.StockBearing
     hub_floor: float
     spacing: float
-    rim: float
-    play: float
-    end: float
     flange_bolt: stock.Bolt
     flange_thickness: float
     flange_screws: int
@@ -149,7 +123,42 @@ class Casing:
     hub_bore: float
     flange_bore: float
     retainer: Retainer | None
-    crank_end: CrankEnd
+
+
+@dataclass(frozen=True)
+class Casing(MotorSide, OutputSide):
+    """Sizes of the casing [m]; positions are along z.
+
+    Attributes
+    ----------
+    outer, wall
+        Outer radius of both covers, and minimum wall around holes.
+    screws, dowel, dowel_angles, dowel_circle
+        Screws of the covers, and dowels of covers and ring (None if none fits) with angles clockwise from +y and the
+        radius of their circle.
+    near, far, seat
+        Ends of the shaft bearings in the motor cover and in the hub (None without), and the radius of their seats.
+    rim
+        Radius of the disc of the output.
+    play, end
+        Least distance of parts that move against each other, and half the width of the ring: it is wider than the discs
+        by the play at both ends, so that they turn freely between the covers.
+    cover_material
+        Material of both covers, a name of the library; empty: that of the ring.
+    """
+
+    outer: float
+    wall: float
+    screws: Screws
+    dowel: stock.Dowel | None
+    dowel_angles: tuple[float, ...]
+    dowel_circle: float
+    near: tuple[float, float]
+    far: tuple[float, float] | None
+    seat: float
+    rim: float
+    play: float
+    end: float
     cover_material: str = ""
 
     @property
@@ -277,28 +286,14 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         play=axial_play(reducer),
         end=ring_end(reducer),
         cover_material=_cover_material(reducer, cover_material),
-        **_size_motor_side(reducer, motor, screws, dowel, outer, rim),
-        **_size_output_side(reducer, screws, seat, rim),
+        **vars(_size_motor_side(reducer, motor, screws, dowel, outer, rim)),
+        **vars(_size_output_side(reducer, screws, seat, rim)),
     )
-
-
-class _MotorSide(TypedDict):
-    """Sizes of a `Casing` that describe the motor cover."""
-
-    motor: MotorFlange
-    face: float
-    journal: float
-    cavity: float
-    floor: float
-    pocket: float
-    step: float
-    slim: float
-    crank_end: CrankEnd
 
 
 def _size_motor_side(
     reducer: Reducer, motor: Motor, screws: Screws, dowel: stock.Dowel | None, outer: float, rim: float
-) -> _MotorSide:
+) -> MotorSide:
     """Size the motor cover: its cavity for the crank, the flange of the motor and the step in its outer radius.
 
     A DesignError is raised if motor flange or crank do not fit.
@@ -311,11 +306,6 @@ def _size_motor_side(
         Screws of the covers, and the dowels between covers and ring; None: no dowels.
     outer, rim
         Radii of the cover and of the disc of the output [m].
-
-    Returns
-    -------
-    dict
-        Fields of `Casing` by name.
     """
     design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
     half_width, segments = design.gear.stack_width / 2.0, crank_segments(reducer)
@@ -342,38 +332,20 @@ def _size_motor_side(
     ring_parts = choose_crank_end(reducer, bearing, seat, floor - near_seat[1])
     max_face = min(floor, screw_tip) - floor_thickness
     face, journal = _input_side(reducer, flange, bearing_start, ring_parts, wall, max_face)
-    return {
-        "motor": flange,
-        "face": face,
-        "journal": journal,
-        "cavity": cavity,
-        "floor": floor,
-        "pocket": min(face + floor_thickness, floor),
-        "step": max(min(screw_tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
-        "slim": max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
-        "crank_end": ring_parts,
-    }
+    return MotorSide(
+        motor=flange,
+        face=face,
+        journal=journal,
+        cavity=cavity,
+        floor=floor,
+        pocket=min(face + floor_thickness, floor),
+        step=max(min(screw_tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
+        slim=max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
+        crank_end=ring_parts,
+    )
 
 
-class _OutputSide(TypedDict):
-    """Sizes of a `Casing` that describe hub, bearings and flange of the output."""
-
-    hub: stock.StockBearing
-    hub_floor: float
-    spacing: float
-    flange_bolt: stock.Bolt
-    flange_thickness: float
-    flange_screws: int
-    flange_circle: float
-    flange_phase: float
-    flange_dowel: stock.Dowel | None
-    flange_dowel_circle: float
-    hub_bore: float
-    flange_bore: float
-    retainer: Retainer | None
-
-
-def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> _OutputSide:
+def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> OutputSide:
     """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
 
     `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc. Raises DesignError if no bearing fits.
@@ -415,21 +387,21 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         end, shoulder = max(ends), 2.0 * wall
     else:
         end, shoulder = max(far_end, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread, 0.5 * hub.width
-    return {
-        "hub": hub,
-        "hub_floor": hub_floor,
-        "spacing": max(shoulder, end - hub_floor - bearing_widths),
-        "flange_bolt": bolt,
-        "flange_thickness": thickness,
-        "flange_screws": flange_screws,
-        "flange_circle": flange_circle,
-        "flange_phase": math.pi / design.output.pins if is_short else 0.0,
-        "flange_dowel": flange_dowel,
-        "flange_dowel_circle": flange_dowel_circle,
-        "hub_bore": bores[0],
-        "flange_bore": bores[1],
-        "retainer": retainer,
-    }
+    return OutputSide(
+        hub=hub,
+        hub_floor=hub_floor,
+        spacing=max(shoulder, end - hub_floor - bearing_widths),
+        flange_bolt=bolt,
+        flange_thickness=thickness,
+        flange_screws=flange_screws,
+        flange_circle=flange_circle,
+        flange_phase=math.pi / design.output.pins if is_short else 0.0,
+        flange_dowel=flange_dowel,
+        flange_dowel_circle=flange_dowel_circle,
+        hub_bore=bores[0],
+        flange_bore=bores[1],
+        retainer=retainer,
+    )
 
 
 def output_bearing_count(hub: stock.StockBearing) -> int:

@@ -9,14 +9,7 @@ from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.export.bearings import pin_pieces, ring_pin_radius, roller_bore, sleeve_pin_length
-from cycloid_mj.parts.export.casing import (
-    FLANGE,
-    MOTOR_COVER,
-    OUTPUT_COVER,
-    RETAINER,
-    Casing,
-    output_cover_step,
-)
+from cycloid_mj.parts.export.casing import Casing, output_cover_step
 from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
 )
@@ -30,7 +23,7 @@ from cycloid_mj.parts.export.crank_rings import (
     disc_collar_neck,
     hub_radius,
 )
-from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
+from cycloid_mj.parts.export.joint import Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
 from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, cut_holes
@@ -65,10 +58,10 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
         names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, sizes)),
-        MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
-        OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
-        FLANGE: (names.OUTPUT, _flange_rounds(sizes)),
-        RETAINER: (names.HOUSING, _retainer_rounds(sizes)),
+        names.MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
+        names.OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
+        names.FLANGE: (names.OUTPUT, _flange_rounds(sizes)),
+        names.RETAINER: (names.HOUSING, _retainer_rounds(sizes)),
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
@@ -78,16 +71,16 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
         if holes or rounds:
-            pockets = _motor_pocket(sizes) if name == MOTOR_COVER else ()
+            pockets = _motor_pocket(sizes) if name == names.MOTOR_COVER else ()
             parts[name] = RoundPart(material, rounds, holes, pockets=pockets)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
 
 def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
     """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
-    for name in (MOTOR_COVER, OUTPUT_COVER, *((RETAINER,) if sizes.retainer else ())):
+    for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *((names.RETAINER,) if sizes.retainer else ())):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
-    yield CasingPosition(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
+    yield CasingPosition(names.FLANGE, names.FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
     for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
         yield CasingPosition(ring.name, ring.name, (0.0, 0.0, 0.0), ring.body)
     for part in bought_parts(drive_joints(reducer, sizes)):
@@ -121,7 +114,7 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
         return part.of(_wider(item, sizes.play, item is segments[0], item is segments[-1]) for item in segments)
-    if name == PRESSED_PIN:
+    if name == names.PRESSED_PIN:
         half_pin_length = 0.5 * sleeve_pin_length(reducer)
         return part.of(replace(segment, z0=-half_pin_length, z1=half_pin_length) for segment in segments)
     if name == names.PIN:

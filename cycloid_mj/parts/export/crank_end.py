@@ -16,11 +16,6 @@ from cycloid_mj.parts.cam_bearing import needs_rings
 from cycloid_mj.parts.export.casing_rules import RULES, shoulder_radius
 from cycloid_mj.reducer import Reducer
 
-SHAFT_RING, BORE_RING, SHAFT_SEAL = "shaft_ring", "bore_ring", "shaft_seal"
-"""Retaining rings on the crank and in the motor cover, and seal ring in the motor cover."""
-
-RETAINING_RINGS = SHAFT_RING, BORE_RING
-
 
 @dataclass(frozen=True)
 class CrankEnd:

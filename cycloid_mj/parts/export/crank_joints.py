@@ -22,25 +22,17 @@ from cycloid_mj.parts.export.bearings import (
     sleeve_pin_depth,
     sleeve_pin_fit,
 )
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    MOTOR_COVER,
-    OUTPUT_COVER,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     in_one_piece,
 )
 from cycloid_mj.parts.export.crank_rings import hub_radius
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, BoughtPart, Joint, JointKind
+from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.keyway import KeyContour
 from cycloid_mj.parts.export.round_part import Hole, RoundPart
 from cycloid_mj.parts.joint_strength import JOINTS, PressFit, shrink_difference
 from cycloid_mj.reducer import Reducer, once
-
-KEY = "key"
-"""The key of the cams on the shaft of several discs."""
 
 KEY_ANGLES = 360
 """Number of angles around the shaft at which the wall of the cams over a keyway is compared."""
@@ -161,7 +153,9 @@ def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         *(("depth", bought_parts.in_shaft), ("length", bought_parts.length)),
     )
     solid = RoundPart(names.SHAFT, blocks=((contour, key.low, key.high),), bought=True)
-    part = BoughtPart(KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought_parts.designation, "P9")
+    part = BoughtPart(
+        names.KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought_parts.designation, "P9"
+    )
     yield Joint(name, JointKind.KEYED, parts, (), (part,), "H7/k6", *seats)
 
 
@@ -173,7 +167,7 @@ def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
     kind = JointKind.PRESSED if stock_bearing else JointKind.BEARING
     fit = cam_bearing_fit(reducer, stock_bearing[0]) if stock_bearing else "H6, rollers in the bore of the disc"
     seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
-    yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
+    yield Joint("cam bearings in the discs", kind, (names.CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 
 
 def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -184,7 +178,7 @@ def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     if ring.has_sleeves:
         yield _sleeve_pin_joint(reducer, sizes)
         seats = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
-        parts = names.PIN, PRESSED_PIN
+        parts = names.PIN, names.PRESSED_PIN
         yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seats)
         return
     fit = FREE_FIT if ring.has_sockets else RETAINED_FIT
@@ -203,10 +197,10 @@ def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     holes: tuple[tuple[str, Hole], ...] = (
-        (MOTOR_COVER, (centres, radius, -sizes.end - depth, -sizes.end)),
-        (OUTPUT_COVER, (centres, radius, sizes.end, sizes.end + depth)),
+        (names.MOTOR_COVER, (centres, radius, -sizes.end - depth, -sizes.end)),
+        (names.OUTPUT_COVER, (centres, radius, sizes.end, sizes.end + depth)),
     )
-    parts = PRESSED_PIN, MOTOR_COVER, OUTPUT_COVER
+    parts = names.PRESSED_PIN, names.MOTOR_COVER, names.OUTPUT_COVER
     seats = 2 * ring.teeth, 2.0 * radius, depth
     return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), sleeve_pin_fit(reducer), *seats)
 
@@ -217,10 +211,10 @@ def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
     if in_one_piece(reducer):
         return
     diameter, discs = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
-    parts = OUTPUT_PIN, *((names.OUTPUT, SECOND_OUTPUT)[:discs])
+    parts = names.OUTPUT_PIN, *((names.OUTPUT, names.SECOND_OUTPUT)[:discs])
     seats = output.pins * discs, diameter, output.disc_thickness
     yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seats)
     if output.rollers:
         rolling = output.pins * gear.discs, diameter, gear.face_width
-        parts = names.ROLLER, OUTPUT_PIN
+        parts = names.ROLLER, names.OUTPUT_PIN
         yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *rolling)

@@ -21,12 +21,6 @@ from cycloid_mj.parts.export.casing_rules import RULES, shoulder_radius
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, bearing_seats
 from cycloid_mj.reducer import Reducer
 
-CRANK_RING = "crank_ring"
-"""Family of the rings: 1 on the side of the motor, 2 beyond the discs."""
-
-BEARING_SPACER = "bearing_spacer"
-"""Family of the rings between the bearings of an overhung crank: 1 between the outer rings, 2 between the inner."""
-
 FILLETED_NECK = 2.5
 """Length of a neck between two shoulders over the fillet at each of them, with the room that `edges` requires."""
 
@@ -59,7 +53,7 @@ def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     far, near = bearing_seats(reducer, crank_segments(reducer))
     if sizes.far or near[0] - far[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
-    outer, inner = names.all_numbered(BEARING_SPACER, 2)
+    outer, inner = names.all_numbered(names.BEARING_SPACER, 2)
     ends, shaft = (far[1], near[0]), reducer.design.shaft.radius
     return (
         CrankRing(outer, sizes.seat, *ends, shoulder_radius(sizes.seat, shaft), names.HOUSING),
@@ -110,7 +104,9 @@ def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment
     retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
     thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end, shaft.radius)
+        yield CrankRing(
+            names.numbered_name(names.CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end, shaft.radius
+        )
     if sizes.far and max_radius >= thinnest:
         ends = cams[-1].z1, sizes.far[0] - sizes.play
-        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, *ends, shaft.radius)
+        yield CrankRing(names.numbered_name(names.CRANK_RING, 2), max_radius, *ends, shaft.radius)

@@ -4,8 +4,7 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
-from cycloid_mj.parts.export.casing import COVERS, FLANGE, Casing, casing, casing_or_none
-from cycloid_mj.parts.export.crank_end import SHAFT_SEAL
+from cycloid_mj.parts.export.casing import Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
@@ -15,7 +14,7 @@ BEARING_FILL = 0.67
 SEAL_FILL = 0.5
 """Mass of a seal ring relative to a solid ring of steel: a steel ring in rubber, with a hollow lip (assumed)."""
 
-TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, *COVERS)}
+TURNING = {names.OUTPUT: (names.OUTPUT, names.FLANGE), names.HOUSING: (names.HOUSING, *names.COVERS)}
 """Parts that rotate with the loaded body, by body."""
 
 
@@ -46,7 +45,7 @@ def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
 
 def filling(part: str) -> float:
     """Return the mass of a part relative to that of its solid of steel: less than 1 for rolling bearings and seals."""
-    return SEAL_FILL if part == SHAFT_SEAL else BEARING_FILL if part.endswith("_bearing") else 1.0
+    return SEAL_FILL if part == names.SHAFT_SEAL else BEARING_FILL if part.endswith("_bearing") else 1.0
 
 
 def casing_inertia(reducer: Reducer) -> float:

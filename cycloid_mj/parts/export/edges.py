@@ -16,7 +16,7 @@ from cycloid_mj.parts import Part, Segment
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export.bearings import cam_radius
-from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.step import BrokenEdge
@@ -49,7 +49,7 @@ class EdgeSettings:
 
 EDGES = EdgeSettings()
 
-BEARINGS = CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING
+BEARINGS = names.CAM_BEARING, names.SHAFT_BEARING, names.OUTPUT_BEARING
 """Parts whose corners clear the fillets of shoulders."""
 
 SEATS = {JointKind.BEARING, JointKind.PRESSED}

@@ -15,32 +15,7 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import Prism
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    DOWEL,
-    FLANGE,
-    FLANGE_DOWEL,
-    FLANGE_INSERT,
-    FLANGE_SCREW,
-    FLANGE_WASHER,
-    LOAD_INSERT,
-    MOTOR_COVER,
-    MOTOR_INSERT,
-    MOTOR_SCREW,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    RETAINER,
-    RETAINER_INSERT,
-    RETAINER_SCREW,
-    SCREW,
-    SCREW_INSERT,
-    SHAFT_BEARING,
-    Casing,
-)
-from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
-from cycloid_mj.parts.export.crank_joints import KEY
-from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
@@ -132,10 +107,10 @@ def _flex_ring(reducer: Reducer, sizes: Casing, part: str, sections: "Sections")
 
     `sections` are those in place; those of other parts are returned unchanged.
     """
-    if part == SHAFT_RING:
+    if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
         return tuple((low, high, section - shaft) for low, high, section in sections)
-    if part == BORE_RING:
+    if part == names.BORE_RING:
         bore = manifold3d.CrossSection.circle(1e6 * sizes.seat, FLEX_SEGMENTS)
         return tuple((low, high, section ^ bore) for low, high, section in sections)
     return sections
@@ -172,20 +147,20 @@ def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, .
     """
     yield from _list_output_moves(sizes, placements)
     yield from _list_crank_moves(reducer, placements)
-    yield Move((MOTOR_COVER,), MOTOR_COVER)
-    yield Move(_names_of_family(placements, SCREW_INSERT), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, MOTOR_INSERT), MOTOR_COVER, UP)
-    yield Move(_names_of_family(placements, MOTOR_SCREW), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, SHAFT_SEAL), MOTOR_COVER, DOWN)
-    first, *second = sorted(_names_of_family(placements, SHAFT_BEARING, DOWN))
-    yield Move((first,), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, BEARING_SPACER), MOTOR_COVER, DOWN)
-    yield Move(tuple(second), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, BORE_RING), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, DOWEL, DOWN), MOTOR_COVER, DOWN)
-    yield Move((MOTOR_COVER,), DRIVE, UP)
-    yield Move(_names_of_family(placements, SCREW), DRIVE, DOWN)
-    yield Move(_names_of_family(placements, SHAFT_RING), DRIVE, UP)
+    yield Move((names.MOTOR_COVER,), names.MOTOR_COVER)
+    yield Move(_names_of_family(placements, names.SCREW_INSERT), names.MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, names.MOTOR_INSERT), names.MOTOR_COVER, UP)
+    yield Move(_names_of_family(placements, names.MOTOR_SCREW), names.MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, names.SHAFT_SEAL), names.MOTOR_COVER, DOWN)
+    first, *second = sorted(_names_of_family(placements, names.SHAFT_BEARING, DOWN))
+    yield Move((first,), names.MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, names.BEARING_SPACER), names.MOTOR_COVER, DOWN)
+    yield Move(tuple(second), names.MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, names.BORE_RING), names.MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, names.DOWEL, DOWN), names.MOTOR_COVER, DOWN)
+    yield Move((names.MOTOR_COVER,), DRIVE, UP)
+    yield Move(_names_of_family(placements, names.SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, names.SHAFT_RING), DRIVE, UP)
 
 
 def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0) -> tuple[str, ...]:
@@ -208,27 +183,27 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     `placements` are all parts of the drive with their final positions.
     """
     yield Move((names.OUTPUT,), "hub")
-    yield Move(_names_of_family(placements, FLANGE_INSERT), "hub", DOWN)
-    yield Move(_names_of_family(placements, OUTPUT_PIN), "hub", UP)
-    yield Move((OUTPUT_COVER,), DRIVE)
-    *inner, outer = sorted(_names_of_family(placements, OUTPUT_BEARING))
-    yield Move(_names_of_family(placements, RETAINER_INSERT), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, names.FLANGE_INSERT), "hub", DOWN)
+    yield Move(_names_of_family(placements, names.OUTPUT_PIN), "hub", UP)
+    yield Move((names.OUTPUT_COVER,), DRIVE)
+    *inner, outer = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
+    yield Move(_names_of_family(placements, names.RETAINER_INSERT), DRIVE, DOWN)
     yield Move(tuple(inner), DRIVE, UP)
     yield Move((outer,), DRIVE, DOWN)
-    for family in (RETAINER, RETAINER_SCREW):
+    for family in (names.RETAINER, names.RETAINER_SCREW):
         yield Move(_names_of_family(placements, family), DRIVE, DOWN)
     if sizes.far:
-        yield Move(_names_of_family(placements, SHAFT_BEARING, UP), "hub", UP)
+        yield Move(_names_of_family(placements, names.SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)
-    yield Move(_names_of_family(placements, FLANGE_DOWEL), DRIVE, DOWN)
-    yield Move((FLANGE,), "flange")
-    yield Move(_names_of_family(placements, LOAD_INSERT), "flange", DOWN)
+    yield Move(_names_of_family(placements, names.FLANGE_DOWEL), DRIVE, DOWN)
+    yield Move((names.FLANGE,), "flange")
+    yield Move(_names_of_family(placements, names.LOAD_INSERT), "flange", DOWN)
     yield Move(("flange",), DRIVE, DOWN)
-    yield Move(_names_of_family(placements, FLANGE_WASHER), DRIVE, DOWN)
-    yield Move(_names_of_family(placements, FLANGE_SCREW), DRIVE, DOWN)
-    yield Move(_names_of_family(placements, DOWEL, UP), DRIVE, UP)
+    yield Move(_names_of_family(placements, names.FLANGE_WASHER), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, names.FLANGE_SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, names.DOWEL, UP), DRIVE, UP)
     yield Move((names.HOUSING,), DRIVE, UP)
-    for family in (PRESSED_PIN, names.PIN, names.ROLLER):
+    for family in (names.PRESSED_PIN, names.PIN, names.ROLLER):
         yield Move(_names_of_family(placements, family), DRIVE, UP)
 
 
@@ -237,11 +212,11 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
 
     `placements` are all parts of the drive with their final positions.
     """
-    rings, shaft = _names_of_family(placements, CRANK_RING), names.SHAFT
-    second_disc = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
+    rings, shaft = _names_of_family(placements, names.CRANK_RING), names.SHAFT
+    second_disc = [Move((names.SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
-        yield Move(_names_of_family(placements, CAM_BEARING), names.GEAR, UP)
+        yield Move(_names_of_family(placements, names.CAM_BEARING), names.GEAR, UP)
         yield Move((names.GEAR,), DRIVE, UP)
         yield Move((shaft,), shaft)
         yield Move(rings[:1], shaft, UP)
@@ -256,7 +231,7 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
             yield Move((gear,), shaft, direction)
         yield from (Move((shaft,), DRIVE, UP), *second_disc)
         return
-    yield Move((shaft, *_names_of_family(placements, KEY)), shaft)
+    yield Move((shaft, *_names_of_family(placements, names.KEY)), shaft)
     is_shrunk = reducer.design.shaft.cam_joint == "shrink"
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:

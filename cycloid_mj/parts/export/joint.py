@@ -5,12 +5,6 @@ from enum import StrEnum
 
 from cycloid_mj.parts.export.round_part import Hole, RoundPart
 
-SECOND_OUTPUT = "output_2"
-"""The output disc on the motor side, if both ends of the output pins are supported."""
-
-OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
-"""Round parts that are within output and housing in the solids of the mechanism."""
-
 Point = tuple[float, float, float]
 
 

@@ -14,24 +14,6 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.export.bearings import DOWEL_FIT, cup_fit, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
-    DOWEL,
-    FLANGE,
-    FLANGE_DOWEL,
-    FLANGE_INSERT,
-    FLANGE_SCREW,
-    FLANGE_WASHER,
-    LOAD_INSERT,
-    MOTOR_COVER,
-    MOTOR_INSERT,
-    MOTOR_SCREW,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    RETAINER,
-    RETAINER_INSERT,
-    RETAINER_SCREW,
-    SCREW,
-    SCREW_INSERT,
-    SHAFT_BEARING,
     Casing,
     bearing_width_of,
     dowel_centres,
@@ -53,8 +35,7 @@ from cycloid_mj.parts.export.casing_rules import (
     shoulder_radius,
     thickest_bolt,
 )
-from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
-from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
+from cycloid_mj.parts.export.crank_joints import crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
 from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
 from cycloid_mj.parts.export.output_flange import pattern_angles
@@ -64,9 +45,9 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
-    *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, RETAINER_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
-    *(SHAFT_RING, BORE_RING, SHAFT_SEAL),
-    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, RETAINER_INSERT, DOWEL, FLANGE_DOWEL, KEY),
+    *(names.SCREW, names.FLANGE_SCREW, names.FLANGE_WASHER, names.MOTOR_SCREW, names.RETAINER_SCREW),
+    *(names.OUTPUT_BEARING, names.SHAFT_BEARING, *names.RETAINING_RINGS, names.SHAFT_SEAL),
+    *(*names.INSERTS, names.DOWEL, names.FLANGE_DOWEL, names.KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
 
@@ -122,7 +103,7 @@ def _motor_shaft_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 def _motor_pilot_joint(sizes: Casing) -> Joint:
     recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + RULES.pilot_depth)
-    return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, MOTOR_COVER), ((MOTOR_COVER, recess),))
+    return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, names.MOTOR_COVER), ((names.MOTOR_COVER, recess),))
 
 
 def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
@@ -137,8 +118,8 @@ def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
     return Joint(
         "shaft in the motor cover",
         JointKind.BEARING,
-        (names.SHAFT, MOTOR_COVER),
-        tuple((MOTOR_COVER, hole) for hole in holes),
+        (names.SHAFT, names.MOTOR_COVER),
+        tuple((names.MOTOR_COVER, hole) for hole in holes),
         (bearings := _shaft_bearings(reducer, sizes, numbers),),
         bearings.fit,
         len(numbers),
@@ -162,15 +143,15 @@ def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the joints of the parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
     parts, (start, end) = sizes.crank_end, sizes.near
     if ring := parts.shaft_ring:
-        solid = _retaining_ring(SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
+        solid = _retaining_ring(names.SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
         yield _retaining_ring_joint("retaining ring on the crank", names.SHAFT, ring, solid)
     if ring := parts.bore_ring:
-        solid = _retaining_ring(BORE_RING, ring, names.HOUSING, end + 0.5 * ring.thickness)
-        yield _retaining_ring_joint("retaining ring in the motor cover", MOTOR_COVER, ring, solid)
+        solid = _retaining_ring(names.BORE_RING, ring, names.HOUSING, end + 0.5 * ring.thickness)
+        yield _retaining_ring_joint("retaining ring in the motor cover", names.MOTOR_COVER, ring, solid)
     if seal := parts.seal:
         fit = f"{cup_fit(reducer, names.HOUSING)} outside, lip on the hardened and ground crank (Ra 0.2 to 0.8 um)"
         seal_part = BoughtPart(
-            SHAFT_SEAL,
+            names.SHAFT_SEAL,
             tube(0.5 * seal.bore, 0.5 * seal.outside, seal.width),
             names.HOUSING,
             ((0.0, 0.0, start - 0.5 * seal.width),),
@@ -179,7 +160,7 @@ def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
             seal.designation,
             fit,
         )
-        yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, MOTOR_COVER), (), (seal_part,), fit)
+        yield Joint("seal of the crank", JointKind.LOCATED, (names.SHAFT, names.MOTOR_COVER), (), (seal_part,), fit)
 
 
 def _retaining_ring(item: str, ring: stock.RetainingRing, body: str, middle: float) -> BoughtPart:
@@ -196,7 +177,7 @@ def _retaining_ring(item: str, ring: stock.RetainingRing, body: str, middle: flo
 def _retaining_ring_joint(name: str, part: str, ring: stock.RetainingRing, bought: BoughtPart) -> Joint:
     """Return the joint `name` of a retaining ring in the groove of `part`, which locates a bearing of the crank."""
     seat = 1, ring.groove, ring.groove_width
-    return Joint(name, JointKind.LOCATED, (part, SHAFT_BEARING), (), (bought,), ring.groove_zone, *seat)
+    return Joint(name, JointKind.LOCATED, (part, names.SHAFT_BEARING), (), (bought,), ring.groove_zone, *seat)
 
 
 def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -220,7 +201,7 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
     return BoughtPart(
-        SHAFT_BEARING,
+        names.SHAFT_BEARING,
         tube(radius, sizes.seat, width),
         names.SHAFT,
         tuple((0.0, 0.0, middles[number - 1]) for number in numbers),
@@ -236,9 +217,11 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
 def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
     """Yield the cavities in which crank and output turn."""
     crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
-    yield Joint("crank in its cavity", JointKind.CLEARANCE, (names.SHAFT, MOTOR_COVER), ((MOTOR_COVER, crank),))
+    parts = names.SHAFT, names.MOTOR_COVER
+    yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
     output = (AXIS, sizes.output_cavity, sizes.end, sizes.hub_floor)
-    yield Joint("output in its cavity", JointKind.CLEARANCE, (names.OUTPUT, OUTPUT_COVER), ((OUTPUT_COVER, output),))
+    parts = names.OUTPUT, names.OUTPUT_COVER
+    yield Joint("output in its cavity", JointKind.CLEARANCE, parts, ((names.OUTPUT_COVER, output),))
 
 
 def _output_bearing_joint(sizes: Casing) -> Joint:
@@ -251,7 +234,7 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
         (AXIS, seat, outer, top),
     )
     bearings = BoughtPart(
-        OUTPUT_BEARING,
+        names.OUTPUT_BEARING,
         tube(0.5 * hub.bore, seat, hub.width),
         names.HOUSING,
         tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in sizes.bearings),
@@ -259,8 +242,8 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
         designation=hub.designation,
         fit=hub_bearing_fit(hub),
     )
-    parts = (names.OUTPUT, OUTPUT_COVER)
-    cover_holes = tuple((OUTPUT_COVER, hole) for hole in holes)
+    parts = (names.OUTPUT, names.OUTPUT_COVER)
+    cover_holes = tuple((names.OUTPUT_COVER, hole) for hole in holes)
     name, fit = "hub in the output cover", bearings.fit
     count = len(sizes.bearings)
     return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, count, hub.bore, hub.width)
@@ -275,16 +258,16 @@ def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     centres = ring.circle * unit(pattern_angles(ring.count)[::2])
     depth = hole_depth(reducer, thread, ring.length - ring.thickness)
     holes: tuple[tuple[str, Hole], ...] = (
-        (OUTPUT_COVER, (centres, core_radius(reducer, thread), end - depth, end)),
-        (RETAINER, (AXIS, hub_shoulders(sizes.hub)[1], sizes.top, face)),
-        (RETAINER, (centres, 0.5 * stock.bolt_hole(thread), sizes.top, face)),
+        (names.OUTPUT_COVER, (centres, core_radius(reducer, thread), end - depth, end)),
+        (names.RETAINER, (AXIS, hub_shoulders(sizes.hub)[1], sizes.top, face)),
+        (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), sizes.top, face)),
     )
     bought_parts = (
-        _screws(RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
-        *_inserts(reducer, RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
+        _screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
+        *_inserts(reducer, names.RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
     )
-    threads = (_tapped_holes(reducer, OUTPUT_COVER, centres, thread, depth),)
-    parts = OUTPUT_COVER, RETAINER
+    threads = (_tapped_holes(reducer, names.OUTPUT_COVER, centres, thread, depth),)
+    parts = names.OUTPUT_COVER, names.RETAINER
     name = "screws of the bearing retainer"
     yield Joint(name, JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
@@ -295,20 +278,20 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     centres, end = screws.centres(), ring_half_width - sizes.play if screws.outside else -ring_half_width
     engagement = screws.length - sizes.grip - ring_half_width + end
     thread_depth = hole_depth(reducer, bolt.thread, engagement)
-    step = output_cover_step(sizes)
+    head_face, step = ring_half_width + sizes.grip, output_cover_step(sizes)
     holes: list[tuple[str, Hole]] = [
-        (MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
-        (OUTPUT_COVER, (centres, screws.hole, ring_half_width, ring_half_width + sizes.grip)),
-        (OUTPUT_COVER, (centres, counterbore(bolt), ring_half_width + sizes.grip, step or sizes.output_cover_end)),
+        (names.MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
+        (names.OUTPUT_COVER, (centres, screws.hole, ring_half_width, head_face)),
+        (names.OUTPUT_COVER, (centres, counterbore(bolt), head_face, step or sizes.output_cover_end)),
     ]
     if not screws.outside:
         holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))
     bought_parts = [
-        _screws(SCREW, bolt, screws.length, names.HOUSING, centres, ring_half_width + sizes.grip),
-        *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
+        _screws(names.SCREW, bolt, screws.length, names.HOUSING, centres, head_face),
+        *_inserts(reducer, names.SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
-    parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
-    threads = (_tapped_holes(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
+    parts = (names.MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), names.OUTPUT_COVER)
+    threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, bolt.thread, thread_depth),)
     return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought_parts), threads=threads)
 
 
@@ -318,28 +301,28 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     If the motor has tapped holes, screws lead from inside the cover into it. Otherwise, the cover has threaded holes.
     """
     motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
-    name, parts = "screws of the motor", (MOTOR, MOTOR_COVER)
+    name, parts = "screws of the motor", (MOTOR, names.MOTOR_COVER)
     if not motor.tapped:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
-        inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
-        threads = (_tapped_holes(reducer, MOTOR_COVER, centres, motor.thread, depth),)
-        return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), inserts, threads=threads)
+        inserts = tuple(_inserts(reducer, names.MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
+        threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, motor.thread, depth),)
+        return Joint(name, JointKind.SCREWED, parts, ((names.MOTOR_COVER, thread),), inserts, threads=threads)
     head_face = face + motor_grip(motor, sizes.wall)
     holes: tuple[Hole, ...] = (
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, head_face),
         (centres, counterbore(thickest_bolt(motor.thread)), head_face, sizes.floor),
     )
-    bought_parts = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
-    return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought_parts,))
+    bought_parts = _screws(names.MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
+    return Joint(name, JointKind.SCREWED, parts, tuple((names.MOTOR_COVER, hole) for hole in holes), (bought_parts,))
 
 
 def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the seat of a ring that the screws pass outside of."""
     if sizes.screws.outside:
         seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -sizes.end, sizes.end - sizes.play)
-        parts = (names.HOUSING, MOTOR_COVER)
-        yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((MOTOR_COVER, seat),))
+        parts = (names.HOUSING, names.MOTOR_COVER)
+        yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((names.MOTOR_COVER, seat),))
 
 
 def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
@@ -353,16 +336,16 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
-        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, head_face - washer)),
-        (FLANGE, (centres, bore, head_face - washer, end)),
+        (names.FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, head_face - washer)),
+        (names.FLANGE, (centres, bore, head_face - washer, end)),
     )
     bought_parts = (
-        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
+        _screws(names.FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
         *(_washers(bolt, centres, head_face) if washer else ()),
-        *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
+        *_inserts(reducer, names.FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
-    parts = (names.OUTPUT, FLANGE)
+    parts = (names.OUTPUT, names.FLANGE)
     return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
 
@@ -377,15 +360,15 @@ def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     if min(sizes.flange_bore, top - bottom) > 2.0 * wall:
         holes = [
             (names.OUTPUT, (AXIS, sizes.hub_bore, bottom, top)),
-            (FLANGE, (AXIS, sizes.flange_bore, top, top + sizes.flange_thickness)),
+            (names.FLANGE, (AXIS, sizes.flange_bore, top, top + sizes.flange_thickness)),
         ]
     elif bore:
-        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (FLANGE, (AXIS, bore, top, sizes.ends[1]))]
+        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (names.FLANGE, (AXIS, bore, top, sizes.ends[1]))]
     if bore:
         start = sizes.far[1] + RULES.collar if sizes.far else design.gear.stack_width / 2.0 + AXIAL_GAP
         holes.append((names.OUTPUT, (AXIS, bore, start, bottom)))
     if holes:
-        yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), tuple(holes))
+        yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, names.FLANGE), tuple(holes))
 
 
 def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
@@ -395,10 +378,15 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
-    inserts = tuple(_inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
-    threads = (_tapped_holes(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
+    inserts = tuple(_inserts(reducer, names.LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
+    threads = (_tapped_holes(reducer, names.FLANGE, centres, bolt.thread, end - sizes.top),)
     return Joint(
-        "threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), inserts, threads=threads
+        "threads for the load",
+        JointKind.SCREWED,
+        (names.FLANGE, LOAD),
+        ((names.FLANGE, thread),),
+        inserts,
+        threads=threads,
     )
 
 
@@ -407,18 +395,22 @@ def _dowel_joints(sizes: Casing) -> Iterator[Joint]:
     if sizes.dowel is None:
         return
     ring_half_width, centres = sizes.end, dowel_centres(sizes)
-    faces: tuple[tuple[float, str, str], ...] = ((ring_half_width, MOTOR_COVER, OUTPUT_COVER),)
+    faces: tuple[tuple[float, str, str], ...] = ((ring_half_width, names.MOTOR_COVER, names.OUTPUT_COVER),)
     if not sizes.has_outer_dowels:
-        faces = (-ring_half_width, MOTOR_COVER, names.HOUSING), (ring_half_width, names.HOUSING, OUTPUT_COVER)
+        faces = (
+            (-ring_half_width, names.MOTOR_COVER, names.HOUSING),
+            (ring_half_width, names.HOUSING, names.OUTPUT_COVER),
+        )
     for index, (face, *parts) in enumerate(faces):
         name, first = "dowels of {} and {}".format(*parts).replace("_", " "), 1 + index * len(centres)
-        yield _dowelled_joint(name, (*parts,), (DOWEL, names.HOUSING, first), sizes.dowel, centres, face)
+        yield _dowelled_joint(name, (*parts,), (names.DOWEL, names.HOUSING, first), sizes.dowel, centres, face)
 
 
 def _flange_dowel_joint(sizes: Casing) -> Iterator[Joint]:
     """Yield the dowelled joint of hub and output flange in a plastic, whose screws transmit little by friction."""
     if sizes.flange_dowel:
-        item, parts, centres = (FLANGE_DOWEL, names.OUTPUT, 1), (names.OUTPUT, FLANGE), flange_dowel_centres(sizes)
+        item, parts = (names.FLANGE_DOWEL, names.OUTPUT, 1), (names.OUTPUT, names.FLANGE)
+        centres = flange_dowel_centres(sizes)
         yield _dowelled_joint("dowels of the output flange", parts, item, sizes.flange_dowel, centres, sizes.top)
 
 
@@ -514,7 +506,7 @@ def _washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[Bou
     """
     washer = stock.washer_of(bolt.thread)
     yield BoughtPart(
-        FLANGE_WASHER,
+        names.FLANGE_WASHER,
         tube(0.5 * washer.bore, 0.5 * washer.outside, washer.thickness),
         names.OUTPUT,
         tuple(_point(centre, head_face - 0.5 * washer.thickness) for centre in centres),

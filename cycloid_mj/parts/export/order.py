@@ -3,75 +3,52 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    DOWEL,
-    FLANGE,
-    FLANGE_DOWEL,
-    FLANGE_INSERT,
-    FLANGE_SCREW,
-    FLANGE_WASHER,
-    LOAD_INSERT,
-    MOTOR_COVER,
-    MOTOR_INSERT,
-    MOTOR_SCREW,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    RETAINER,
-    RETAINER_INSERT,
-    RETAINER_SCREW,
-    SCREW,
-    SCREW_INSERT,
-    SHAFT_BEARING,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_plastic,
 )
-from cycloid_mj.parts.export.crank_end import BORE_RING, SHAFT_RING, SHAFT_SEAL
-from cycloid_mj.parts.export.crank_joints import KEY, cam_key, shrink_fit
-from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING, bearing_spacers, crank_rings
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.crank_joints import cam_key, shrink_fit
+from cycloid_mj.parts.export.crank_rings import bearing_spacers, crank_rings
 from cycloid_mj.parts.export.motor_mount import motor_screw
 from cycloid_mj.reducer import Reducer
 
 ALONG = (
-    MOTOR_INSERT,
-    MOTOR_COVER,
-    MOTOR_SCREW,
-    SCREW_INSERT,
-    SHAFT_SEAL,
-    SHAFT_RING,
-    SHAFT_BEARING,
-    BORE_RING,
+    names.MOTOR_INSERT,
+    names.MOTOR_COVER,
+    names.MOTOR_SCREW,
+    names.SCREW_INSERT,
+    names.SHAFT_SEAL,
+    names.SHAFT_RING,
+    names.SHAFT_BEARING,
+    names.BORE_RING,
     names.SHAFT,
-    BEARING_SPACER,
-    CRANK_RING,
-    KEY,
+    names.BEARING_SPACER,
+    names.CRANK_RING,
+    names.KEY,
     names.CAM,
     names.SPACER,
-    CAM_BEARING,
+    names.CAM_BEARING,
     names.GEAR,
     names.PIN,
-    PRESSED_PIN,
+    names.PRESSED_PIN,
     names.HOUSING,
-    DOWEL,
+    names.DOWEL,
     names.ROLLER,
-    OUTPUT_PIN,
+    names.OUTPUT_PIN,
     names.OUTPUT,
-    FLANGE_INSERT,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    SCREW,
-    RETAINER_INSERT,
-    RETAINER,
-    RETAINER_SCREW,
-    FLANGE_DOWEL,
-    FLANGE,
-    LOAD_INSERT,
-    FLANGE_WASHER,
-    FLANGE_SCREW,
+    names.FLANGE_INSERT,
+    names.OUTPUT_BEARING,
+    names.OUTPUT_COVER,
+    names.SCREW,
+    names.RETAINER_INSERT,
+    names.RETAINER,
+    names.RETAINER_SCREW,
+    names.FLANGE_DOWEL,
+    names.FLANGE,
+    names.LOAD_INSERT,
+    names.FLANGE_WASHER,
+    names.FLANGE_SCREW,
 )
 """Families of parts from motor to load; the second disc of the output belongs to the first."""
 
@@ -87,9 +64,9 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
         _describe_output_bearings(sizes),
-        f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through {'it' if sizes.retainer else 'both'}{_describe_flange_dowels(sizes)}, and screw the {FLANGE} on "
-        f"({sizes.flange_screws} x {sizes.flange_bolt.designation}"
+        f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
+        f"through {'it' if sizes.retainer else 'both'}{_describe_flange_dowels(sizes)}, and screw the {names.FLANGE} "
+        f"on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
         f"it clamps {'the inner ring' if sizes.retainer else 'them'}{_describe_preload(sizes)}.",
         f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
@@ -99,7 +76,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{_describe_motor_cover(reducer, sizes)}, put it on{dowels} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side"
-        f"{f'; snap the {SHAFT_RING} on the {names.SHAFT}' if sizes.crank_end.shaft_ring else ''}.",
+        f"{f'; snap the {names.SHAFT_RING} on the {names.SHAFT}' if sizes.crank_end.shaft_ring else ''}.",
         _describe_last_step(reducer, sizes),
     )
 
@@ -109,18 +86,20 @@ def _describe_output_bearings(sizes: Casing) -> str:
     hub, ring = sizes.hub.designation, sizes.retainer
     if ring:
         return (
-            f"Put the {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from outside, screw the {RETAINER} on its outer "
-            f"ring ({ring.count} x {ring.bolt.designation}) and tighten crosswise in steps while it is turned."
+            f"Put the {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from outside, screw the "
+            f"{names.RETAINER} on its outer ring ({ring.count} x {ring.bolt.designation}) and tighten "
+            "crosswise in steps while it is turned."
         )
     grease = ", back to back, and pack them with grease" if sizes.hub.contact_angle else ""
     return (
-        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside{grease}."
+        f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, the other one from "
+        f"outside{grease}."
     )
 
 
 def _describe_flange_dowels(sizes: Casing) -> str:
     """Describe how the dowels of the output flange are pressed into the hub; empty without them."""
-    return f", press {sizes.flange_screws} {FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
+    return f", press {sizes.flange_screws} {names.FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
 
 
 def _describe_preload(sizes: Casing) -> str:
@@ -136,10 +115,10 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
     A motor with tapped holes is first bolted on from within.
     """
     count = "the" if sizes.far else "both"
-    between = f", both {BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
-    seal = f"the {SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
-    ring = f", snap the {BORE_RING} in" if sizes.crank_end.bore_ring else ""
-    step = f"press {seal}{count} {SHAFT_BEARING} into the {MOTOR_COVER}{between}{ring}"
+    between = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
+    seal = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
+    ring = f", snap the {names.BORE_RING} in" if sizes.crank_end.bore_ring else ""
+    step = f"press {seal}{count} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{between}{ring}"
     if not sizes.motor.tapped:
         return f"P{step[1:]}"
     bolt, length = motor_screw(sizes.motor, sizes.wall)
@@ -180,7 +159,7 @@ def _describe_ring_pins(reducer: Reducer) -> str:
     if ring.kind != "pin":
         return ""
     if ring.has_sleeves:
-        return f", press the pins of the sleeves into the {OUTPUT_COVER} and put the sleeves on them"
+        return f", press the pins of the sleeves into the {names.OUTPUT_COVER} and put the sleeves on them"
     if ring.has_sockets:
         return "; put the pins into their sockets with grease, which keeps them there until the disc does"
     return "; glue the pins into their sockets (retaining compound) and let it cure before the disc goes in"
@@ -193,14 +172,14 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
         bearing_step = _describe_cam_bearing(reducer)
         second_disc_step = (
-            f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+            f"; press the disc {names.SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
         )
         return f"{bearing_step}{rollers} {names.GEAR} over them{second_disc_step}."
     if design.has_one_piece_crank:
         first, second = reducer.gears
-        bearing_step = f"put the {CAM_BEARING}s on the cams in grease"
+        bearing_step = f"put the {names.CAM_BEARING}s on the cams in grease"
         if cam_bearing(reducer):
-            bearing_step = f"press a {CAM_BEARING} into each gear"
+            bearing_step = f"press a {names.CAM_BEARING} into each gear"
         return (
             f"The {names.SHAFT} is one piece with its cams: {bearing_step}, then push {first} on cam 1 from the motor "
             f"end of the crank, and {second} on cam 2 from its output end, each up to the collar between them."
@@ -224,14 +203,15 @@ def _describe_cam_bearing(reducer: Reducer) -> str:
     if reducer.design.gear.bearing != "rolling":
         return "Oil its bore"
     if cam_bearing(reducer):
-        return f"Press the {CAM_BEARING} into the {names.GEAR}"
-    return f"Line the bore of the {names.GEAR} with the rollers of its {CAM_BEARING}, in grease that keeps them there"
+        return f"Press the {names.CAM_BEARING} into the {names.GEAR}"
+    rollers = f"the rollers of its {names.CAM_BEARING}"
+    return f"Line the bore of the {names.GEAR} with {rollers}, in grease that keeps them there"
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
     """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
-    first_ring, second_ring = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
+    first_ring, second_ring = (names.numbered_name(names.CRANK_RING, number) for number in (1, 2))
     ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (
         second_ring in rings
     )
@@ -239,7 +219,7 @@ def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
         start = f"Put {' and '.join(ring_notes)}; push" if ring_notes else "Push"
         return f"{start} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
     rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
-    disc = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+    disc = f"; press the disc {names.SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
     last = f"; put {ring_notes[0]}" if first_ring in rings else ""
     far_ring_note = f"{second_ring} on, " if second_ring in rings else ""
     return f"{rollers} the crank, {far_ring_note}with its gears over the output pins into the ring{disc}{last}."

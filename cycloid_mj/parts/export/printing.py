@@ -10,18 +10,12 @@ from cycloid_mj.design import Material
 from cycloid_mj.parts import Part, Segment, Solid, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.bearings import cam_radius, output_pin_span
-from cycloid_mj.parts.export.casing import (
-    COVERS,
-    FLANGE,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_parts import casing_parts, fit_part
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_printed,
 )
-from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.round_part import RoundPart, cut_holes
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
@@ -69,20 +63,20 @@ def material_part(reducer: Reducer, part: str) -> str:
     Discs and flange of the output have the material of the housing if that is plastic, else that of the output.
     """
     family = names.family(part)
-    if family in (names.CAM, names.SPACER, CRANK_RING, BEARING_SPACER):
+    if family in (names.CAM, names.SPACER, names.CRANK_RING, names.BEARING_SPACER):
         return names.SHAFT
-    if family == PRESSED_PIN:
+    if family == names.PRESSED_PIN:
         return names.PIN
-    if family in COVERS:
+    if family in names.COVERS:
         return names.HOUSING
-    if family in (names.OUTPUT, FLANGE):
+    if family in (names.OUTPUT, names.FLANGE):
         return names.HOUSING if is_printed(reducer, names.HOUSING) else names.OUTPUT
-    return names.OUTPUT if family in (OUTPUT_PIN, names.ROLLER) else family
+    return names.OUTPUT if family in (names.OUTPUT_PIN, names.ROLLER) else family
 
 
 def part_material(reducer: Reducer, part: str, sizes: Casing | None) -> Material:
     """Return the material of a part of a drive; covers can have one of their own."""
-    if sizes and sizes.cover_material and names.family(part) in COVERS:
+    if sizes and sizes.cover_material and names.family(part) in names.COVERS:
         return Material(name=sizes.cover_material)
     return reducer.design.material_of(material_part(reducer, part))
 
@@ -134,10 +128,10 @@ def manufactured_parts(
     if design.has_one_piece_crank or is_printed(reducer, names.SHAFT):
         counts[names.SHAFT] = 1
     if is_printed(reducer, names.PIN):
-        counts |= {names.PIN: ring.teeth, PRESSED_PIN: ring.teeth}
-    counts |= {names.OUTPUT: 1, SECOND_OUTPUT: 1}
+        counts |= {names.PIN: ring.teeth, names.PRESSED_PIN: ring.teeth}
+    counts |= {names.OUTPUT: 1, names.SECOND_OUTPUT: 1}
     if is_printed(reducer, names.OUTPUT):
-        counts[OUTPUT_PIN] = output.pins
+        counts[names.OUTPUT_PIN] = output.pins
     if sizes:
         added_parts = casing_parts(reducer, sizes).items()
         counts |= {name: 1 for name, part in added_parts if not part.bought and name not in mechanism_parts}
@@ -186,13 +180,13 @@ def separate_parts(
     if pressed_segments := housing.segments[len(rings) :]:
         parts_by_name[names.HOUSING] = housing.of(rings)
         core = Segment(
-            PRESSED_PIN,
+            names.PRESSED_PIN,
             CircleContour(sleeve_core_radius(reducer)),
             (),
             pressed_segments[0].z0,
             pressed_segments[0].z1,
         )
-        parts_by_name[PRESSED_PIN] = parts_by_name[names.PIN].of([core], PRESSED_PIN)
+        parts_by_name[names.PRESSED_PIN] = parts_by_name[names.PIN].of([core], names.PRESSED_PIN)
     parts_by_name |= _split_output(reducer, parts_by_name[names.OUTPUT])
     if reducer.design.output.rollers:
         parts_by_name[names.ROLLER] = roller_part(reducer)
@@ -208,9 +202,9 @@ def separate_parts(
         base_segments = parts_by_name[name].segments if name in parts_by_name else ()
         density = STEEL if part.bought else part_material(reducer, name, sizes).density
         parts_by_name[name] = Part(name, cut_holes(name, part, base_segments), density)
-    if SECOND_OUTPUT in parts_by_name:
-        density = part_material(reducer, SECOND_OUTPUT, sizes).density
-        parts_by_name[SECOND_OUTPUT] = replace(parts_by_name[SECOND_OUTPUT], density=density)
+    if names.SECOND_OUTPUT in parts_by_name:
+        density = part_material(reducer, names.SECOND_OUTPUT, sizes).density
+        parts_by_name[names.SECOND_OUTPUT] = replace(parts_by_name[names.SECOND_OUTPUT], density=density)
     return parts_by_name
 
 
@@ -254,13 +248,13 @@ def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
     disc, *other_segments = output_part.segments
     radius = reducer.design.output.root_radius
     pressed_holes = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
-    pin = Segment(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
+    pin = Segment(names.OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
         names.OUTPUT: output_part.of(cut_holes(names.OUTPUT, pressed_holes, [disc])),
-        OUTPUT_PIN: output_part.of([pin], OUTPUT_PIN),
+        names.OUTPUT_PIN: output_part.of([pin], names.OUTPUT_PIN),
     }
     if reducer.design.output.support == "both_ends":
-        pieces[SECOND_OUTPUT] = output_part.of(
-            cut_holes(SECOND_OUTPUT, pressed_holes, other_segments[-1:]), SECOND_OUTPUT
+        pieces[names.SECOND_OUTPUT] = output_part.of(
+            cut_holes(names.SECOND_OUTPUT, pressed_holes, other_segments[-1:]), names.SECOND_OUTPUT
         )
     return pieces

@@ -5,10 +5,7 @@ from collections.abc import Iterator
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design.model import BEARING_CORNER
-from cycloid_mj.parts.export.casing import (
-    OUTPUT_COVER,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     is_plastic,
@@ -43,7 +40,7 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
         yield f"{blockage.part} cannot pass {blockage.other} to its place: please report this design"
     joints = drive_joints(reducer, sizes)
     dowelled_parts = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
-    if OUTPUT_COVER not in dowelled_parts:
+    if names.OUTPUT_COVER not in dowelled_parts:
         yield "no dowel fits in the covers, which only the play of the screws centres: enlarge the housing"
     elif is_plastic(reducer) and names.HOUSING not in dowelled_parts:
         yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"

@@ -21,18 +21,11 @@ from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
-from cycloid_mj.parts.export.casing import (
-    CAM_BEARING,
-    OUTPUT_BEARING,
-    SHAFT_BEARING,
-    Casing,
-)
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
     shoulder_radius,
 )
-from cycloid_mj.parts.export.crank_end import RETAINING_RINGS, SHAFT_SEAL
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
 from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.reducer import Reducer
@@ -44,12 +37,12 @@ ROLLING_ELEMENTS = "rolling elements"
 """Body of the space between the rings of a bearing, which no other part may touch."""
 
 _MATES = (
-    {names.GEAR, names.SHAFT, names.CAM, CAM_BEARING},
-    {names.GEAR, names.PIN, names.HOUSING, PRESSED_PIN},
-    {names.GEAR, names.ROLLER, OUTPUT_PIN, names.OUTPUT},
-    {ROLLING_ELEMENTS, SHAFT_BEARING, OUTPUT_BEARING},
-    {names.SHAFT, SHAFT_BEARING},
-    {names.SHAFT, SHAFT_SEAL},
+    {names.GEAR, names.SHAFT, names.CAM, names.CAM_BEARING},
+    {names.GEAR, names.PIN, names.HOUSING, names.PRESSED_PIN},
+    {names.GEAR, names.ROLLER, names.OUTPUT_PIN, names.OUTPUT},
+    {ROLLING_ELEMENTS, names.SHAFT_BEARING, names.OUTPUT_BEARING},
+    {names.SHAFT, names.SHAFT_BEARING},
+    {names.SHAFT, names.SHAFT_SEAL},
 )
 """Families that overlap along z with a clearance of their own, or none."""
 
@@ -115,7 +108,9 @@ def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) ->
     `radial` are the distances of the annuli [m], negative where they overlap.
     """
     families = {names.family(annulus.part), names.family(other.part)}
-    if ROLLING_ELEMENTS in families and (radial > -SAME_LENGTH or families & {SHAFT_SEAL, *RETAINING_RINGS}):
+    if ROLLING_ELEMENTS in families and (
+        radial > -SAME_LENGTH or families & {names.SHAFT_SEAL, *names.RETAINING_RINGS}
+    ):
         return True  # they are inside of the faces of the bearing
     if {annulus.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_LENGTH:
         return True  # pins stay in their sockets
@@ -134,7 +129,7 @@ def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
     for placement in place_parts(reducer, 0.0, sizes):
         for segment in parts[placement.part].segments:
             annulus = _sweep(placement, segment)
-            if names.family(placement.part) in (SHAFT_BEARING, OUTPUT_BEARING):
+            if names.family(placement.part) in (names.SHAFT_BEARING, names.OUTPUT_BEARING):
                 yield from _split_bearing(reducer, sizes, annulus)
             else:
                 yield annulus
@@ -176,7 +171,7 @@ def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterato
 
     A drawn cup has no inner ring and is one annulus.
     """
-    is_on_shaft = bearing.part == SHAFT_BEARING
+    is_on_shaft = bearing.part == names.SHAFT_BEARING
     ends = bearing.low, bearing.high
     is_in_hub = is_on_shaft and sizes.far is not None and bearing.low > 0.0
     outer_body = names.OUTPUT if is_in_hub else names.HOUSING
