@@ -81,8 +81,8 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 def braked_output(model: Held, reducer: Reducer, torque: Signal) -> DriveCycle:
     """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank.
 
-    The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at angle 0
-    and at full speed; `torque` is a function of the times (n,) [s], with values [N m].
+    The servo of the `model` must be on the output: ``build(design, held="output")``. The crank starts at angle 0 and at
+    full speed; `torque` is a function of the times (n,) [s], with values [N m].
     """
     design = reducer.design
     speed = design.drive.speed

@@ -71,9 +71,10 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the film table of a drive, and for each mating pair its row in the table and the index of its ring pin.
+    """Return the table of friction by the law ``film``, and the row in it and the ring pin of each mating pair.
 
-    The index is 0 for pairs without a ring pin or lobe. The result is None with the law ``coulomb``.
+    The law is that of lubricated contacts, and the table has friction coefficients [1]. The index of the pin is 0 for
+    pairs without a ring pin or lobe. The result is None with the law ``coulomb`` of constant coefficients.
     """
     design = reducer.design
     if not design.has_film:
@@ -106,11 +107,11 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 
 
 def film_table(reducer: Reducer) -> Array:
-    """Compute the friction coefficients of a drive by the law ``film`` [1], shape (4, phases, forces).
+    """Compute the friction coefficients [1] of lubricated contacts (law ``film``), shape (4, phases, forces).
 
-    The rows are the kinds of pairs: teeth, seats of ring pins, cams and output pins. Phases of the pins [rad] and
-    forces [N] are those of `TABLE`. With massless pins, the row of the teeth has the smaller of the coefficients of
-    flank and seat. With the law ``coulomb``, the result is the empty `NO_TABLE`.
+    The rows are the kinds of pairs: teeth, seats of ring pins, cams and output pins. `TABLE` has the phases of the pins
+    [rad] and the normal forces [N] of the other axes. With massless pins, the row of the teeth has the smaller of the
+    coefficients of flank and seat. With the law ``coulomb``, the result is the empty `NO_TABLE`.
     """
     if not reducer.design.has_film:
         return NO_TABLE

@@ -159,11 +159,12 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
     """Compute the tangent [1] of the angle by which MuJoCo's friction leads the sliding velocity, by kind of pair.
 
-    `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances. The kinds in the result
-    are teeth, cams (crank bearings of an RV reducer) and seats of moving pins; kinds without friction are omitted.
-    Discs orbit at the eccentricity c with the angular speed w: teeth and seats slide at c w and accelerate by c w^2, a
-    cam of radius r slides at r w. The tangent is impratio w m/creep, with added mass m and creep of the law; on the
-    cam, it is multiplied by c/r.
+    On an orbiting disc, MuJoCo's friction follows the sliding velocity plus a term of its acceleration, which is
+    perpendicular to it. `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances.
+    The kinds in the result are teeth, cams (crank bearings of an RV reducer) and seats of moving pins; kinds without
+    friction are omitted. Discs orbit at the eccentricity c with the angular speed w: teeth and seats slide at c w and
+    accelerate by c w^2, a cam of radius r slides at r w. The tangent is impratio w m/creep, with added mass m and creep
+    of the law; on the cam, it is multiplied by c/r.
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)
@@ -178,10 +179,11 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Compute the ``impratio`` [1] for MuJoCo without this package, whose convex friction cone lifts sliding contacts.
+    """Compute MuJoCo's option ``impratio`` [1], ratio of frictional to normal impedance, for runs without this package.
 
-    `laws` are the contact laws of each disc by kind of pair. The result is the largest value up to `FRICTION.impratio`
-    with which the angle of `friction_leads` is within its limits.
+    There the convex friction cone lifts sliding contacts, which a large ratio reduces. `laws` are the contact laws of
+    each disc by kind of pair. The result is the largest value up to `FRICTION.impratio` with which the angle by which
+    friction is ahead of the sliding velocity (`friction_leads`) is within its limits.
     """
     allowed = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead

@@ -50,7 +50,7 @@ def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
 def idle_warning(reducer: Reducer) -> tuple[str, ...]:
     """Return a warning if the load of a run is too small to press massless pins into their seats, else an empty tuple.
 
-    The limit is the torque of weight and inertia of the discs, `Contacts.own_load`.
+    The limit is the output torque that presses as hard as weight and inertia of the discs (`Contacts.own_load`).
     """
     design = reducer.design
     min_load = reducer.contacts.own_load

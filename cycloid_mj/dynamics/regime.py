@@ -243,9 +243,10 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 
 
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if friction is so far ahead of the sliding velocity that losses are too low.
+    """Yield a warning if MuJoCo's friction is so far ahead of the sliding velocity that losses are too low.
 
-    It names the kind of pair with the largest lead, see `friction_leads`.
+    Its direction leads that of an orbiting disc's velocity by an angle (`friction_leads`). The warning names the kind
+    of pair with the largest angle.
     """
     lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
     kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")

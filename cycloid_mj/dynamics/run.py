@@ -367,7 +367,7 @@ def blocks(
     Warns
     -----
     CycloidWarning
-        As `simulate`.
+        Results may be inaccurate.
     """
     plan = schedule(reducer, compiled.timestep)
     warn(reducer.design.name, run_warnings(compiled, reducer, cycle))
@@ -563,7 +563,7 @@ class _Recorder:
         """Convert rows of samples to tables of the log by topic, each of shape (samples, columns).
 
         `log_columns` lists the columns of each topic with their units. Powers are summed over the pairs of each kind,
-        and the motion of the point q is computed from that of the first disc.
+        and the motion of q, the logged point of the disc, is computed from that of the first disc.
         """
         sensor_values, solver, drags = (
             rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)

@@ -57,15 +57,17 @@ def size_of_budget_sets(samples: int) -> int:
 
 
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
-    """Return the sample sets for the shares of variance (Sobol indices): "A", "B", and a mixed set for each tolerance.
+    """Return the sets of random samples for the computation of Sobol indices, by name: "A", "B", and one per tolerance.
 
     The sets A and B are independent. The mixed set of a tolerance has the values of this tolerance from B and those of
     all others from A (pick-freeze); its name is the key of the tolerance. `zones` are the tolerances by key, and
     `samples` is the size of each set.
     """
-    swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
-    both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
-    return both | swapped
+    mixed_sets = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
+    independent_sets = {
+        name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))
+    }
+    return independent_sets | mixed_sets
 
 
 def find_usable_rows(values: Mapping[str, Array]) -> Integers:
@@ -104,10 +106,10 @@ def compute_shares(
     if rows.size < SOBOL.min_samples:
         return ()
     figure = _FigureSets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
-    if np.ptp(np.concatenate([figure.first, figure.second])) == 0.0:
+    if np.ptp(np.concatenate([figure.set_a, figure.set_b])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
     terms = _estimator_terms(figure, [_standardise(zones, deviation, rows) for deviation in deviations])
-    first_order_share = terms.first.mean(axis=1) / terms.variance.mean()
+    first_order_share = terms.first_order.mean(axis=1) / terms.variance.mean()
     total, low, high = _jackknife_ratios(terms.total, terms.variance)
     shares = [
         Share(
@@ -129,8 +131,8 @@ def _clip_share(value: float, upper: float = 1.0) -> float:
 class _FigureSets(NamedTuple):
     """Values in the sets A and B, shape (n,), and in A with each tolerance from B, shape (tolerances, n)."""
 
-    first: Array
-    second: Array
+    set_a: Array
+    set_b: Array
     mixed: Array
 
 
@@ -138,7 +140,7 @@ class _Terms(NamedTuple):
     """Terms by sample whose means are the variance, shape (n,), and the partial variances, shape (tolerances, n)."""
 
     variance: Array
-    first: Array
+    first_order: Array
     total: Array
 
 
@@ -159,17 +161,17 @@ def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], row
 
 
 def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
-    """Compute the terms of the variance estimators for each sample, with the control variate of `_fit_control_variate`.
+    """Compute the terms of each sample whose means over the samples are variances: of a quantity, and by tolerance.
 
-    Their means over the samples are the variance of the quantity, and the first-order and total variance of each
-    tolerance. `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in
-    the sets A and B, a list over the tolerances, shape (n, numbers) each.
+    The latter are the first-order and the total variance of each tolerance. A linear model serves as control variate
+    (`_fit_control_variate`). `figure` are the values of the quantity in all sample sets, `deviations` the standardised
+    deviations in the sets A and B, a list over the tolerances, shape (n, numbers) each.
     """
     centre, linear, variances = _fit_control_variate(figure, deviations)
-    values_a, values_b, values_mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
-    variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.first**2 + linear.second**2) + variances.sum(axis=0)
-    first_order = values_b * (values_mixed - values_a) - linear.second * (linear.mixed - linear.first) + variances
-    total = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.first - linear.mixed) ** 2 + variances
+    values_a, values_b, values_mixed = figure.set_a - centre, figure.set_b - centre, figure.mixed - centre
+    variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.set_a**2 + linear.set_b**2) + variances.sum(axis=0)
+    first_order = values_b * (values_mixed - values_a) - linear.set_b * (linear.mixed - linear.set_a) + variances
+    total = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.set_a - linear.mixed) ** 2 + variances
     return _Terms(variance, first_order, total)
 
 
@@ -198,7 +200,7 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
         columns = np.concatenate(
             [_columns(deviations_a, model_tolerances, training), _columns(deviations_b, model_tolerances, training)]
         )
-        target = np.concatenate([figure.first[training], figure.second[training]])
+        target = np.concatenate([figure.set_a[training], figure.set_b[training]])
         # normal equations: the columns are independent draws, four rows and more for each
         constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
         centre[validation] = constant[0]
@@ -212,17 +214,18 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
 
 
 def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> list[int]:
-    """Return the indices of the tolerances in the linear model, in ascending order.
+    """Choose the tolerances in the linear model of a quantity; return their indices in ascending order.
 
     Only tolerances that change the value of at least one sample are included, those with the fewest random numbers
     first. The number of columns of the fit is limited to the number of its rows times `SobolSettings.max_columns`.
-    `deviations` are standardised, of set A, shape (n, numbers) for each tolerance.
+    `figure` are the values of the quantity in all sample sets; `deviations` are standardised, of set A, shape (n,
+    numbers) for each tolerance.
     """
-    rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
+    rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0
     selected_tolerances = []
     for i in sorted(range(len(deviations)), key=lambda i: deviations[i].shape[1]):
-        if np.any(figure.mixed[i] != figure.first) and deviations[i].shape[1] <= free_columns:
+        if np.any(figure.mixed[i] != figure.set_a) and deviations[i].shape[1] <= free_columns:
             selected_tolerances.append(i)
             free_columns -= deviations[i].shape[1]
     return sorted(selected_tolerances)

@@ -79,10 +79,10 @@ class RunPlan:
         ]
 
     def compare(self, measures_by_design: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
-        """Compare the designs by the measures of all runs.
+        """Compare the designs by what was measured in all runs; return tables, order of the designs, and sensitivities.
 
-        `measures_by_design` has the measures of every simulated design. `motions` has the logged motion of the first
-        run of each case, by its design.
+        `measures_by_design` has the measured quantities of every simulated design. `motions` has the logged motion of
+        the first run of each case, by its design.
         """
         changes = sensitivities(
             self.trials(measures_by_design, self.loaded_designs),
@@ -257,7 +257,7 @@ def name_run(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return the designs with a run time of the longest settling time among them plus a number of crank turns.
+    """Return the designs with equal run times: the longest of their settling times, plus a number of crank turns.
 
     All designs have the same load. They are returned unchanged if the crank of one of them does not turn.
     """

@@ -49,12 +49,12 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
 
 
 def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples [1] in which a kind of part is preloaded, by its name ("a tooth", "the cam").
+    """Compute the fraction of samples [1] in which a kind of part is preloaded, by its name ("a tooth", "the cam").
 
     A part is preloaded if its largest contact force without a load exceeds `JAM.preload_share` times that under the
-    nominal torque. The key "no balance" has the share of samples without a static equilibrium. Shares of 0 are omitted.
-    `figures` are the figures of the samples by key, shape (samples,) each; without the forces in `PRELOADS`, the result
-    is empty.
+    nominal torque. The key "no balance" has the fraction of samples without a static equilibrium. Fractions of 0 are
+    omitted. `figures` are the results of the samples by key, shape (samples,) each; without the forces in `PRELOADS`,
+    the result is empty.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}
@@ -120,15 +120,16 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
 
 
 def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Compute the smallest interference of rigid parts over crank angles for each sample, and which pairs cause it.
+    """Compute the smallest interference of rigid parts over all crank angles for each sample, and which pairs cause it.
 
     `deviations` are those from the nominal design [m], by tolerance, shape (samples, ...).
 
     Returns
     -------
     tuple
-        Interference of each sample [m], negative if the parts fit; and the share [1] of each kind of contact pair in
-        causing it (`find_tightest_pairs`), as a mean over the samples, by the name of the pair.
+        Interference of each sample [m], negative if the parts fit. Contribution of each kind of contact pair to it, by
+        name of the pair: its fraction [1] of the contact forces at the tightest crank angle, as a mean over the
+        samples.
     """
     count = len(next(iter(deviations.values()))) if deviations else 1
     samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)

@@ -106,7 +106,8 @@ class Journal:
 def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
     """Open the record of a study in a folder, new or interrupted; a context manager that yields its `Journal`.
 
-    The folder gets the study's plan, and a lock against other processes for as long as the context is open.
+    The record has a row for each evaluated point. The folder gets the study's plan, and a lock against other processes
+    for as long as the context is open.
 
     Parameters
     ----------

@@ -73,9 +73,9 @@ class Link:
         return self.formula or RULES[self.key].words
 
     def apply(self, nominal: Reducer, reducer: Reducer) -> Design:
-        """Return the design of a drive with the linked key, which follows other keys, set by its formula or rule.
+        """Set the linked key, which follows other keys, by its formula or rule, and return the new design.
 
-        `nominal` is the drive that all points of the study change, `reducer` the drive at one point.
+        `nominal` is the drive from which the study starts, `reducer` the drive at one point of it, with varied keys.
 
         Raises
         ------
@@ -101,7 +101,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
     Parameters
     ----------
     reducer
-        The drive that all points of the study change.
+        The drive from which the study starts.
     requested
         Texts in the order in which the keys are set; a later formula may use an earlier key.
     varied_keys
@@ -141,8 +141,9 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
 def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
     """Return the links (keys that follow other keys) that an optimisation adds beyond those that are `requested`.
 
-    A rule of `RULES` applies if the layout of the reducer has its key, a key that it follows (`LinkRule.leaders`) is
-    varied, and the key that it sets is neither varied nor linked by `requested`.
+    A rule of `RULES`, such as the radius of the holes that follows from that of the output pins, applies if the layout
+    of the reducer has its key, one of the keys in it (`LinkRule.leaders`) is varied, and the key that it sets is
+    neither varied nor linked by `requested`.
     """
     varied_keys = set(varied_keys)
     excluded = varied_keys | {link.key for link in requested}
@@ -154,9 +155,9 @@ def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iter
 
 
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
-    """Return the design of a point of a study with all linked keys set by their formulas, in the order of `links`.
+    """Set all linked keys of a design by their formulas, in the order of `links`, and return the new design.
 
-    `nominal` is the drive that all points of the study change, `reducer` the drive at the point.
+    `nominal` is the drive from which the study starts, `reducer` the drive at one point of it, with varied keys.
 
     Raises
     ------

@@ -45,18 +45,20 @@ class MeasuredFigures:
     """Sentences about the numbers."""
 
 
-def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
+def _from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> MeasuredFigures:
     """Return the values and units of quantities as columns of a table, by the name of the column.
 
     The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
-    `more` are the other fields of `MeasuredFigures`: assumptions and warnings.
+    `other_fields` are the other fields of `MeasuredFigures`: assumptions and warnings.
     """
     quantities_by_name = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
     }
     units = {name: quantity.unit for name, quantity in quantities_by_name.items() if quantity.unit not in ("", "1")}
-    return MeasuredFigures({name: quantity.value for name, quantity in quantities_by_name.items()}, units, **more)
+    return MeasuredFigures(
+        {name: quantity.value for name, quantity in quantities_by_name.items()}, units, **other_fields
+    )
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
@@ -67,8 +69,8 @@ def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.statics.sheet import sheet
 
     figures = sheet(reducer)
-    named = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
-    return _from_quantities(named, assumptions=figures.assumptions)
+    keyed_quantities = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
+    return _from_quantities(keyed_quantities, assumptions=figures.assumptions)
 
 
 def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
@@ -120,8 +122,8 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 def _flatten_results(results: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
     """Yield name and value of a column for each number and boolean in the results of an analysis.
 
-    `results` are nested, and `prefix` begins the names of all columns. Nested keys are joined by underscores. A list
-    may have dicts with the key ``pair``; the names of its columns begin with the value of that key instead of the outer
+    `results` are nested mappings, whose keys are joined by underscores, after the `prefix` of all names. A list may
+    have dicts with the key ``pair``; the names of its columns begin with the value of that key instead of the outer
     keys. Texts, other lists and None are left out.
     """
     for key, value in results.items():
@@ -227,13 +229,15 @@ MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {
 
 
 def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of measures and figures without duplicates; raise UsageError for a name that a reducer lacks.
+    """Return the names of what a sweep computes, without duplicates; raise UsageError for a name that a reducer lacks.
+
+    A name is that of a measure, a group of results such as ``statics`` or ``simulate``, or the key of a single figure
+    of the catalogue, such as ``backlash_arcmin``.
 
     Raises
     ------
     UsageError
-        A name is neither a measure nor a figure of the catalogue, the layout of the reducer does not have it, or there
-        is no name.
+        A name is neither a measure nor a figure, the layout of the reducer does not have it, or there is no name.
     """
     measure_names = tuple(dict.fromkeys(names))
     for name in measure_names:
@@ -247,7 +251,10 @@ def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _require_measure(reducer: Reducer, name: str) -> None:
-    """Raise UsageError unless a name is that of a measure or figure, and the layout of the reducer has it."""
+    """Raise UsageError unless the layout of a reducer has the measure or figure with a name.
+
+    A measure is a group of results, such as ``statics``; a figure is a single one, such as ``backlash_arcmin``.
+    """
     design = reducer.design
     if name in MEASURED:
         if reducer.LAYOUT not in MEASURE_LAYOUTS[name]:

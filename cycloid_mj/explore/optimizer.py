@@ -163,7 +163,7 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
 
 
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
-    """Return a copy of the optimisation result with the checks of its best design.
+    """Return a copy of the result of an optimisation with further evaluations of its best design.
 
     These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
     tolerances.
@@ -329,8 +329,8 @@ class _Rows:
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
     """Open the record of evaluated points as a context that yields it: in memory, or in the folder `out`.
 
-    A search in a folder is resumed there if its problem, number of evaluations, starts, seed and package versions are
-    the same.
+    A search in a folder is resumed if the `task`, that is the problem, the number of evaluations, starts, seed and
+    package versions are the same.
     """
     if out is None:
         rows: dict[int, PointResult] = {}

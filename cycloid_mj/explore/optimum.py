@@ -76,7 +76,7 @@ class Optimum(Tabular):
 
     @property
     def line(self) -> str:
-        """Line on an optimisation: design, numbers of points and feasible points, objectives and best values."""
+        """One-line summary of an optimisation: design, numbers of all and feasible points, best values."""
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
@@ -223,7 +223,7 @@ class Optimum(Tabular):
 
     @property
     def words(self) -> str:
-        """Sentence on an optimisation: objectives, limits, number of feasible points, start design and random seed."""
+        """Sentence that summarises an optimisation: objectives, limits, numbers of points, start design, seed."""
         objectives = " and ".join(map(str, self.task.objectives))
         limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
         front = f", {len(self.front)} on the front" if len(self.task.objectives) > 1 else ""
@@ -311,7 +311,8 @@ def _format_cell(value: Cell) -> str:
 def tables(optimum: Optimum) -> tuple[Table, ...]:
     """Tabulate the best point of an optimisation next to its start, the rejections, the Pareto front, and the checks.
 
-    Tables without rows are left out. The optimum must have a best point.
+    The rejections are the numbers of points that each check or limit rejected. Tables without rows are left out. The
+    optimum must have a best point.
     """
     assert optimum.best is not None
     start, best = optimum.values(0), optimum.values(optimum.best)

@@ -205,10 +205,10 @@ def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
 
 
 def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
-    """Evaluate the design at a point of a problem `task`.
+    """Evaluate the design at a point of an optimisation problem, `task`.
 
-    `values` are those of the problem's keys, in order. The result has figures, feasibility, violation, and the checks
-    and limits that reject the point; an error is recorded in it.
+    `values` are those of the problem's keys, in order. The result has the objectives and limited quantities, whether
+    the point is feasible, its violation, and the checks and limits that reject it; an error is recorded in it.
     """
     start = time.thread_time()
     with warnings.catch_warnings():
@@ -227,14 +227,16 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
 
 
 def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
-    """Compute the figures of a point of a problem and its violations; `values` are those of the keys of `task`.
+    """Compute objectives and limited quantities at a point of a problem, `task`, and its violations.
+
+    `values` are those of the keys of the problem.
 
     Returns
     -------
     tuple
-        Figures by key; relative violations by the name of the check or limit; a constant to add to their sum; text of
-        an error, empty if none occurred. The constant ranks rejected points by cause: it is smallest for a violated
-        limit, then follow a failed check, a figure without a value, and a value that the design file does not allow.
+        Quantities by key; relative violations by the name of the check or limit; a constant to add to their sum; text
+        of an error, empty if none occurred. The constant ranks rejected points by cause: it is smallest for a violated
+        limit, then follow a failed check, a quantity without a value, and a value that the design file does not allow.
     """
     try:
         design = task.design_at(values)

@@ -55,8 +55,9 @@ class PointResult:
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     """Build the design at a point of a sweep and compute its measures; `values` are those of the task's keys, in order.
 
-    An error of a value or a measure is recorded in the result, since other points may succeed. If a value fails, the
-    result has no quantities; if a measure fails, it has those of the others.
+    Measures are groups of results, such as ``statics``. An error of a value or a measure is recorded in the result,
+    since other points may succeed. If a value fails, the result has no quantities; if a measure fails, it has those of
+    the others.
     """
     start = time.thread_time()
     try:
@@ -87,9 +88,10 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
 
 
 def _compute_measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Compute the measure with a name for a reducer; raise CycloidError if it cannot be built, except for ``checks``.
+    """Compute a measure of a reducer, a group of results such as ``statics``, by its name.
 
-    Python warnings are suppressed, because the result lists them. `options` are those of simulations.
+    Python warnings are suppressed, because the result lists them. `options` are those of simulations. Raise
+    CycloidError if the reducer cannot be built, except for the measure ``checks``.
     """
     from cycloid_mj.checks import require_sound
 

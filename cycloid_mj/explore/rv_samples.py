@@ -54,7 +54,7 @@ class RvSamples:
 
 
 def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
-    """Return the nonzero tolerances of an RV reducer, by their keys in the table [crank_tolerance].
+    """Parse the nonzero tolerances of an RV reducer, in the table [crank_tolerance], to distributions by their keys.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
     Raises
     ------
     DesignError
-        As `crank_zones`.
+        The text of a tolerance is not valid.
     RunError
         A sample has no static equilibrium.
     """
@@ -148,7 +148,7 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     UsageError
         The design has no tolerances.
     DesignError
-        As `crank_zones`.
+        The text of a tolerance is not valid.
     """
     zones, rng = crank_zones(reducer), np.random.default_rng(seed)
     if not zones:
@@ -206,11 +206,11 @@ def _transmission_errors(nominal: Array, responses: Array, deviations: Array) ->
 
 
 def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[str, Array]:
-    """Compute the change of the output angle by a unit of each error of a field [rad/m], shape (m,) each.
+    """Compute the change of the output angle per unit of each error in a list of errors [rad/m], shape (m,) each.
 
-    `field` is a field of `CrankErrors`, such as ``bore_x``. `nominal` is the output angle without additional errors
-    [rad] at m angles of a turn, shape (m,). Keys are the name of the field, or for a list, ``bore_x_1``, ``bore_x_2``
-    and so on (`_columns_of_field`).
+    `field` is the list, a field of `CrankErrors` such as ``bore_x``. `nominal` is the output angle without additional
+    errors [rad] at m angles of a turn, shape (m,). Keys are the name of the field, or for several errors ``bore_x_1``,
+    ``bore_x_2`` and so on.
     """
     length, micrometre = _list_length(reducer, field), 1.0 / MICROMETRES
     responses = {}
@@ -256,7 +256,7 @@ def _errors_of_sample(
     """Return the errors of the parts of one sample [m], by key of the table [crank_errors].
 
     They are its deviations plus the errors of the nominal reducer. `deviations` are the errors of all samples [m],
-    shape (samples,), by the column names of `_columns_of_field`. `row` is the index of the sample.
+    shape (samples,), by names such as ``bore_x_1``. `row` is the index of the sample.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):

@@ -46,10 +46,11 @@ WAVE = "profile_"
 
 
 def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
-    """Collect the nonzero tolerance zones of a design by key; the key of a profile wave is `WAVE` and its order.
+    """Parse the nonzero tolerances of a design to distributions by key; waves of the profile have a key for each order.
 
-    The width of an ISO grade follows from the diameter of the feature. A zone is left out if it is exactly zero. The
-    zone ``seat`` is also left out if the pins have no play in their seats (`Design.pin_play`).
+    The key of a wave is `WAVE` and its order. The width of an ISO grade follows from the diameter of the feature. A
+    tolerance is left out if it is exactly zero. That of ``seat`` is also left out if the pins have no play in their
+    seats (`Design.pin_play`).
 
     Raises
     ------
@@ -103,7 +104,7 @@ class Batch:
 
 
 def list_batches(samples: int) -> list[Batch]:
-    """Split samples into batches of at most `SAMPLING.max_batch`, each of them within one block.
+    """Split samples into batches that are computed together, of at most `SAMPLING.max_batch` samples of one block.
 
     A block contains the `SAMPLING.block` samples that are drawn from the same streams of random numbers. The first
     batch has `SAMPLING.first_batch` samples, or all if there are fewer.
@@ -278,7 +279,7 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:
-    """Return the sample with the index `row` as a design without validation, for geometry: clearances may be < 0."""
+    """Return the sample with the index `row` as a design without validation: its clearances may be negative."""
     design = reducer.design
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     return design.model_copy(

@@ -204,7 +204,7 @@ class _Run:
                 break
 
     def _generation(self, searches: Sequence[EvolutionSearch]) -> None:
-        """Evaluate the next generation of points of each CMA-ES search together, and update searches and best point."""
+        """Evaluate the next generation of points of all CMA-ES searches, and update the searches and the best point."""
         generations = [search.ask() for search in searches]
         rows = self._evaluate([point for points in generations for point in points])
         self._used += len(rows)

@@ -427,7 +427,7 @@ def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Seque
 
 
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
-    """Return a tolerance study that is still to be solved: tolerance zones, limits, batches, sets of the error budget.
+    """Define a tolerance study that is still to be solved: tolerances, limits, batches, sets of the error budget.
 
     `samples` is the number of samples, `seed` the random seed, and `limits` are limits of figures.
 
@@ -525,9 +525,10 @@ class _Study:
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Assemble the result of a tolerance study from the leading batches that are solved, at least the first batch.
+        """Return the result of a tolerance study from its solved batches of samples, up to the first unsolved batch.
 
-        `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each.
+        `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each; at least the first
+        batch is solved.
         """
         batches = self.main[
             : next((index for index in range(len(self.main)) if index not in figures_by_batch), len(self.main))
@@ -563,7 +564,7 @@ class _Study:
         )
 
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
-        """Return the designs of up to `MAX_WORST` samples of a tolerance study with the worst values, the worst first.
+        """Return the samples of a tolerance study with the worst values as designs, worst first, at most `MAX_WORST`.
 
         `values` has the figure of the error budget and `eligible` whether a sample may be selected, shape (samples,)
         each. The largest values are the worst, unless the first limit is a lower bound.
@@ -576,9 +577,9 @@ class _Study:
     def _budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
-        """Return the shares of tolerances in the variance of a figure and "", or no shares and the reason.
+        """Return the error budget, the share of each tolerance in a figure's variance, and ""; or () and the reason.
 
-        There are none if the figure is constant, the study is too small or was stopped, or too many samples jam. A
+        There is no budget if the figure is constant, the study is too small or was stopped, or too many samples jam. A
         single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch, then by key;
         `unjammed_values` are those of the budget's figure for the n samples that do not jam, shape (n,).
         """
@@ -612,14 +613,14 @@ class _Study:
 def balance_batch(
     reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[sampling.Batch, Sequence[str]]
 ) -> dict[str, Array]:
-    """Draw the samples of a batch, solve their static equilibrium, and compute their figures.
+    """Draw the samples of a batch, solve their static equilibrium, and compute their figures, such as the backlash.
 
     Parameters
     ----------
     reducer, zones, seed
         Nominal reducer, its tolerances by key, and random seed.
     angles
-        Number of crank angles at which the samples are balanced.
+        Number of crank angles at which the equilibrium is solved.
     work
         The batch, and the keys of the figures.
 

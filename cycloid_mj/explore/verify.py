@@ -54,9 +54,10 @@ ANGLES_PER_TOOTH = 8
 
 
 def _compute_rv_statics(reducer: Reducer) -> dict[str, float]:
-    """Compute figures of an RV reducer by statics with friction over the turn of the cranks that a run covers.
+    """Compute transmission error [arcsec] and largest forces [N] of an RV reducer by statics with friction, by key.
 
-    Over a turn of the carrier, errors of bores and carrier cause larger forces.
+    The crank angles are those of the turn of the cranks that a run covers. Over a turn of the carrier, errors of bores
+    and carrier cause larger forces.
     """
     assert isinstance(reducer, RvReducer)
     count = ANGLES_PER_TOOTH * reducer.design.ring.teeth

@@ -95,9 +95,9 @@ def _finite(text: str) -> float:
 
 
 def wave_zones(text: str, highest_order: int, size: float) -> dict[int, Zone]:
-    """Parse the tolerances of profile waves [um], such as ``2: normal 1, 35: uniform 2``; return a `Zone` by order.
+    """Parse the tolerances of profile waves [um], such as ``2: normal 1, 35: uniform 2``, to distributions by order.
 
-    A zone is the distribution of the amplitude. `highest_order` is the highest order that is allowed, `size` the
+    A `Zone` is the distribution of the amplitude. `highest_order` is the highest order that is allowed, `size` the
     diameter for ISO tolerance grades [m]. Orders with an empty or zero tolerance are left out.
 
     Raises

@@ -62,9 +62,9 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
 def peak_pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
     """Compute Hertz's peak pressure (n,) [Pa] of each contact line under a force [N] over a face width `length` [m].
 
-    `modulus` E* [Pa] is the plane-strain modulus of both bodies together. Near the junctions of arc and Sigma, where
-    the relative curvature vanishes, the pressure tends to 0: Hertz's assumption of a strip that is narrow against both
-    bodies is not valid there.
+    `lines` are the contact lines, `modulus` E* [Pa] is the plane-strain modulus of both bodies together. Where an arc
+    of an internal gear joins the flank Sigma next to it, the relative curvature vanishes and the pressure tends to 0:
+    Hertz's assumption of a strip that is narrow against both bodies is not valid there.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure
@@ -93,9 +93,10 @@ def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> 
 def _collect_lines(
     crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]
 ) -> ContactLines:
-    """Collect contacts of a part of the ring at a crank angle [rad] as contact lines; arrays have shape (n,).
+    """Convert the contacts of the disc with one part of the ring, at a crank angle [rad], to contact lines.
 
-    `tooth` are the indices of the ring's teeth and `part` the names of their parts: pin, arc, sigma1 or sigma2.
+    `tooth` are the indices of the ring's teeth and `part` the names of their parts: pin, arc, sigma1 or sigma2. Arrays
+    have shape (n,).
     """
     return ContactLines(
         crank_angle=np.full(tooth.shape, crank_angle),

@@ -154,7 +154,7 @@ class Sigma:
 
 
 def tightest_radius(gear: CycloidGear) -> float:
-    """Compute the smallest concave radius of curvature of the ring [m].
+    """Compute the smallest concave radius of curvature of the internal gear [m], which is on the flanks `Sigma`.
 
     Notes
     -----
@@ -187,7 +187,7 @@ def perimeter(gear: CycloidGear) -> float:
 
 
 def area(gear: CycloidGear) -> float:
-    """Compute the area of the ring's bore [m^2], which the arcs of the lobes and the flanks `Sigma` enclose.
+    """Compute the area of the bore of the internal gear [m^2], bounded by the arcs of the lobes and the flanks `Sigma`.
 
     Notes
     -----
@@ -206,7 +206,9 @@ def require_envelope(gear: CycloidGear) -> None:
 
 
 def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
-    """Compute `points` >= 3 points of the ring, equally spaced by arc length, clockwise from the tip of lobe 1 on +y.
+    """Compute `points` >= 3 points on the outline of the internal gear, clockwise from the tip of lobe 1 on +y.
+
+    They are equally spaced by arc length.
 
     Raises
     ------
@@ -226,10 +228,10 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
 
 
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
-    """Compute as few points of the ring as needed for chords that deviate from it by at most `chord_error` [m].
+    """Compute few points on the outline of the internal gear; chords deviate from it by at most `chord_error` [m].
 
     All lobes have the same points. The points at which an arc of a lobe meets a flank `Sigma` are included, so that no
-    chord spans parts of both. The order is as in `sample_ring`.
+    chord spans parts of both. The order is clockwise, from the tip of lobe 1 on +y.
 
     Raises
     ------
@@ -248,9 +250,10 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Compute phases B (n,) [rad] of few points of Sigma, from its junction with the arc to the middle of the root.
+    """Compute phases B (n,) [rad] of few points on half a flank Sigma, which joins two arcs of the internal gear.
 
-    The chords between the points deviate about equally from Sigma, by at most `chord_error` [m].
+    The half is from the junction with the arc to the middle of the root. The chords between the points deviate about
+    equally from Sigma, by at most `chord_error` [m].
 
     Raises
     ------
@@ -334,10 +337,10 @@ def _K(gear: CycloidGear) -> float:
 
 
 def _monotone_intervals(gear: CycloidGear) -> list[tuple[float, float]]:
-    """Return the intervals of the phase B in which `Sigma.crank_angle_cw` is monotone, one or three.
+    """Return the intervals of the phase B in which the crank angle of the contact, `Sigma.crank_angle_cw`, is monotone.
 
-    They are between B0 = `CycloidGear.best_phase` and 2 pi - B0, and end where l^2 = (N-1) (E^2 - c^2 N^2), with the
-    pitch distance l and the symbols of `CycloidGear`.
+    There are one or three. They are between B0 = `CycloidGear.best_phase` and 2 pi - B0, and end where l^2 = (N-1) (E^2
+    - c^2 N^2), with the pitch distance l and the symbols of `CycloidGear`.
 
     Returns
     -------
@@ -360,9 +363,9 @@ def _rotate(points: Array, angle: Array) -> Array:
 
 
 def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingOutline:
-    """Compute points of the ring at arc lengths (n,) [m] from the tips of lobes, clockwise positive, up to half a lobe.
+    """Compute points of the internal gear's outline at arc lengths (n,) [m] from the tips of lobes, up to half a lobe.
 
-    `lobe` (n,) are the indices of the lobes, 0 on +y, clockwise.
+    Arc lengths are positive clockwise. `lobe` (n,) are the indices of the lobes, 0 on +y, clockwise.
     """
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)

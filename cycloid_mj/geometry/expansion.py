@@ -134,8 +134,8 @@ def _expand_rv(design: Design) -> Design:
     inner_radius = cranks.eccentric_radius + 2.0 * cranks.needle_radius
     bore_radius = inner_radius + cranks.needle_clearance
     circle = cranks.radius or 0.5 * design.planet.module * (design.planet.sun_teeth + design.planet.planet_teeth)
-    places = circle * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
-    outward = np.broadcast_to((disc_strain - strain(design, "output")) * places, (*shape, 2)).reshape(-1, 2)
+    crank_axes = circle * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
+    outward = np.broadcast_to((disc_strain - strain(design, "output")) * crank_axes, (*shape, 2)).reshape(-1, 2)
 
     def add_to_errors(values: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
         """Add a change [m] to a list of errors [m] of all eccentrics; an empty list counts as zeros."""

@@ -180,12 +180,12 @@ def hertz_line_contact(
         "modulus": (modulus, "Pa"),
     }
     for name, (values, unit) in inputs.items():
-        least = float(np.asarray(values).min())
-        if not (least > 0.0 or (name == "force" and least == 0.0)):
+        smallest = float(np.asarray(values).min())
+        if not (smallest > 0.0 or (name == "force" and smallest == 0.0)):
             raise DesignError(
-                f"{name} = {least:.4g} {unit} is not valid for a Hertz line contact: a force must be at least 0, and "
-                "length, relative curvature and modulus must be positive. Correct this value, or remove contacts of "
-                "conformal surfaces, whose relative curvature is 0"
+                f"{name} = {smallest:.4g} {unit} is not valid for a Hertz line contact: a force must be at least 0, "
+                "and length, relative curvature and modulus must be positive. Correct this value, or remove contacts "
+                "of conformal surfaces, whose relative curvature is 0"
             )
     half_width = 2 * np.sqrt(force / (np.pi * length * kappa * modulus))
     peak_pressure = np.sqrt(force * kappa * modulus / (np.pi * length))
@@ -267,10 +267,10 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 
 
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
-    """Share a torque [N m] among contacts by their arms (..., n) [m], and compute the eccentric's reaction on the gear.
+    """Share a torque [N m] among contacts by their lever arms (..., n) [m], and compute the eccentric's reaction.
 
-    `gear_normals` (..., n, 2) are the directions in which the contacts push the gear. `torque` and `crank_angle` [rad]
-    have the shape (...).
+    The reaction acts on the gear. `gear_normals` (..., n, 2) are the directions in which the contacts push the gear.
+    `torque` and `crank_angle` [rad] have the shape (...).
     """
     forces = share_load(arms, torque)
     resultant = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)

@@ -231,12 +231,12 @@ def gear_pair(
     shifts = shift, shift_sum(sum(teeth), module, pressure_angle, centre_distance) - shift
     clear_distance = centre_distance - TIP_CLEARANCE * module
     blanks = [
-        InvoluteGear(count, module, pressure_angle, own, 0.0, backlash / 2.0)
-        for count, own in zip(teeth, shifts, strict=True)
+        InvoluteGear(count, module, pressure_angle, gear_shift, 0.0, backlash / 2.0)
+        for count, gear_shift in zip(teeth, shifts, strict=True)
     ]
     pinion, mate = (
-        replace(blank, tip_radius=clear_distance - other.root_radius)
-        for blank, other in zip(blanks, reversed(blanks), strict=True)
+        replace(blank, tip_radius=clear_distance - mate.root_radius)
+        for blank, mate in zip(blanks, reversed(blanks), strict=True)
     )
     return pinion, mate
 
@@ -290,8 +290,8 @@ def contact_path(pair: tuple[InvoluteGear, InvoluteGear], centre_distance: float
     tangent = math.tan(math.acos(min(1.0, sum(bases) / centre_distance)))
     tangents = bases[0] * tangent, bases[1] * tangent
     recess, approach = (
-        min(gear.base_radius * gear.last_roll - own, other)
-        for gear, own, other in zip(pair, tangents, reversed(tangents), strict=True)
+        min(gear.base_radius * gear.last_roll - tangent, mate_tangent)
+        for gear, tangent, mate_tangent in zip(pair, tangents, reversed(tangents), strict=True)
     )
     pitch = 2.0 * math.pi * bases[0] / pair[0].teeth
     inner = (point for point in (-approach + pitch, recess - pitch, 0.0) if -approach < point < recess)

@@ -81,7 +81,7 @@ class MeasuredProfile:
 
     @property
     def words(self) -> str:
-        """Sentence on a measured profile: number of points, mean, order of waves, rms of the rest, alignment."""
+        """Sentence on a measured profile: number of points, mean, highest order of waves, rms of the rest, position."""
         waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
         mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
         text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
@@ -147,7 +147,7 @@ def measured_deviations(design: Design) -> MeasuredDeviations:
 
 
 def measured_profile(design: Design) -> MeasuredProfile | None:
-    """Fit the mean and the harmonics per turn of the deviation of a design's measured disc from its nominal profile.
+    """Fit mean and harmonics (waves) per turn to the deviation of a design's measured disc from its nominal profile.
 
     Return None if the design has no measured profile.
 
@@ -164,7 +164,10 @@ def measured_profile(design: Design) -> MeasuredProfile | None:
 
 @lru_cache(maxsize=8)
 def _fit_profile(measured_files: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
-    """Fit mean and waves to a measured profile whose nominal shape is the parallel of a trochoid at an `offset` [m].
+    """Fit mean and harmonics (waves) per turn to the deviation of a measured profile from its nominal shape.
+
+    The nominal shape is the parallel of the trochoid of `gear` at an `offset` [m]. `measured_files` are the points or
+    deviations that were read from the files.
 
     Raises
     ------
@@ -227,12 +230,12 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
 
 
 def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
-    """Fit a mean and waves to outward deviations (n,) [m] at parameters t (n,) [rad], by weighted least squares.
+    """Fit mean and harmonics (waves) to outward deviations (n,) [m] at t (n,) [rad], by weighted least squares.
 
-    The weight of a point is the part of the range of t that is nearest to it. The highest order is `max_order`, or less
-    if the points are too far apart: it must be below pi over the largest gap (Gröchenig 1992, "Reconstruction
-    algorithms in irregular sampling"). The highest orders are left out as long as their rms is at most `FIT.tail`.
-    `alignment` is stored in the result.
+    The parameter t of the trochoid increases by 2 pi per turn. The weight of a point is the part of the range of t that
+    is nearest to it. The highest order is `max_order`, or less if the points are too far apart: it must be below pi
+    over the largest gap (Gröchenig 1992, "Reconstruction algorithms in irregular sampling"). The highest orders are
+    left out as long as their rms is at most `FIT.tail`. `alignment` is stored in the result.
     """
     from scipy.linalg import lstsq
 

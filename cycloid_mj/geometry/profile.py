@@ -201,7 +201,7 @@ def outline(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) ->
 
 
 def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
-    """Compute the signed curvature of the outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
+    """Compute the curvature of the disc's outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
 
     `offset` [m] is that of the outline from the trochoid, by default the pin radius. The result has the shape of t.
 
@@ -250,13 +250,13 @@ def complete_elliptic(m: float) -> float:
 
     Abramowitz & Stegun, 17.6.3 and 17.6.4.
     """
-    mean, other = 1.0, math.sqrt(1.0 - m)
+    mean, geometric_mean = 1.0, math.sqrt(1.0 - m)
     weight, energy_loss = 0.5, m / 2.0
-    while (half_difference := (mean - other) / 2.0) > 1e-9 * mean:
-        mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
+    while (half_difference := (mean - geometric_mean) / 2.0) > 1e-9 * mean:
+        mean, geometric_mean = (mean + geometric_mean) / 2.0, math.sqrt(mean * geometric_mean)
         weight *= 2.0
         energy_loss += weight * half_difference**2
-    return math.pi / (mean + other) * (1.0 - energy_loss)
+    return math.pi / (mean + geometric_mean) * (1.0 - energy_loss)
 
 
 def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
@@ -266,16 +266,16 @@ def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
     because importing SciPy takes longer than most of its uses.
     """
     angle, doubling = np.array(phi, float), 1.0
-    mean, other = 1.0, math.sqrt(1.0 - m)
+    mean, geometric_mean = 1.0, math.sqrt(1.0 - m)
     weight, energy_loss, sines = 0.5, m / 2.0, np.zeros_like(angle)
-    while (half_difference := (mean - other) / 2.0) > 1e-15 * mean:
-        angle = _landen(angle, other / mean)
-        mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
+    while (half_difference := (mean - geometric_mean) / 2.0) > 1e-15 * mean:
+        angle = _landen(angle, geometric_mean / mean)
+        mean, geometric_mean = (mean + geometric_mean) / 2.0, math.sqrt(mean * geometric_mean)
         doubling, weight = 2.0 * doubling, 2.0 * weight
         energy_loss += weight * half_difference**2
         sines += half_difference * np.sin(angle)
-    angle = _landen(angle, other / mean)
-    return angle / (doubling * (mean + other)) * (1.0 - energy_loss) + sines
+    angle = _landen(angle, geometric_mean / mean)
+    return angle / (doubling * (mean + geometric_mean)) * (1.0 - energy_loss) + sines
 
 
 def _landen(angle: Array, ratio: float) -> Array:
@@ -291,9 +291,10 @@ def length(gear: CycloidGear, offset: float | None = None) -> float:
 
 
 def area(gear: CycloidGear, offset: float | None = None) -> float:
-    """Area inside the outline [m^2], without bore or holes.
+    """Area inside the disc's outline [m^2], without bore or holes.
 
     It is pi (E^2 + N c^2) - offset L + pi offset^2, with the length L of the trochoid and the symbols of `CycloidGear`.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius.
     """
     N, c, E, _ = gear.symbols
     rho = _offset(gear, offset)
@@ -330,7 +331,10 @@ def undercut_radius(gear: CycloidGear) -> float:
 
 
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
-    """Raise DesignError unless the offset of the outline [m], by default the pin radius, is below `undercut_radius`."""
+    """Raise DesignError if the disc's outline, at an `offset` from the trochoid [m], is undercut.
+
+    The offset is by default the pin radius; it must be below `undercut_radius`.
+    """
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(
@@ -341,7 +345,7 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
 
 
 def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
-    """Compute `points` >= 3 points of the outline, equally spaced by arc length, clockwise from the valley on +y.
+    """Compute `points` >= 3 points of the disc's outline, at equal arc lengths, clockwise from the valley on +y.
 
     `offset` [m] is that of the outline from the trochoid, by default the pin radius.
 
@@ -369,7 +373,7 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 
 @lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
-    """Compute few parameters t (n,) [rad] of an outline whose chords deviate by at most `chord_error` [m].
+    """Compute few parameters t (n,) [rad] of the disc's outline whose chords deviate by at most `chord_error` [m].
 
     `offset` [m] is that of the outline from the trochoid, by default the pin radius. All lobes have the same
     parameters. Each half lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The
@@ -489,7 +493,7 @@ def _curvature_bracket(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
-    """Return points, normals, curvature and arc length of the outline at trochoid parameters t (n,) [rad].
+    """Return points, normals, curvature and arc length of the disc's outline at trochoid parameters t (n,) [rad].
 
     `offset` [m] is that of the outline from the trochoid; None is the pin radius.
     """

@@ -44,7 +44,7 @@ class SurfaceSpeeds:
 
 
 def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] of the disc on pins that do not rotate, or on the arcs of an internal gear.
+    """Compute the surface speeds [m/s] of disc and ring at the teeth, for pins that do not rotate or an internal gear.
 
     Parameters
     ----------

@@ -36,8 +36,9 @@ def pin_flexibility(reducer: "Reducer") -> Array:
 def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
     """Compute the flexibility matrix (n, n) [m/N] of a round cantilever: its deflection at n points per force at each.
 
-    `arms` (n,) are the distances of the points from its root and `radius` is the radius of the beam [m]. With a
-    `length` [m], its far end is built in as well (force method): the reactions there keep deflection and rotation 0.
+    `arms` (n,) are the distances of the points from its root and `radius` is the radius of the beam [m], `material` has
+    its modulus. With a `length` [m], its far end is built in as well (force method): the reactions there keep
+    deflection and rotation 0.
     """
     bending, shearing = round_beam(material, radius)
 

@@ -308,7 +308,7 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
 
 
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the surfaces of the ring (pins or lobes) that mate with the discs, and the matings of moving pins.
+    """Return the surfaces of the ring (pins or lobes) that mate with the discs, and the pairs of moving pins and seats.
 
     Moving pins mate with their seats: sockets of pins, or cores of sleeves. `errors` change positions and radii of the
     pins.
@@ -316,8 +316,8 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
     Returns
     -------
     tuple
-        The surfaces, which belong to moving pins if there are any and to the housing if not; and the matings of pins
-        and seats, empty without moving pins.
+        The surfaces, which belong to moving pins if there are any and to the housing if not; and the group of pairs of
+        pins and seats, in a list that is empty without moving pins.
     """
     ring, clearance = design.ring, design.clearance
     radius_errors = np.tile(errors.pin_radius, ring.halves)
@@ -359,7 +359,7 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
 
 
 def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
-    """Return the mating of a disc's teeth with the ring's pins or lobes, `ring_side`.
+    """Return the pairs of surfaces of a disc's teeth and the ring's pins or lobes, `ring_side`.
 
     `disc` is the index of the disc. The teeth are rotated by the phase of the disc on the crank.
     """
@@ -378,7 +378,7 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
 
 
 def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
-    """Return the mating of a disc's bore with its cam; `errors` displace the cam on the shaft.
+    """Return the pair of surfaces of a disc's bore and its cam; `errors` displace the cam on the shaft.
 
     `disc` is the index of the disc. The clearance is included in the radius of the bore.
     """
@@ -397,7 +397,7 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
 
 
 def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
-    """Return the mating of a disc's holes with the output pins, `pins`; `errors` displace the holes in the disc.
+    """Return the pairs of surfaces of a disc's holes and the output pins, `pins`; `errors` displace the holes.
 
     `disc` is the index of the disc. The clearance is included in the radius of the holes.
     """

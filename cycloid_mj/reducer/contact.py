@@ -93,8 +93,8 @@ class CurvatureLaw:
         """Return `factor` at many relative curvatures [1/m], in their shape."""
         if self.reference == 0.0:
             return np.ones(relative_curvature.shape)
-        least = math.exp(0.5 * self.reference - self.constant)
-        return np.asarray(self.reference / (self.constant + np.log(np.maximum(relative_curvature, least))))
+        min_curvature = math.exp(0.5 * self.reference - self.constant)
+        return np.asarray(self.reference / (self.constant + np.log(np.maximum(relative_curvature, min_curvature))))
 
 
 class Contact:
@@ -291,8 +291,8 @@ class Contact:
             force, self._reducer.design.line_length(self.kind), curvature, self.modulus
         )
 
-    def _kept(self, what: object, compute: Callable[[], Value]) -> Value:
-        return self._reducer.kept((what, self.kind), compute)
+    def _kept(self, key: object, compute: Callable[[], Value]) -> Value:
+        return self._reducer.kept((key, self.kind), compute)
 
     @property
     def _is_through_pin(self) -> bool:
@@ -403,8 +403,8 @@ class Contact:
     def _force_key(self) -> str:
         """Design key that determines the working force."""
         if self.source == "given":
-            own = getattr(self._reducer.design.working_force, self.kind)
-            return f"working_force.{self.kind}_n" if own else "contact.working_force_n"
+            stated_force = getattr(self._reducer.design.working_force, self.kind)
+            return f"working_force.{self.kind}_n" if stated_force else "contact.working_force_n"
         key = "contact.working_load_nm" if self.source == "working load" else "load.torque_nm"
         return f"{key} (a working load of {self._reducer.contacts.working_load:.4g} N m)"
 
@@ -542,7 +542,7 @@ def tooth_stiffness(reducer: "Reducer", curvature: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Return the mean force on the cam of a disc over a turn, under ideal sharing of an output torque of 1 N m [N].
+    """Compute the mean force on the cam of a disc over a turn per output torque [1/m], under ideal load sharing.
 
     `pins` and `radius` [m] are the number of output pins and the radius of their circle.
     """

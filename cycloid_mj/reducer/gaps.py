@@ -257,12 +257,13 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the derivatives of the unknowns z of the module by the crank angle in the ideal motion [m/rad].
+    """Compute the derivatives of the pose of discs and output by the crank angle in the ideal motion [m/rad].
 
-    The result has the shape (..., 3 D + 1) for crank angles (...) [rad]. Disc centres move on circles; discs and output
-    rotate by -1/(N-1) of the crank's rotation (Hsieh 2014, Eqs 12 and 13, corrected). The product with
-    `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad]; the product with `Gaps.slope`
-    is 0.
+    The pose of D discs is x, y and rotation of each, and the rotation of the output; rotations are multiplied by the
+    radius of the circle of output pins. The result has the shape (..., 3 D + 1) for crank angles (...) [rad]. Disc
+    centres move on circles; discs and output rotate by -1/(N-1) of the crank's rotation (Hsieh 2014, Eqs 12 and 13,
+    corrected). The product with `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad];
+    the product with `Gaps.slope` is 0.
     """
     gear, angles = reducer.tooth_profile, np.asarray(crank_angle, dtype=np.float64)
     motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
@@ -287,10 +288,11 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def _by_unknown(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
-    """Return the gradient of n gaps of one disc by the unknowns z of the module, shape (..., n, 3 D + 1) [1].
+    """Return the gradient [1] of n gaps of one disc by the pose of all D discs and the output, shape (..., n, 3 D + 1).
 
-    `by_position` (..., n, 2) [1] are the derivatives by x and y of the disc; `by_rotation` and `by_output` (..., n)
-    [m/rad] are those by the rotations of disc and output.
+    The pose is x, y and rotation of each disc, and the rotation of the output; rotations are multiplied by the radius
+    of the circle of output pins. `by_position` (..., n, 2) [1] are the derivatives by x and y of the disc;
+    `by_rotation` and `by_output` (..., n) [m/rad] are those by the rotations of disc and output.
     """
     slope = np.zeros((*by_rotation.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_position

@@ -67,8 +67,8 @@ class Fit:
 
 def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
     """Return the pose of discs and output with the largest minimum gap of all pairs at a crank angle [rad]."""
-    mesh_gaps, pose, least, _ = _maximize_min_gap(reducer, crank_angle)
-    return _make_fit(reducer, mesh_gaps, pose, least)
+    mesh_gaps, pose, min_gap, _ = _maximize_min_gap(reducer, crank_angle)
+    return _make_fit(reducer, mesh_gaps, pose, min_gap)
 
 
 def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
@@ -77,10 +77,12 @@ def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
-    """Convert a pose (u,) [m], see the module, to a `Fit` with displacements [m] and rotations [rad] of the parts.
+    """Convert a pose of discs and output to a `Fit` with displacements [m] and rotations [rad] of the parts.
 
-    The pose is relative to the ring. If the ring is the output, its rotation is added to the rotations in `Fit`.
-    `mesh_gaps` are the gaps at this crank angle, and `min_gap` [m] is the smallest gap in this pose.
+    `pose` (u,) [m] has x, y and rotation of each disc, and the rotation of the output, relative to the ring; rotations
+    are multiplied by the radius of the circle of output pins. If the ring is the output, its rotation is added to the
+    rotations in `Fit`. `mesh_gaps` are the gaps at this crank angle, and `min_gap` [m] is the smallest gap in this
+    pose.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -93,15 +95,15 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
-    """Compute the minimum gap of `best_fit` at a crank angle [rad], and how much each kind of pair limits it.
+    """Compute the minimum gap in the best pose at a crank angle [rad], and how much each kind of pair limits it.
 
-    Clearances may be negative here, unlike in a design file.
+    The best pose is that with the largest minimum gap. Clearances may be negative here, unlike in a design file.
 
     Returns
     -------
     tuple
-        The minimum gap [m]; and for each kind of pair, including ``cam``, a share from 0 to 1. It is the share of this
-        kind in the contact forces that press the parts into the pose (dual values of the linear program).
+        The minimum gap [m]; and for each kind of pair, including ``cam``, a fraction from 0 to 1. It is that of this
+        kind in the contact forces which press the parts into the pose (dual values of the linear program).
     """
     mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank_angle)
     kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
@@ -114,8 +116,9 @@ def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Arr
     Returns
     -------
     tuple
-        Gaps (n,) of teeth and output pins; the pose (u,) [m], see the module; its minimum gap [m]; and the dual values
-        [1] of the constraints: one for each of the n gaps, then one for each side of each cam's polygon.
+        Gaps (n,) of teeth and output pins; the pose (u,) [m]: x, y and rotation of each disc, and rotation of the
+        output, times the radius of the circle of output pins; its minimum gap [m]; and the dual values [1] of the
+        constraints: one for each of the n gaps, then one for each side of each cam's polygon.
     """
     from scipy.optimize import linprog
 
@@ -143,8 +146,8 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
     """Compute how far the output can turn from its ideal angle in both directions, at n crank angles [rad].
 
-    Parts are rigid, with all clearances, errors and modifications. `sides` is the number of sides of the polygon that
-    represents a cam's clearance.
+    Parts are rigid, with all clearances, errors and modifications. `cranks` (n,) are the crank angles, `sides` is the
+    number of sides of the polygon that represents a cam's clearance.
 
     Returns
     -------
@@ -212,10 +215,11 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the limits on a pose z (u,) [m] as inequalities ``slope @ z + gap >= 0``.
+    """Return the limits on the pose z (u,) [m] of discs and output as inequalities ``slope @ z + gap >= 0``.
 
-    There is one for each contact, then one for each side of each cam's polygon, which has `sides` sides. `mesh_gaps`
-    are the gaps of teeth and output pins, and `cams` (D, 2) [m] are the displacements of the cams.
+    The pose is x, y and rotation of each disc, and the rotation of the output, times the radius of the circle of output
+    pins. There is an inequality for each contact, then one for each side of each cam's polygon, which has `sides`
+    sides. `mesh_gaps` are the gaps of teeth and output pins, and `cams` (D, 2) [m] are the displacements of the cams.
 
     Returns
     -------
@@ -243,7 +247,8 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     mesh_gaps
         Gaps at this crank angle.
     pose
-        Displacements of discs and output (u,) [m]; see the module.
+        x, y and rotation of each disc, and rotation of the output, shape (u,) [m]; rotations are multiplied by the
+        radius of the circle of output pins.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

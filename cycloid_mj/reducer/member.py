@@ -72,13 +72,13 @@ class Member:
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return the angles of ring and carrier [rad] at an angle of the output, or their speeds at a speed of it.
+        """Return the angles of ring and carrier [rad] at an angle of the output; likewise speeds at its speed.
 
         Returns
         -------
         tuple of Array
-            Angles of ring and carrier, in the shape of `output`. The one that is the output has its angle; the other is
-            fixed and has the angle 0.
+            Angles of ring and carrier, in the shape of `output`. The member that is the output has its angle; the other
+            is fixed and has the angle 0.
         """
         output = np.asarray(output, dtype=np.float64)
         fixed_angle = np.zeros_like(output)

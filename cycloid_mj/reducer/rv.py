@@ -282,11 +282,11 @@ class RvReducer(Reducer):
         }
 
     def play_at(self, crank: float) -> float:
-        """Compute the backlash of the output [rad] with rigid parts without errors at a fixed sun, equal at all angles.
+        """Compute the backlash of the output [rad] at a fixed sun, with rigid parts without errors, at any angle.
 
         It is the sum of the backlash of the planets, the clearance of the crank bearings and the clearance of the
         teeth, each converted to the output (principle of virtual work). The clearance of the crank bearings contributes
-        twice: along the circle of the crank axes, and perpendicular to the eccentricity.
+        twice: along the circle of the crank axes, and perpendicular to the eccentricity. `crank` has no effect.
         """
         design, clearance = self.design, self.bearing_clearance
         tooth = getattr(design.clearance, design.tooth_pair) + design.pin_play
@@ -315,7 +315,8 @@ class RvReducer(Reducer):
 def _warm_design(design: Design) -> Design:
     """Return a design as it is at the temperatures of ``[thermal]``, with the elastic deformation of ring and discs.
 
-    If the teeth interfere, only `rv_preload.preload_share` of the interference remains for the springs of the pins.
+    If the teeth interfere, housing and discs yield: only a fraction of the interference (`rv_preload.preload_share`)
+    remains as the deflection of the contacts.
     """
     from cycloid_mj.geometry.expansion import expand, tooth_play
     from cycloid_mj.reducer.rv_preload import preload_share

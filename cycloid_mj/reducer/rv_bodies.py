@@ -95,7 +95,7 @@ class PlanetMesh:
 
 
 def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
-    """Return the mesh of sun and planets of an RV reducer.
+    """Compute the geometry of the involute mesh of sun and planets, with backlash and transmission error.
 
     At crank angle 0, each planet is mounted on its crank such that its teeth are in the middle of the backlash.
     """
@@ -175,7 +175,7 @@ def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
 
 
 def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
-    """Return the mating of a disc's crank bores with the eccentrics of the cranks; `disc` is the index of the disc.
+    """Return the pairs of surfaces of a disc's crank bores and the eccentrics of the cranks; `disc` is its index.
 
     The clearances of needle bearing and tapered bearing are included in the radius of the bores.
     """
@@ -216,7 +216,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
 
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
-    """Return the mating of the sun with the planets; run-out displaces each planet's teeth from its crank's axis."""
+    """Return the pairs of the sun and the planets; run-out displaces a planet's teeth from the axis of its crank."""
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
     runout = np.stack([expanded(errors.planet_x, (count,)), expanded(errors.planet_y, (count,))], axis=-1)

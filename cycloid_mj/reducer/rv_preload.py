@@ -12,10 +12,10 @@ from cycloid_mj.reducer.reducer import Reducer
 
 
 def preload_share(reducer: Reducer) -> float:
-    """Compute the share of a radial interference of discs and ring that the springs of the pins take [1].
+    """Compute the fraction [1] of a radial interference of discs and ring that the tooth contacts take as deflection.
 
-    In series with the springs, the housing expands as a thin ring and each disc shrinks as a full plate, under equal
-    radial forces of all pins on all discs.
+    Housing and discs yield by the rest. In series with the contacts, the housing expands as a thin ring and each disc
+    shrinks as a full plate, under equal radial forces of all pins on all discs.
     """
     design, ring = reducer.design, reducer.design.ring
     housing, disc = design.material_of("housing"), design.material_of("gear")

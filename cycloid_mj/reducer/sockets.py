@@ -52,7 +52,7 @@ def is_drawn(design: Design) -> bool:
 
 
 def require_open_sockets(design: Design, feature: str) -> None:
-    """Raise an error if the sockets of a design are closed, because solids of such parts cannot be generated.
+    """Raise an error if the sockets of a design are closed, because the solids of such parts cannot be generated.
 
     `feature` is the name of the feature that needs the solids, for the message.
 

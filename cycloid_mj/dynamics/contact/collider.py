@@ -160,7 +160,9 @@ _installation = Shared(_install, _uninstall)
 
 @contextmanager
 def install(lobes: bool = True) -> Iterator[None]:
-    """Use exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
+    """Replace MuJoCo's collision functions by exact conjugate contact inside this ``with`` block.
+
+    Nested and parallel blocks are allowed.
 
     Parameters
     ----------

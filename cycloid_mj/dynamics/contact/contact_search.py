@@ -181,14 +181,15 @@ def read_touch(address: int) -> Touch:
 
 @njit(inline="always")
 def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
-    """Compute the stiffness of a tooth contact relative to that of its pair [1], at a relative `curvature` [1/m].
+    """Compute the stiffness of a contact of the teeth over the nominal stiffness of such contacts [1], 2 at most.
 
-    It is at most 2, and 1 if `teeth.reference` is 0, which switches the curvature law off.
+    `curvature` [1/m] is the relative curvature of both surfaces at the contact: the stiffness of a line contact
+    increases with its width. The result is 1 if `teeth.reference` is 0, which selects the nominal stiffness everywhere.
     """
     if teeth.reference == 0.0:
         return 1.0
-    least = math.exp(0.5 * teeth.reference - teeth.constant)
-    return teeth.reference / (teeth.constant + math.log(max(curvature, least)))
+    min_curvature = math.exp(0.5 * teeth.reference - teeth.constant)
+    return teeth.reference / (teeth.constant + math.log(max(curvature, min_curvature)))
 
 
 @njit(inline="always")
@@ -265,10 +266,11 @@ def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_gra
 
 @njit(inline="always")
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
-    """Return whether a displacement (dx, dy) [m] of the gear leaves a gap at all normals between two directions.
+    """Return whether the gap between disc and a root certainly exceeds the margin after a displacement of the disc.
 
-    The directions are the unit vectors (x1, y1) and, clockwise from it, (x2, y2). `clearance` is the smallest gap [m]
-    between them without the displacement. False means that this simple bound does not decide.
+    The normals of the root have the directions between the unit vectors (x1, y1) and, clockwise from it, (x2, y2).
+    `clearance` is the smallest gap without displacement minus the margin [m], (dx, dy) the displacement [m]. The bound
+    is simple: False means that it does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -317,7 +319,8 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
 def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
     """Write the contact on the arc of a lobe at an address, in the world's frame; return the number written, 0 or 1.
 
-    `arc` is that of `_arc_touch`, `lobe` the pose of the lobe in the world, `arc_radius` the radius of its arc [m].
+    `arc` is this contact in the frame of the lobe; nothing is written if it does not exist. `lobe` is the pose of the
+    lobe in the world, `arc_radius` the radius of its arc [m].
     """
     if not arc.exists:
         return 0
@@ -328,11 +331,17 @@ def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> in
 
 
 @njit(inline="always")
-def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
-    """Compute the stiffness factor of a contact in a root."""
-    offset, ring, bend = profile.flank.offset, profile.ring, trochoid_curvature(least.t, profile.flank.curve)
-    curvature = offset_root(least.B, ring)[4]
-    return _stiffness_factor(profile, bend / (1.0 - offset * bend) - curvature / (1.0 - arc_radius * curvature))
+def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
+    """Compute the stiffness factor [1] of a contact in a root, which is at the `minimum` of the gap.
+
+    `profile` are the teeth of the disc, `arc_radius` is the radius of the lobes' arcs [m].
+    """
+    offset = profile.flank.offset
+    disc_curvature = trochoid_curvature(minimum.t, profile.flank.curve)
+    root_curvature = offset_root(minimum.B, profile.ring)[4]
+    return _stiffness_factor(
+        profile, disc_curvature / (1.0 - offset * disc_curvature) - root_curvature / (1.0 - arc_radius * root_curvature)
+    )
 
 
 @njit(inline="always")
@@ -511,8 +520,10 @@ def inner_touches(
 
 
 @njit(inline="always")
-def _write_inner(out: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float) -> int:
-    """Write the contact of a circle with the circle around it at the address `out`; return the number written, 0 or 1.
+def _write_inner(
+    address: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float
+) -> int:
+    """Write the contact of a circle with the circle around it at an address; return the number written, 0 or 1.
 
     The inner circle has the centre (x, y) and the `radius` [m]; the unit normal (nx, ny) points outwards. A contact
     with a `gap` of `margin` [m] or more is not written.
@@ -520,5 +531,5 @@ def _write_inner(out: int, gap: float, x: float, y: float, nx: float, ny: float,
     if not gap < margin:
         return 0
     depth = radius + 0.5 * gap
-    write_touch(out, gap, x + depth * nx, y + depth * ny, 1.0, nx, ny)
+    write_touch(address, gap, x + depth * nx, y + depth * ny, 1.0, nx, ny)
     return 1

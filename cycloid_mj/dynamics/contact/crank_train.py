@@ -51,10 +51,11 @@ class MeshNumbers(NamedTuple):
 
 
 def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
-    """Return the data of the mesh of the sun with a planet, by the planet's index, in the format for compiled code.
+    """Return the geometry of the mesh of the sun with the planet number `planet`, as plain numbers for compiled code.
 
-    They are those of `PlanetMesh`, except for two: `involute` is the involute function of the nominal pressure angle,
-    and `error` is the amplitude of the transmission error along the line of action [m].
+    These are base radii, backlash, base pitch, phase and number of teeth of the planet, as in `PlanetMesh`. Two fields
+    differ from it: `involute` is the involute function of the nominal pressure angle, and `error` the amplitude of the
+    transmission error along the line of action [m].
     """
     return MeshNumbers(
         mesh.sun_base,
@@ -87,8 +88,8 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
     """Compute the gaps [m] of both flanks of a planet on the sun, and their line of action.
 
-    `sun` and `planet` are the poses of the gears in a common frame. Backlash, transmission error and the change of the
-    centre distance are included.
+    `mesh` has the geometry of the gears, `sun` and `planet` are their poses in a common frame. Backlash, transmission
+    error and the change of the centre distance are included.
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

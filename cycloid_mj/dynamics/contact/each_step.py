@@ -62,10 +62,11 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place
 
 
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
-    """Add the user sensor whose callback takes and samples the steps of a run to the editable model `spec`.
+    """Add the sensor by which MuJoCo calls back `EachStep`, to advance and sample a run, to the editable model `spec`.
 
-    The callback is that of `EachStep`, whose user data are added, too. With `changes_contacts` a second sensor is
-    added, which is evaluated before the forces, to apply the law IMPACT or the friction law ``film`` to each contact.
+    A number of user data is added, too: it is the memory address of the state of the run. With `changes_contacts` a
+    second sensor is added, which is evaluated before the forces. Its call applies the law IMPACT or the friction law
+    ``film`` to each contact.
     """
     spec.nuserdata = 1
     stage_by_sensor = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
@@ -263,7 +264,11 @@ _installation = Shared(_install, _uninstall)
 
 @cache
 def _compile_callback() -> Any:
-    """Compile or load the sensor callback that takes the steps of a run; return it as a numba ``cfunc``."""
+    """Compile or load MuJoCo's sensor callback that advances and samples a run; return it as a numba ``cfunc``.
+
+    It takes all time steps of a call of `EachStep.advance` without returning to Python. In each step it applies the
+    contact laws, records peak forces, and writes a sample if one is due.
+    """
     layout = find_step_layout()
     bind_multiplication()
     for stage in _STAGES:
@@ -366,10 +371,11 @@ def _apply_impact(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction coefficient of each contact by the law ``film`` at its normal force; do nothing with other laws.
+    """Set the friction coefficient of each contact by the law of lubricated friction, ``film``; else do nothing.
 
-    Contacts of teeth are set before those of seats: the disc with the largest force on a moving pin determines the
-    phase of the pin in its seat.
+    The coefficient depends on the normal force, and at ring pins on the phase of the pin: the angle between the
+    directions of the pin and of the disc's centre. Contacts of teeth are set before those of seats, because the disc
+    that presses hardest on a moving pin determines the phase of the pin in its seat.
     """
     if not run.film:
         return
@@ -387,9 +393,10 @@ def _apply_film(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> None:
-    """Set the friction coefficient of one contact by the film table, at its normal force and the phase of its pin.
+    """Set the friction coefficient of one contact from the table of lubricated friction (law ``film``).
 
-    `contact` is the address of the contact, `pair` the index of its mating pair, `row` its first constraint row.
+    The table is interpolated at the normal force and the phase of the ring pin. `contact` is the address of the
+    contact, `pair` the index of its mating pair, `row` its first constraint row.
     """
     constants = read_address(run.efc_KBIP) + 32 * row
     depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)

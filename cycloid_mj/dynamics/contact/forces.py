@@ -52,9 +52,9 @@ class PairIndex:
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     """Return tables with which compiled code finds the mating pair of two geoms in contact, for a model with `pairs`.
 
-    They are the surface of each geom, the pair of any two surfaces, and the body of each pair; see `PairIndex`. A geom
-    named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0 stands for none. The
-    number of a pair is negative if the logged force acts on the first of the two surfaces (`Pair.on`).
+    The tables (`PairIndex`) have the surface of each geom, the pair of any two surfaces, and the body of each pair. A
+    geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0 stands for none.
+    The number of a pair is negative if the logged force acts on the first of the two surfaces (`Pair.on`).
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
@@ -69,7 +69,17 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return `reach` [m] and `teeth` of `PairIndex`, an element per geom; all are 0 in a model without exact teeth."""
+    """Return radii and addresses that the geometric penetration of teeth is computed from, each of shape (geoms,).
+
+    All are 0 in a model without exact teeth.
+
+    Returns
+    -------
+    radius
+        Radius of a ring pin or lobe, less the clearance of a massless pin [m]; 0 for other geoms.
+    address
+        Address of the user data of a geom that represents the teeth of a disc; 0 for other geoms.
+    """
     priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
@@ -98,8 +108,9 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     """Sum the forces and powers of the contacts of the current step of a run by mating pair.
 
     Three values are written at the address `summary`: the number of contacts that carry a force, the deepest geometric
-    penetration [m], and the largest force of one contact [N]. At `pair_table`, the ``sample_layout.PAIR_COLUMNS`` of
-    every pair are written; there, all numbers but the peak forces must be zero before.
+    penetration [m], and the largest force of one contact [N]. At the address `pair_table`, force x and y [N], moment [N
+    m], peak force [N] and powers of friction and normal force [W] of every pair are written (``PAIR_COLUMNS``); all
+    numbers there but the peak forces must be zero before. `state` is the state of the run.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, max_depth, peak = 0, 0.0, 0.0

@@ -96,7 +96,10 @@ def function_address(name: str) -> int:
 
 @contextmanager
 def exact_xml() -> Iterator[None]:
-    """Write MJCF with all digits of a double inside this block; the default is six digits, coarser than 1 um."""
+    """Make MuJoCo write MJCF with all digits of a double inside this ``with`` block.
+
+    The default is six digits, coarser than 1 um.
+    """
     setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
     if setter is None or getter is None:

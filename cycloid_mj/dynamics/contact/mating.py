@@ -92,8 +92,9 @@ def write_pin_contact(
 ) -> int:
     """Write the contact of a ring pin and the teeth at an address, and return the number of contacts, 0 or 1.
 
-    `model`, `data` and `address` are addresses, `teeth` and `pin` indices of geoms. `sign` is 1 if `teeth` is the first
-    geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `address` are addresses, `teeth` and `pin` indices
+    of geoms. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps below
+    `margin` [m].
     """
     user = _user(model, layout, pin)
     ring_pin = RingPin(
@@ -118,8 +119,9 @@ def write_lobe_contacts(
 ) -> int:
     """Write the contacts of the teeth with a lobe of the internal gear and its roots; return their number.
 
-    `model`, `data` and `contacts` are addresses, `teeth` and `geom` indices of geoms, the latter that of the lobe.
-    `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `teeth` and `geom`
+    indices of geoms, the latter that of the lobe. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the
+    normal; contacts have gaps below `margin` [m].
     """
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
     count = lobe_touches(contacts, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
@@ -134,8 +136,9 @@ def write_round_contacts(
 ) -> int:
     """Write the contacts of a circle in the circle or arc around it at an address, and return their number.
 
-    `model`, `data` and `contacts` are addresses, `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the
-    first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `inner` and `outer`
+    indices of geoms. `sign` is 1 if `inner` is the first geom, else -1, which reverses the normal; contacts have gaps
+    below `margin` [m].
     """
     # the contact of a pin through all discs is in the plane of the disc
     (x, y, _), (outer_x, outer_y, z) = _position(data, layout, inner), _position(data, layout, outer)
@@ -155,9 +158,10 @@ def write_bearing_contacts(
 ) -> int:
     """Write the contacts of an eccentric in its bore at an address, and return their number.
 
-    `model`, `data` and `contacts` are addresses, `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is
-    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload the bore
-    is smaller than the eccentric, and needles on the opposite side have a contact, too, until their gap opens.
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `eccentric` and `bore`
+    indices of geoms. `sign` is 1 if `eccentric` is the first geom, else -1, which reverses the normal; contacts have
+    gaps below `margin` [m]. With a preload the bore is smaller than the eccentric, and needles on the opposite side
+    have a contact, too, until their gap opens.
     """
     (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
     inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
@@ -178,8 +182,9 @@ def write_planet_contacts(
 ) -> int:
     """Write the contacts of both flanks of sun and planet at an address, and return their number.
 
-    `model`, `data` and `contacts` are addresses, `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first
-    geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `sun` and `planet`
+    indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which reverses the normal; contacts have gaps
+    below `margin` [m].
     """
     mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
     flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]

@@ -113,11 +113,11 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 
 
 @compiling.njit(inner=True)
-def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
-    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or the errors of their mean speeds.
+def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, by_speed_errors: bool) -> None:
+    """Multiply the constraint Jacobian by the centripetal accelerations of orbiting discs, or by their speed errors.
 
-    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by (w
-    dt)^2/6 v, with the angular speed w and the time step dt. The product is written to ``efc_force``. `model` and
+    The latter with `by_speed_errors`: the mean of the speeds half a step before and after is smaller than the speed v
+    by (w dt)^2/6 v, with the angular speed w and the time step dt. The product is written to ``efc_force``. `model` and
     `data` are the addresses of MuJoCo's structures, `layout` the offsets of their arrays, and `run` the state of the
     run.
     """
@@ -129,7 +129,7 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
         angular = (px * vy - py * vx) / (px * px + py * py)
         squared_speed = angular * angular
         ax, ay = -squared_speed * px, -squared_speed * py
-        if of_speeds:
+        if by_speed_errors:
             speed_error = 2.0 / 3.0 * half_timestep * half_timestep * squared_speed * angular
             ax, ay = -speed_error * py, speed_error * px
         write_float(run.circling + x, ax)

@@ -89,7 +89,7 @@ def require_passed(part: str, test: Callable[[], str]) -> None:
 
 
 def try_collider(address: int) -> str:
-    """Test the collider of pins and bores at an address with a small model; return the failure, "" for none.
+    """Test the collision function of pins and bores at an address with a small model; return the failure, "" for none.
 
     Gaps are compared with their known values, and the forces of parts at rest with their weights.
     """
@@ -170,10 +170,10 @@ def try_correction(address: int) -> str:
 
 
 def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, PairIndex, int], Any]) -> str:
-    """Test the stepper of a run (``EachStep``, with its callback); return the failure, "" for none.
+    """Test the code that takes and samples the time steps of a run; return the failure in words, "" for none.
 
-    The sampled forces on two balls at rest are compared with their weights. `add_sensor` and `each_step` are the
-    function and the class of the module ``each_step``.
+    The sampled forces on two balls at rest are compared with their weights. `add_sensor` and `each_step` are the tested
+    function and class of the module ``each_step``.
     """
     weights = {"light": TEST.gravity, "heavy": 3.0 * TEST.gravity}
     balls = "".join(

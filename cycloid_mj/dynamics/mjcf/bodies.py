@@ -156,12 +156,12 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Return the attributes of the geom of surface `i` of a group that the collider reads: ``quat`` and ``userdata``.
+    """Return the attributes ``quat`` and ``userdata`` of the geom of surface `i`, which the collision function reads.
 
-    Teeth have the data of `teeth.user_data`; sockets the cosine and sine of half their arc; planets the numbers of
-    their mesh. Ring pins have their outward direction, for the start of the contact search, or zeros if it varies in a
-    run; massless pins add play, compliance ratio and opening of their seats. Other surfaces have no data. Attributes
-    that a surface does not need are omitted.
+    `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; sockets the
+    cosine and sine of half their arc; planets the numbers of their mesh. Ring pins have their outward direction, for
+    the start of the contact search, or zeros if it varies in a run; massless pins add play, compliance ratio and
+    opening of their seats. Other surfaces have no data. Attributes that a surface does not need are omitted.
     """
     design = reducer.design
     angle = float(surfaces.angle[i])
@@ -192,7 +192,10 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
-    """Return the teeth of a disc (index from 0) with its errors and modification, in the format of the collider."""
+    """Return the geometry and stiffness law of the teeth of a disc for contact searches; `disc` is its index from 0.
+
+    Manufacturing errors and the modification of the profile are included.
+    """
     curvature_law, gear, errors = reducer.contacts.teeth.curvature_law, reducer.gear_profile, reducer.deviations
     offset = reducer.profile_offset - float(errors.disc_radius[disc])
     rotation = reducer.design.modification.rotation

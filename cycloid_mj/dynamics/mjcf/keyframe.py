@@ -66,7 +66,7 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
         position |= dict(zip(disc.joints, (x, y, disc_angle), strict=True))
         velocity |= dict(zip(disc.joints, (-speed * y, speed * x, disc_speed), strict=True))
     if not reducer.is_ideal:
-        for joint, shift in _fit_shifts(reducer, crank).items():
+        for joint, shift in _best_fit_shifts(reducer, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
 
@@ -84,11 +84,11 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
     return pressed_fit(reducer, crank, pose)
 
 
-def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute the displacements of all joints that seat parts with errors or modified flanks best, by joint name.
+def _best_fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
+    """Compute the displacements of all joints from the ideal mesh to the best fit of parts with errors, by joint.
 
-    They are added to the positions in the ideal mesh, in [m] or [rad], along directions of the foundation's frame.
-    `crank` is the crank angle [rad].
+    The best fit is the pose with the largest minimum gap. The displacements are in [m] or [rad], along directions of
+    the foundation's frame. `crank` is the crank angle [rad].
     """
     fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)

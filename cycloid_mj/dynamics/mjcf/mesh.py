@@ -187,10 +187,10 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 
 
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
-    """Add the convex pieces behind the working surfaces of a part, which collide with other objects only.
+    """Add the convex pieces of a part that lie behind its working surfaces to an editable model.
 
-    The pieces of one sector are repeated around the part, those of a disc on every disc. `number` is the number of the
-    remainder in the names of its meshes.
+    They collide with objects outside the reducer only. `remainder` has the pieces of one sector, which are repeated
+    around the part, those of a disc on every disc. `number` is the number of the remainder in the names of its meshes.
     """
     sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
@@ -279,10 +279,10 @@ def _add_surface(
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a surface's slices, and their geoms on each disc in `discs`, which are indices.
+    """Add the meshes of a working surface's convex slices, and their geoms on each disc, to an editable model.
 
-    For surfaces of the ring, `discs` has the index 0 only. `laws` are the contact laws by disc, `weights` MuJoCo's
-    inverse weights by body [1/kg].
+    `discs` are the indices of the discs; for surfaces of the ring, it has the index 0 only. `laws` are the contact laws
+    by disc, `weights` MuJoCo's inverse weights by body [1/kg], and `settings` those of the slices.
     """
     for number, _ in enumerate(surface.slices):
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))

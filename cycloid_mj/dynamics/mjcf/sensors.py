@@ -45,9 +45,9 @@ def add_sensors(spec: Any, reducer: Reducer) -> None:
 def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
     """Return the addresses in ``MjData`` of the values that the sensors read, in the order of the log's columns."""
     getters = {
-        "position": lambda of: data.joint(of).qpos,
-        "speed": lambda of: data.joint(of).qvel,
-        "torque": lambda of: data.actuator(of).force,
+        "position": lambda name: data.joint(name).qpos,
+        "speed": lambda name: data.joint(name).qvel,
+        "torque": lambda name: data.actuator(name).force,
     }
     return [getters[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(reducer)]
 

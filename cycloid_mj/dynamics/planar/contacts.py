@@ -300,10 +300,10 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
 
 @njit
 def set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
-    """Set friction coefficient and state of a contact by the law ``film``; do nothing with the law ``coulomb``.
+    """Set friction coefficient and state (sticking, sliding) of a contact by the law of lubricated friction, ``film``.
 
-    `kind` is the row of the contact in the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`),
-    and `v` are the speeds of all unknowns.
+    Nothing is changed with the law ``coulomb``. `kind` is the row of the contact in the film table, `cosine` the cosine
+    of the phase of its pin (`phase_cosine`), and `v` are the speeds of all unknowns.
     """
     if system.film.size == 0:
         return
@@ -437,10 +437,11 @@ def _fill_contact(
 
 @njit
 def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float, v: Array, half_step: float) -> None:
-    """Set force, slope, friction and state of a contact with known gap and lever arms by its law, at the speeds v.
+    """Linearise the force of a contact with known gap and lever arms at the speeds v: set force, slope, friction.
 
-    `factor` multiplies the stiffness, `chord_excess` [m/s] is the result of `_chord_excess`, and `half_step` is half of
-    the time step [s].
+    The state of the contact is set, too. The normal force is force minus slope times the speed along the normal. `law`
+    is the contact law, `factor` multiplies its stiffness, `chord_excess` [m/s] is the error of the normal speed by the
+    chord of a disc's orbit, and `half_step` is half of the time step [s].
     """
     contact.friction, contact.creep = law.friction, law.creep
     speed, slip = relative_speeds(contact, v)

@@ -205,7 +205,10 @@ def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: flo
 
 @njit
 def _set_bearing_arms(contact: Contact, arms: BearingArms) -> None:
-    """Set the lever arms [m] of a contact of a crank bearing along its normal and tangent."""
+    """Set the lever arms [m] of a contact of a crank bearing, along normal and tangent, about disc, carrier and crank.
+
+    `arms` are the vectors from their axes to the bearing.
+    """
     nx, ny = contact.nx, contact.ny
     ax, ay, ex, ey, bx, by, radius = arms
     contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny

@@ -325,7 +325,8 @@ def _add_contacts(
 def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
     """Add the force of a contact, and its derivatives with respect to the speeds, to the equations of its bodies.
 
-    These are disc, pin, shaft and crank, as far as the contact has them. `tangent` is the result of `_linearise_force`.
+    These are disc, pin, shaft and crank, as far as the contact has them. `tangent` is the force as a linear function of
+    the speeds.
     """
     matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
     size, disc, pin_unknown, sliding = len(right), contact.disc, contact.pin, tangent.sliding
@@ -408,10 +409,11 @@ def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) 
 def _add_force_derivative(
     target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
 ) -> None:
-    """Add the derivative of the force on `loaded_body` with respect to the speeds of `moving_body` to `target`.
+    """Add the derivative of a contact's force on one body with respect to the speeds of a body to a matrix, `target`.
 
-    It is a block of shape (3, 3) whose first element is at `row` and `column`. `tangent` is the result of
-    `_linearise_force`.
+    It is a block of shape (3, 3) whose first element is at `row` and `column`. `loaded_body` and `moving_body` are the
+    lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
+    function of the speeds.
     """
     for a in range(3):
         normal_term, creep_term, roll_term = (
@@ -439,11 +441,12 @@ def _couple_shaft(
     shaft_row: int,
     first_column: int,
 ) -> None:
-    """Add the derivatives that couple a body and a shaft in a contact.
+    """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of the equations.
 
     The derivative of the body's force with respect to the shaft's speed is added to `columns`, from `row` on at
     `column`. That of the shaft's torque with respect to the body's speeds is added to `rows`, at `shaft_row` from
-    `first_column` on. `arms` are the lever arms of the shaft, `tangent` is the result of `_linearise_force`.
+    `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body, `tangent` is the
+    contact force as a linear function of the speeds.
     """
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
@@ -524,7 +527,10 @@ def _invert(matrix: Array, row: int) -> Nine:
 
 @njit
 def _recover_pins(equations: Equations, v: Array) -> None:
-    """Compute the speeds of the pins, after `_condense_pins`, from the other speeds in v, and write them to v."""
+    """Compute the speeds of the pins in `v`, after their elimination by `_condense_pins`, from the other speeds in it.
+
+    `equations` has the products with the inverse of each pin's block that the elimination leaves.
+    """
     coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
     size = len(equations.right)
     for i in range(len(coupled)):

@@ -106,10 +106,10 @@ class Stepper:
         self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
-        """Take the time steps of the planar solver up to and including a number of samples; return the samples.
+        """Advance the run up to and including its next `samples` samples, and return these, shape (samples, columns).
 
-        They have the shape (samples, columns). When all rows of `command` are used, the last one is repeated. The
-        columns are those of the slices `copied`, `solver`, `pairs` and `drags`, see `sample_layout`.
+        When all rows of the commands are used, the last one is repeated. The columns are those of the slices `copied`,
+        `solver`, `pairs` and `drags`, see `sample_layout`.
         """
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._stride
@@ -137,7 +137,10 @@ class Stepper:
 
 @cache
 def _compile_steps() -> Any:
-    """Compile or load the function that takes steps, and return it; it has versions for lobes, pins and cranks."""
+    """Compile or load the function that advances a planar run, and return it.
+
+    numba compiles a version each for lobes, pins and cranks.
+    """
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(
@@ -199,7 +202,7 @@ def _compile_steps() -> Any:
 
 @njit
 def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
-    """Write the expected midpoint speeds of the next step to `predicted`.
+    """Write the expected midpoint speeds of the next step to `predicted`, from those of the last two steps in `motion`.
 
     The first `size` unknowns are extrapolated linearly. The others are those of pins; they keep their speeds.
     """
@@ -349,10 +352,10 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
 
 @njit
-def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pairs: int) -> None:
+def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: int, pairs_column: int) -> None:
     """Write number, depth, forces and powers of the first `count` contacts to a row.
 
-    The values for all contacts start at column `solver`, those of each pair at column `pairs`, where the row must be
+    The values for all contacts start at `solver_column`, those of each pair at `pairs_column`, where the row must be
     zero before; see `sample_layout`.
     """
     active, deepest, largest = 0, 0.0, 0.0
@@ -364,7 +367,7 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pai
         normal_force, friction_force = contact.normal_force, contact.friction_force
         active += 1
         largest = max(largest, math.hypot(normal_force, friction_force))
-        column = pairs + sample_layout.OF_PAIR * contact.pair
+        column = pairs_column + sample_layout.OF_PAIR * contact.pair
         arms = contact.disc_normal, contact.disc_tangent
         if contact.disc < 0:
             arms = contact.pin_normal, contact.pin_tangent
@@ -374,9 +377,9 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pai
         row[column + sample_layout.FRICTION_POWER] -= friction_force * contact.slip
         row[column + sample_layout.NORMAL_POWER] -= normal_force * contact.speed
     (
-        row[solver + sample_layout.ACTIVE],
-        row[solver + sample_layout.PENETRATION],
-        row[solver + sample_layout.LARGEST_FORCE],
+        row[solver_column + sample_layout.ACTIVE],
+        row[solver_column + sample_layout.PENETRATION],
+        row[solver_column + sample_layout.LARGEST_FORCE],
     ) = (
         active,
         deepest,

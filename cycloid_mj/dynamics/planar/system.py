@@ -236,12 +236,14 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
 def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
     """Return the ring's surfaces that are in contact, and the radii and opening angle of the seats of its moving pins.
 
+    `ring` are the surfaces that mate with the teeth: pins or lobes.
+
     Returns
     -------
     tuple
-        Surfaces: the seats, or without moving pins `ring`, which mates with the teeth. `System.inner` and
-        `System.outer`: radii of the inner and outer circle of each seat [m], shape (N,), empty without moving pins.
-        `System.arc`: cosine and sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
+        Surfaces: the seats of moving pins, or without moving pins `ring`. `System.inner` and `System.outer`: radii of
+        the inner and outer circle of each seat [m], shape (N,), empty without moving pins. `System.arc`: cosine and
+        sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
@@ -253,7 +255,11 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
 
 
 def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
-    """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); for lobes all but the radii are 0."""
+    """Return the data of ring pins or lobes for the contact search, one row each, shape (N, 6).
+
+    The columns are the fields of `contact_search.RingPin`: radius [m], outward direction, and play, compliance ratio
+    and opening of the seat of a massless pin. Lobes have only the radius; other values are 0.
+    """
     values = np.zeros((len(ring.names), len(RingPin._fields)))
     values[:, 0] = ring.radius
     for i in range(len(ring.names) if ring.role == Role.PIN else 0):
