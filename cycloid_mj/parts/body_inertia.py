@@ -48,10 +48,10 @@ def _turning_inertia(reducer: Reducer) -> float:
 
 
 def play_inertia(reducer: Reducer) -> float:
-    """Compute the inertia that the output moves across its backlash at a locked driven shaft, seen from it [kg m2].
+    """Compute the inertia [kg m2], at the output, of all parts that move when the output turns within its backlash.
 
-    It is `turning_inertia`. In an RV reducer, the output also rotates the cranks with their planets and moves the discs
-    on their orbit: this part is the larger one.
+    The driven shaft is locked. These parts are the output alone (`turning_inertia`), except in an RV reducer, whose
+    output also rotates the cranks with their planets and moves the discs on their orbit; these are the larger part.
     """
     if not isinstance(reducer, RvReducer):
         return turning_inertia(reducer)
@@ -74,12 +74,12 @@ def input_inertia(reducer: Reducer) -> float:
     left out, about 1e-4 of the total, and so are needles.
     """
     design, masses = reducer.design, moving_masses(reducer)
-    slow = turning_inertia(reducer) / design.reduction**2
+    reduced_output = turning_inertia(reducer) / design.reduction**2
     if isinstance(reducer, RvReducer):
         speed_ratio = reducer.orbit_speed / design.drive.speed
-        return _about_axis(masses[names.SUN]) + _crank_inertia(reducer) * speed_ratio**2 + slow
+        return _about_axis(masses[names.SUN]) + _crank_inertia(reducer) * speed_ratio**2 + reduced_output
     orbit = sum(masses[disc.part].mass for disc in reducer.mechanism.discs) * design.gear.eccentricity**2
-    return _about_axis(masses[names.SHAFT]) + orbit + slow
+    return _about_axis(masses[names.SHAFT]) + orbit + reduced_output
 
 
 def _about_axis(part: MassProperties) -> float:
@@ -88,7 +88,7 @@ def _about_axis(part: MassProperties) -> float:
 
 
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
-    """Return the mass properties of a housing together with its ring pins, evenly spaced on the pin circle.
+    """Return the mass properties of a housing and its ring pins, evenly spaced on the pin circle, as one body.
 
     `pin` has the properties of one pin about its own centroid.
     """

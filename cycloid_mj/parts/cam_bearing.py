@@ -23,11 +23,11 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     """
     design = reducer.design
     gear = design.gear
-    flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
-    wide_enough = [
+    min_bore = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
+    fitting = [
         bearing
         for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_rings(reducer))
-        if bearing.bore > flush or (design.has_one_piece_crank and bearing.bore == flush)
+        if bearing.bore > min_bore or (design.has_one_piece_crank and bearing.bore == min_bore)
     ]
-    chosen = stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
+    chosen = stock.side_by_side(fitting, gear.face_width) if gear.bearing == "rolling" else None
     return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_rings(reducer) else chosen

@@ -68,9 +68,10 @@ class ShaftDimensions:
 
     @property
     def shoulders(self) -> tuple[Shoulder, ...]:
-        """Steps of the radius at the counterweight, taken as a full disc, and at the sides of the cams.
+        """List the steps in the radius of the crank (shoulders), where stress concentrates: at counterweight and cams.
 
-        At a cam the step is that from the journal to the side of the cam nearest to the axis.
+        The counterweight counts as a full disc. At a cam, the step is that from the journal to the point of the cam
+        nearest to the axis.
         """
         lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
         shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
@@ -94,7 +95,7 @@ class ShaftDimensions:
 
 @once
 def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
-    """Return the dimensions of the balanced crank that determine its strength: radii, and positions along z.
+    """Return the dimensions that determine the strength of the balanced crank: radii [m], and positions along z [m].
 
     Spacers between discs are left out.
     """

@@ -117,13 +117,13 @@ def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
     """
     # The error of a span of length h is proportional to h^4 r''''. In the moving frame of the curve the fourth
     # derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
-    t = np.linspace(low, high, FIT.grid)
-    s, kappa = flank.arc_length(t), flank.curvature(t)
-    slope = np.gradient(kappa, s)
-    fourth = np.hypot(3.0 * kappa * slope, np.gradient(slope, s) - kappa**3)
+    parameters = np.linspace(low, high, FIT.grid)
+    arc_length, curvature = flank.arc_length(parameters), flank.curvature(parameters)
+    slope = np.gradient(curvature, arc_length)
+    fourth = np.hypot(3.0 * curvature * slope, np.gradient(slope, arc_length) - curvature**3)
     density = np.maximum(fourth, FIT.min_density * fourth.max()) ** 0.25
-    cumulative = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
-    return np.interp(np.linspace(0.0, cumulative[-1], spans + 1), cumulative, t)
+    cumulative = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(arc_length))])
+    return np.interp(np.linspace(0.0, cumulative[-1], spans + 1), cumulative, parameters)
 
 
 def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":
@@ -144,10 +144,10 @@ def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
 def rotate_curve(curve: Curve, angle: float) -> Curve:
     """Rotate a curve clockwise about the origin by an angle [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
-    turn = np.array([[cos, -sin], [sin, cos]])
+    rotation = np.array([[cos, -sin], [sin, cos]])
 
     def at(point: tuple[float, float]) -> tuple[float, float]:
-        x, y = np.array(point) @ turn
+        x, y = np.array(point) @ rotation
         return float(x), float(y)
 
     match curve:
@@ -158,4 +158,4 @@ def rotate_curve(curve: Curve, angle: float) -> Curve:
         case LineSegment():
             return LineSegment(at(curve.start), at(curve.end))
         case Spline():
-            return Spline(curve.knots, curve.controls @ turn)
+            return Spline(curve.knots, curve.controls @ rotation)

@@ -101,8 +101,8 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         )
         segments = [(*rising_interval, -rotation), (*falling_interval, rotation)]
     lobe = [
-        rotate_curve(curve, turn)
-        for low, high, turn in segments
+        rotate_curve(curve, rotation_angle)
+        for low, high, rotation_angle in segments
         for curve in fit_splines(backwards, low, high, splines)
     ]
     return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)

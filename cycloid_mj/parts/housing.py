@@ -90,7 +90,7 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def ring_spans(reducer: Reducer) -> list[tuple[float, float, float]]:
-    """Return position and rotation of the ring, or of each of its halves, along the axis.
+    """Return the axial position and the rotation of the ring, or of each half of a divided ring.
 
     Returns
     -------
@@ -115,8 +115,8 @@ def _sleeve_cores(reducer: Reducer) -> list[Segment]:
         return []
     radius, angles = sleeve_core_radius(reducer), 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
-        Segment("pins", core, (), low, high)
-        for low, high, lead_angle in ring_spans(reducer)
+        Segment("pins", core, (), start, end)
+        for start, end, lead_angle in ring_spans(reducer)
         for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - lead_angle))
     ]
 
@@ -157,8 +157,8 @@ class PinwheelContour:
         """Return the bore of a ring with sockets as a polygon (n, 2) [m], socket by socket, with a chord error [m]."""
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
         edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
-        land = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
-        pitch_outline = np.concatenate([socket, land])
+        wall_arc = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
+        pitch_outline = np.concatenate([socket, wall_arc])
         return np.concatenate(
             [rotate_points(pitch_outline, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)]
         )

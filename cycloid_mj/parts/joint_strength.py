@@ -92,8 +92,8 @@ class Thread:
         0.8 of a pitch does not carry.
         """
         width_per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
-        turns = max(engaged_length / self.pitch - 0.8, 0.0)
-        return shear * math.pi * self.diameter * turns * width_per_pitch
+        engaged_turns = max(engaged_length / self.pitch - 0.8, 0.0)
+        return shear * math.pi * self.diameter * engaged_turns * width_per_pitch
 
 
 def head_pressure(preload: float, bearing: float, hole: float) -> float:

@@ -95,7 +95,7 @@ def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str,
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
-    """Return the parts that shaft or output carry as copies: cams and spacers, or the rollers of the output pins.
+    """Return the parts that are mounted on shaft or output: cams and spacers, or the rollers of the output pins.
 
     `body` is the name of shaft or output. Cams in one piece with the shaft are not among them.
 

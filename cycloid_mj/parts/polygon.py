@@ -101,18 +101,18 @@ def within(points: Array, loop: Array) -> Mask:
 
 def _sums(values: Array) -> Array:
     """Compute the sum (k,) of each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
-    left_out = np.zeros(len(values))
+    rounding_error = np.zeros(len(values))
     while (half_count := values.shape[1] // 2) > 0:
         first_half, second_half, odd_column = (
             values[:, :half_count],
             values[:, half_count : 2 * half_count],
             values[:, 2 * half_count :],
         )
-        total = first_half + second_half
-        rounded_second = total - first_half
-        left_out += np.sum((first_half - (total - rounded_second)) + (second_half - rounded_second), axis=1)
-        values = np.concatenate([total, odd_column], axis=1)
-    return values[:, 0] + left_out
+        rounded_sum = first_half + second_half
+        rounded_second = rounded_sum - first_half
+        rounding_error += np.sum((first_half - (rounded_sum - rounded_second)) + (second_half - rounded_second), axis=1)
+        values = np.concatenate([rounded_sum, odd_column], axis=1)
+    return values[:, 0] + rounding_error
 
 
 def _count_chords(radius: float, span: float, chord_error: float) -> int:

@@ -63,8 +63,8 @@ def _read_only(polygon: Array) -> Array:
             f"the outline or a hole of a prism has shape {copy.shape}: pass an array of shape (n, 2) with n >= 3"
         )
     # a plain sum suffices for the sign; `polygon.signed_area` has twice the digits, for volumes
-    (x, y), (u, v) = copy.T, np.roll(copy, -1, axis=0).T
-    area = float(np.sum(x * v - u * y)) / 2
+    (x, y), (next_x, next_y) = copy.T, np.roll(copy, -1, axis=0).T
+    area = float(np.sum(x * next_y - next_x * y)) / 2
     if not area > 0.0:
         raise DesignError(
             f"the outline or a hole of a prism runs clockwise (signed area {area:.6g} m2), but must run "

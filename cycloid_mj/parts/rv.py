@@ -93,17 +93,17 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     DesignError
         A part cannot be manufactured, or does not fit.
     """
-    parts, along = rv_parts(reducer), axial_layout(reducer)
+    parts, axial = rv_parts(reducer), axial_layout(reducer)
     sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))
     planet_segments = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
     flanges = [parts[name] for name in FLANGES]
     tapers = [
         Segment(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
-        for z0, z1 in along.flanges
+        for z0, z1 in axial.flanges
         for outer in circles_at(reducer.cranks.taper_radius, crank_centres(reducer))
     ]
-    moved = {names.HOUSING, *reducer.gears, names.PIN} & parts.keys()
-    return {name: parts[name] for name in parts if name in moved} | {
+    single_parts = {names.HOUSING, *reducer.gears, names.PIN} & parts.keys()
+    return {name: parts[name] for name in parts if name in single_parts} | {
         SUN: parts[SUN].of(sun),
         CRANK: parts[CRANK].of([*parts[CRANK].segments, *planet_segments]),
         names.OUTPUT: flanges[0].of([*(item for flange in flanges for item in flange.segments), *tapers], names.OUTPUT),
@@ -203,6 +203,6 @@ def _flanges(reducer: RvReducer) -> Iterator[Part]:
         Segment("post", post, (), axial.flanges[0][1], axial.flanges[1][0])
         for post in circles_at(cranks.post_radius, post_centres(reducer))
     ]
-    for name, (z0, z1), own_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
+    for name, (z0, z1), flange_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
         flange = Segment("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
-        yield Part(name, (flange, *own_posts), density)
+        yield Part(name, (flange, *flange_posts), density)

@@ -32,9 +32,9 @@ NO_CAM_WALL = "the cams leave no wall around the shaft"
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
     """Return the entire crank as exact outlines about the reducer axis, at crank angle 0 (cam 1 towards +y).
 
-    For one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
-    their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs. A crank of
-    two discs can also be one piece, with a collar in place of the spacer.
+    For one disc it is a single part with a counterweight. Several discs, evenly spaced around the axis, balance each
+    other; their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs. A
+    crank of two discs can also be one piece, with a collar in place of the spacer.
 
     Parameters
     ----------
@@ -238,8 +238,12 @@ def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Seg
     """
     if reducer.design.shaft.mounting == "overhang":
         return []
-    half = reducer.design.gear.stack_width / 2
-    return [Segment(FAR, outline, _through_bore(reducer), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
+    half_width = reducer.design.gear.stack_width / 2
+    return [
+        Segment(
+            FAR, outline, _through_bore(reducer), half_width, half_width + AXIAL_GAP + bearing_width(reducer, journal)
+        )
+    ]
 
 
 def _through_bore(reducer: Reducer) -> tuple[Contour, ...]:

@@ -76,9 +76,10 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
 
 
 def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Slice the wall of equal holes into flat facets, with one placement per facet and hole.
+    """Approximate the wall of equal round holes by flat convex facets.
 
-    The facets are `depth` [m] thick. Their middles and corners deviate equally from the circle.
+    The result has one slice and a placement for each facet of each hole. The facets are `depth` [m] thick. The middle
+    and the corners of a facet deviate equally from the circle.
     """
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
@@ -97,8 +98,8 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
     angles = (np.arange(count) + 0.5) * step - hole.half_angle
     placements = [
-        SlicePlacement(0, member, float(turn + angle), (float(centre[0]), float(centre[1])))
-        for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
+        SlicePlacement(0, member, float(axis_angle + angle), (float(centre[0]), float(centre[1])))
+        for member, (axis_angle, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
         for angle in angles
     ]
     sample_directions = unit(

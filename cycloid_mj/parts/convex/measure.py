@@ -13,7 +13,9 @@ from cycloid_mj.parts.inertia import region_moments
 
 
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
-    """Measure overfill and underfill [m] of the convex pieces of a prism along its wall normals at half its height.
+    """Measure how far convex pieces of a prism protrude from its walls (overfill) or stay below them (underfill) [m].
+
+    Deviations are measured along the wall normals at half the height of the prism.
 
     Parameters
     ----------
@@ -61,9 +63,10 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the distance (k,) [m] from each point along its normal to the next wall of a prism, the `region`.
+    """Compute the free distance (k,) [m] from points on the walls of a prism, along their normals, to its next wall.
 
-    It is at most `METHOD.reach`. `points` (k, 2) [m] are on the walls, `normals` (k, 2) point out of the material.
+    It is at most `METHOD.reach`. `region` is the prism; `points` (k, 2) [m] are on its walls, and `normals` (k, 2)
+    point out of the material.
     """
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)

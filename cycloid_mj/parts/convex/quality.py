@@ -107,7 +107,7 @@ def union_heights(
 
 
 def surface_quality(surface: ConvexSurface) -> Quality:
-    """Measure overfill and underfill [m] of the slices of a working surface along its normals.
+    """Measure how far convex slices protrude from a working surface (overfill) or stay below it (underfill) [m].
 
     Raises
     ------
@@ -162,7 +162,7 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
 def _intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], max_distance: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-    """Intersect lines along the normals at some points with convex bodies.
+    """Compute the intervals in which lines along the surface normals are inside convex bodies.
 
     Parameters
     ----------

@@ -46,10 +46,10 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return the sectors of disc, housing, shaft and output with the material behind the working surfaces.
+    """Return sectors of disc, housing, shaft and output that, repeated around the axis, fill the parts with material.
 
-    The working surfaces are divided into slices of their own; the sectors, repeated around the axis, fill the rest of
-    each part. Spacers and output pins are not included. A bore through the shaft is filled, because nothing touches it.
+    They adjoin the convex slices of the working surfaces (`surfaces`), which are not part of them. Spacers and output
+    pins are not included. A bore through the shaft is filled, because nothing touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
@@ -67,7 +67,7 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Decompose a sector into convex pieces by CoACD.
+    """Decompose a sector of a part into convex pieces by CoACD; return the pieces and their deviations.
 
     CoACD's threshold is halved as long as the pieces protrude by more than the bound of the sector, at most
     `METHOD.decompositions` - 1 times.
@@ -89,12 +89,12 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the two sectors that, repeated around the axis, fill a disc inside its sliced surfaces.
+    """Return the two sectors that, repeated around the axis, fill a disc between the slices of its working surfaces.
 
     Returns
     -------
     tuple of Sector
-        The hub with one hole, and the band below one valley.
+        The hub sector with one output hole, and the sector of the outer band below one valley of the teeth.
 
     Raises
     ------
@@ -106,27 +106,27 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
     half_width = design.gear.face_width / 2.0
     hole = output.hole_radius + design.clearance.output + depth
     base_outline = gear_base(reducer, depth, error)
-    waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base_outline, axis=1).min()))
+    mid_radius = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base_outline, axis=1).min()))
     inner = design.gear.bore_radius + design.clearance.cam + depth
-    eye = circle(hole, error, (0.0, output.pin_circle_radius))
-    hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half_width, half_width)
+    hole_outline = circle(hole, error, (0.0, output.pin_circle_radius))
+    hub = Prism(_wedge(inner, mid_radius, math.pi / output.pins, error), (hole_outline,), -half_width, half_width)
     pitch = math.pi / design.lobes
     edge = float(np.sum(base_outline[-1] * unit(pitch)))
-    if edge <= waist:
+    if edge <= mid_radius:
         raise DesignError(
             f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the pieces of "
             f"the teeth reach inwards to a radius of {1e3 * edge:.4g} mm, but the material around the output holes "
-            f"reaches outwards to {1e3 * waist:.4g} mm. Increase ring.teeth, or reduce output.pin_circle_radius_mm or "
-            "output.hole_radius_mm"
+            f"reaches outwards to {1e3 * mid_radius:.4g} mm. Increase ring.teeth, or reduce "
+            "output.pin_circle_radius_mm or output.hole_radius_mm"
         )
     outer = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
-    inner_arc = _arc(waist, -pitch, pitch, error)
+    inner_arc = _arc(mid_radius, -pitch, pitch, error)
     band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half_width, half_width)
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 
 def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
-    """Return the sector of the housing behind the sliced surface of one lobe, or around one pin."""
+    """Return the sector of the housing that is behind the convex slices of one lobe, or around one pin."""
     design = reducer.design
     ring, error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth

@@ -126,9 +126,9 @@ def convex_slice(
     """
     edges = np.roll(outline, -1, axis=0) - outline
     next_edges = np.roll(edges, -1, axis=0)
-    bends = edges[:, 0] * next_edges[:, 1] - edges[:, 1] * next_edges[:, 0]
-    if not ((bends > 0.0).all() or (bends < 0.0).all()):
+    cross_products = edges[:, 0] * next_edges[:, 1] - edges[:, 1] * next_edges[:, 0]
+    if not ((cross_products > 0.0).all() or (cross_products < 0.0).all()):
         raise DesignError(
             f"a slice of the {name} is not convex, but only convex slices can be simulated: reduce ConvexSettings.depth"
         )
-    return Slice(outline if bends[0] > 0.0 else outline[::-1], width, curvature, radius, play)
+    return Slice(outline if cross_products[0] > 0.0 else outline[::-1], width, curvature, radius, play)

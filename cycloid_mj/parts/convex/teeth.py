@@ -48,8 +48,8 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     face, base_points = (
         profile.outline(gear, half_lobe_nodes, offset + inset) for inset in (settings.chord_error, depth)
     )
-    between = profile.curvature(gear, (half_lobe_nodes[:-1] + half_lobe_nodes[1:]) / 2.0, offset)
-    quads = _quads("teeth", face, base_points, between + 1.0 / gear.pin_radius, settings)
+    curvatures = profile.curvature(gear, (half_lobe_nodes[:-1] + half_lobe_nodes[1:]) / 2.0, offset)
+    quads = _quads("teeth", face, base_points, curvatures + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     samples = profile.sample(gear, METHOD.samples, offset)
     base_area = -area_moments(_all_round(_symmetric(base_points), gear.lobes)).area
@@ -77,9 +77,9 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
     face, base_points = (_sigma(gear, B, inset) for inset in (settings.chord_error, depth))
     mid_phases = (B[:-1] + B[1:]) / 2.0
-    gear_bend = profile.curvature(gear, -mid_phases / gear.lobes, reducer.profile_offset)
-    bends = gear_bend - 1.0 / envelope.Sigma(gear, mid_phases).radius
-    slices = [*_quads("lobe", face, base_points, bends, settings), _ring_tip(gear, settings, depth)]
+    gear_curvatures = profile.curvature(gear, -mid_phases / gear.lobes, reducer.profile_offset)
+    curvatures = gear_curvatures - 1.0 / envelope.Sigma(gear, mid_phases).radius
+    slices = [*_quads("lobe", face, base_points, curvatures, settings), _ring_tip(gear, settings, depth)]
     samples = envelope.sample_ring(gear, METHOD.samples)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
@@ -146,7 +146,7 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
 
 
 def _quads(name: str, face: Array, base_points: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
-    """Return one quadrilateral slice per chord of a concave flank.
+    """Return quadrilateral slices of a concave flank, one for each chord between neighbouring points.
 
     Parameters
     ----------
@@ -184,18 +184,20 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
     """
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
-    t = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
-    face = profile.outline(gear, t, offset - error)
+    flank_parameters = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
+    face = profile.outline(gear, flank_parameters, offset - error)
     edge = profile.outline(gear, inflection, offset + depth)
     edge_projection = float(edge @ profile.unit(tip)) * profile.unit(tip)
-    cuts = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int)
+    cuts = np.linspace(0, len(flank_parameters) - 1, settings.hulls + 1).round().astype(int)
     overlap = METHOD.overlap * settings.chord_error
     slices = []
     for low, high in itertools.pairwise(cuts):
-        base_edge = _extend_ends(edge + np.array([[high], [low]]) / (len(t) - 1) * (edge_projection - edge), overlap)
-        bend = _hull_curvature(gear, offset, gear.lobes * t[[low, high]])
+        base_edge = _extend_ends(
+            edge + np.array([[high], [low]]) / (len(flank_parameters) - 1) * (edge_projection - edge), overlap
+        )
+        curvature = _hull_curvature(gear, offset, gear.lobes * flank_parameters[[low, high]])
         outline = np.concatenate([_extend_ends(face[low : high + 1], overlap), base_edge])
-        slices.append(convex_slice("teeth", outline, math.inf, bend))
+        slices.append(convex_slice("teeth", outline, math.inf, curvature))
     return slices
 
 

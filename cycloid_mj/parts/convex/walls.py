@@ -43,8 +43,8 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
         walls = [design.housing.outer_radius - root]
     else:
         socket = ring.pin_radius + design.socket_play
-        between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
-        walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
+        pin_wall = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
+        walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, pin_wall]
     return min(settings.depth * ring.pin_radius, METHOD.wall_share * min(walls))
 
 

@@ -317,7 +317,7 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | N
 
 
 def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts in the format of the encoding, and measure the clearances of their outlines.
+    """Encode all parts of a drive in the file format of `encoding`, and measure the clearances of their exact outlines.
 
     `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
     """
@@ -340,7 +340,7 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
 
 
 def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts as meshes or polylines, and measure the clearances between the polygons.
+    """Encode all parts of a drive as meshes or polylines, and measure the clearances between the polygons.
 
     `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
     """

@@ -40,7 +40,7 @@ class Retainer:
 
 
 def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> Retainer | None:
-    """Size the retainer of an output bearing; None for ball bearings, whose pair retains itself.
+    """Size the ring screwed to the output cover that clamps the outer ring of a crossed roller bearing (its retainer).
 
     Parameters
     ----------
@@ -50,6 +50,11 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
         Bearing of the output.
     wall
         Minimum wall around holes [m].
+
+    Returns
+    -------
+    Retainer or None
+        None for ball bearings, which are mounted in pairs and need no retainer.
     """
     if not bearing.has_crossed_rollers:
         return None

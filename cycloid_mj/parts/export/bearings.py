@@ -160,8 +160,8 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.has_sleeves or is_printed(reducer, names.PIN):
         return 1, width
-    free = free_pin(reducer)
-    return (free.count, free.used_length) if free else (1, width)
+    stock_pin = free_pin(reducer)
+    return (stock_pin.count, stock_pin.used_length) if stock_pin else (1, width)
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:

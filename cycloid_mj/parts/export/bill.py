@@ -181,9 +181,10 @@ def _consumable(item: str, volume: float, material: str, designation: str, use: 
 
 
 def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
-    """Compute the volume [m3] of a part between the floor of the motor-side cavity and the first output bearing.
+    """Compute the volume [m3] that a part occupies in the space of the grease.
 
-    `z` [m] is the height of the origin of the part in the drive.
+    This space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
+    the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
     low, high = sizes.floor - z, sizes.hub_floor - z
@@ -334,9 +335,9 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     """Format diameter and depth of the bore for the motor shaft, or that of a hollow shaft; empty without a bore."""
-    bore, through = sizes.motor_bore if sizes else None, reducer.design.shaft.bore_radius
-    if through:
-        return f", bored through {in_mm(2.0 * through)} mm"
+    bore, through_radius = sizes.motor_bore if sizes else None, reducer.design.shaft.bore_radius
+    if through_radius:
+        return f", bored through {in_mm(2.0 * through_radius)} mm"
     if not bore:
         return ""
     radius, start, end = bore

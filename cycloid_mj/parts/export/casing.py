@@ -381,9 +381,9 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     bearing_widths = output_bearing_count(hub) * hub.width
     if is_short:
         _require_seat_inside_pins(reducer, seat, straddles, wall)
-        reach = flange_screw_depth(reducer, bolt, thickness)
+        screw_depth = flange_screw_depth(reducer, bolt, thickness)
         cover = ring_end(reducer) + min_grip(screws.bolt, wall) + screws.bolt.head_height
-        ends = disc_start + design.output.disc_thickness, disc_start + wall + reach, far_end + 2.0 * wall, cover
+        ends = disc_start + design.output.disc_thickness, disc_start + wall + screw_depth, far_end + 2.0 * wall, cover
         end, shoulder = max(ends), 2.0 * wall
     else:
         end, shoulder = max(far_end, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread, 0.5 * hub.width
@@ -410,7 +410,7 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return the bearings in stock of the kind that the output has, the best choice last.
+    """Return the stock bearings that can be at the output, of the kind that the design requires, the best choice last.
 
     The larger of two is the better choice. Crossed roller bearings leave room for their retainer inside of the heads of
     the cover screws, which begin two minimum walls, `wall` [m], outside of `max_radius` [m]. A retainer that ends one
@@ -420,18 +420,18 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
     if kind == "crossed_roller":
         retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
         fitting = [
-            (ring.cover_radius <= max_radius + wall, bearing)
-            for bearing, ring in retainers
-            if ring and ring.cover_radius <= max_radius + 2.0 * wall
+            (retainer.cover_radius <= max_radius + wall, bearing)
+            for bearing, retainer in retainers
+            if retainer and retainer.cover_radius <= max_radius + 2.0 * wall
         ]
         return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
     return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
 
 
 def _input_side(
-    reducer: Reducer, motor: MotorFlange, bearing_start: float, ring_parts: CrankEnd, wall: float, max_face: float
+    reducer: Reducer, motor: MotorFlange, bearing_start: float, crank_end: CrankEnd, wall: float, max_face: float
 ) -> tuple[float, float]:
-    """Return the position of the motor's flange face and the start of the crank along z [m].
+    """Return the position of the motor's flange face, and that of the motor-side end of the crank, along z [m].
 
     A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank keeps its journal; that of
     a hollow crank protrudes from the face, for a belt pulley or the rotor of a frameless motor.
@@ -442,19 +442,19 @@ def _input_side(
         The reducer, and the flange of its motor.
     bearing_start
         Start of the bearing next to the motor along z [m].
-    ring_parts
+    crank_end
         Retaining ring on the crank or seal ring on the motor side of this bearing.
     wall
         Minimum wall of the cover [m].
     max_face
         Largest z of the flange face [m].
     """
-    crank_start = bearing_start - ring_parts.journal
+    crank_start = bearing_start - crank_end.journal
     journal = min(crank_segments(reducer)["journal"].z0, crank_start)
     bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
     is_hollow = reducer.design.shaft.bore_radius > 0.0
     is_shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
-    start, seat_start = crank_start if is_shortened or is_hollow else journal, bearing_start - ring_parts.seal_width
+    start, seat_start = crank_start if is_shortened or is_hollow else journal, bearing_start - crank_end.seal_width
     face = min(min(start - axial_play(reducer), seat_start - wall) - RULES.pilot_depth, max_face, bore_limit)
     if is_shortened:
         journal = max(journal, min(crank_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
@@ -633,11 +633,11 @@ def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wa
     `seat` is the radius of the seat and `wall` the minimum wall around it [m]; `straddles` is whether the shaft has a
     bearing on either side of the discs, and so one in an output disc.
     """
-    inside = reducer.design.output.pin_circle_radius - reducer.design.output.root_radius - wall
-    if straddles and seat > inside:
+    max_seat = reducer.design.output.pin_circle_radius - reducer.design.output.root_radius - wall
+    if straddles and seat > max_seat:
         raise DesignError(
             f"the bearing of the shaft needs a seat of {2e3 * seat:.4g} mm in the output disc, but the pins leave "
-            f'{2e3 * inside:.4g} mm: choose a thinner shaft (shaft.radius_mm), or output.main_bearing_seat = "hub"'
+            f'{2e3 * max_seat:.4g} mm: choose a thinner shaft (shaft.radius_mm), or output.main_bearing_seat = "hub"'
         )
 
 

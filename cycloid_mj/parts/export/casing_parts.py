@@ -104,7 +104,7 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
 
 
 def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
-    """Return a part of the mechanism as its joints in a drive require: with their clearances, bores and keyways.
+    """Adapt a part of the mechanism to its joints in a drive: axial clearances, bores, grooves and keyways.
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
@@ -159,11 +159,13 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
         segments = tuple(_cut_disc_collars(reducer, sizes, segments))
         counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, segments)
         for segment in segments:
-            low, high = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
-            moved = replace(
-                segment, z0=segment.z0 + counterweight_offset * low, z1=segment.z1 + counterweight_offset * high
+            moves_start, moves_end = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
+            shifted = replace(
+                segment,
+                z0=segment.z0 + counterweight_offset * moves_start,
+                z1=segment.z1 + counterweight_offset * moves_end,
             )
-            yield from _add_collars(moved, collars)
+            yield from _add_collars(shifted, collars)
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
     pieces = _split_spacer(reducer, sizes, segments) if family == names.SPACER else tuple(segments)
@@ -210,15 +212,15 @@ def _cut_groove(sizes: Casing, journal: Segment) -> Iterator[Segment]:
 
 def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Segment]:
     """Split a segment of the crank at the ends of its collars; yield the pieces along z, collars included."""
-    low = segment.z0
+    start = segment.z0
     for collar in collars:
         if segment.z0 - SAME_LENGTH < collar.low and collar.high < segment.z1 + SAME_LENGTH:
-            if collar.low > low + SAME_LENGTH:
-                yield replace(segment, z0=low, z1=collar.low)
-            yield Segment(COLLAR, CircleContour(collar.radius), segment.holes, max(collar.low, low), collar.high)
-            low = collar.high
-    if segment.z1 > low + SAME_LENGTH:
-        yield replace(segment, z0=low)
+            if collar.low > start + SAME_LENGTH:
+                yield replace(segment, z0=start, z1=collar.low)
+            yield Segment(COLLAR, CircleContour(collar.radius), segment.holes, max(collar.low, start), collar.high)
+            start = collar.high
+    if segment.z1 > start + SAME_LENGTH:
+        yield replace(segment, z0=start)
 
 
 def _split_spacer(reducer: Reducer, sizes: Casing, segments: Sequence[Segment]) -> tuple[Segment, ...]:

@@ -44,18 +44,18 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other segments of the trochoid
-    _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
-    t = grid[nearest]
+    _, nearest_indices = cKDTree(profile.outline(gear, grid)).query(points)
+    parameters = grid[nearest_indices]
     for _ in range(SEARCH.newton_steps):
-        offset_vectors = profile.trochoid(gear, t) - points
-        first_derivative, second_derivative = profile.trochoid_derivatives(gear, t)
+        offset_vectors = profile.trochoid(gear, parameters) - points
+        first_derivative, second_derivative = profile.trochoid_derivatives(gear, parameters)
         step = np.sum(offset_vectors * first_derivative, axis=1) / (
             np.sum(first_derivative**2, axis=1) + np.sum(offset_vectors * second_derivative, axis=1)
         )
-        t = t - step
+        parameters = parameters - step
         if np.abs(step).max() < 1e-14:
             break
-    return np.asarray(np.sum((profile.trochoid(gear, t) - points) * profile.normals(gear, t), axis=1))
+    return np.asarray(np.sum((profile.trochoid(gear, parameters) - points) * profile.normals(gear, parameters), axis=1))
 
 
 def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
@@ -169,10 +169,10 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
 
     With rotated flanks the disc is the intersection of two rotated profiles.
     """
-    gear, change = reducer.gear_profile, reducer.design.modification
-    rotations = (change.rotation, -change.rotation) if change.rotation else (0.0,)
-    distances = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in rotations]
-    return np.asarray(np.min(distances, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
+    gear, modification = reducer.gear_profile, reducer.design.modification
+    rotations = (modification.rotation, -modification.rotation) if modification.rotation else (0.0,)
+    distances = [flank_distance(gear, rotate_clockwise(outline, rotation)) for rotation in rotations]
+    return np.asarray(np.min(distances, axis=0) - reducer.design.ring.pin_radius - modification.equidistant)
 
 
 def _range(values: Array) -> tuple[float, float]:

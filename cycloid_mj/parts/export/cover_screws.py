@@ -133,6 +133,10 @@ def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.
         mid_radius = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
         return pin, angles, mid_radius if screws.outside else screws.circle
     teeth = design.ring.teeth
-    free = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
-    opposite = min(free[1:], key=lambda wall_index: abs(wall_index - free[0] - 0.5 * teeth))
-    return pin, tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free[0], opposite)), screws.circle
+    free_walls = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
+    opposite = min(free_walls[1:], key=lambda wall_index: abs(wall_index - free_walls[0] - 0.5 * teeth))
+    return (
+        pin,
+        tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free_walls[0], opposite)),
+        screws.circle,
+    )

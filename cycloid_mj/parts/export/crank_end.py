@@ -63,17 +63,17 @@ def choose_crank_end(reducer: Reducer, bearing: stock.StockBearing | None, seat:
     """
     shaft = reducer.design.shaft
     is_ringed = bearing is not None and stock.has_inner_ring(bearing)
-    on_shaft = in_bore = seal = None
+    shaft_ring = bore_ring = seal = None
     if shaft.seal_ring:
         seal = None if is_ringed else stock.seal_ring(2.0 * shaft.radius, 2.0 * seat)
         if seal is None or shaft.bore_radius:
             raise DesignError(f"shaft.seal_ring = true is not possible: {_describe_seal_problem(reducer, is_ringed)}")
     if shaft.retaining_rings:
-        on_shaft, in_bore = stock.shaft_ring(2.0 * shaft.radius), stock.bore_ring(2.0 * seat)
-        problems = tuple(_describe_ring_problems(reducer, is_ringed, seat, (on_shaft, in_bore), bore_room))
+        shaft_ring, bore_ring = stock.shaft_ring(2.0 * shaft.radius), stock.bore_ring(2.0 * seat)
+        problems = tuple(_describe_ring_problems(reducer, is_ringed, seat, (shaft_ring, bore_ring), bore_room))
         if problems:
             raise DesignError(f"shaft.retaining_rings = true is not possible: {'; '.join(problems)}")
-    return CrankEnd(on_shaft, in_bore, seal)
+    return CrankEnd(shaft_ring, bore_ring, seal)
 
 
 def _describe_seal_problem(reducer: Reducer, is_ringed: bool) -> str:
@@ -106,7 +106,7 @@ def _describe_ring_problems(
     bore_room
         Length of the cover beyond the bearing [m].
     """
-    shaft, (on_shaft, in_bore) = reducer.design.shaft, rings
+    shaft, (shaft_ring, bore_ring) = reducer.design.shaft, rings
     if needs_rings(reducer):
         yield "the groove of a plastic crank is too weak: choose a metal (shaft_material.name)"
     if not is_ringed:
@@ -115,17 +115,17 @@ def _describe_ring_problems(
             "shaft.bearing_width_mm of one, such as 6 and 6 for 61901"
         )
         return
-    if on_shaft is None or in_bore is None:
+    if shaft_ring is None or bore_ring is None:
         yield f"no standard ring fits {in_mm(2.0 * shaft.radius)} mm and {in_mm(2.0 * seat)} mm: choose another bearing"
         return
-    if in_bore.room > bore_room + stock.ROUNDING:
-        needed = shaft.bearing_offset + in_bore.room - bore_room - stock.ROUNDING
-        yield f"the ring in the cover needs shaft.bearing_offset_mm = {math.ceil(1e5 * needed) / 100:.2f} or more"
-    eyes, opening = on_shaft.eye_radius, shoulder_radius(seat, shaft.radius)
-    if eyes > opening:
+    if bore_ring.room > bore_room + stock.ROUNDING:
+        min_offset = shaft.bearing_offset + bore_ring.room - bore_room - stock.ROUNDING
+        yield f"the ring in the cover needs shaft.bearing_offset_mm = {math.ceil(1e5 * min_offset) / 100:.2f} or more"
+    eye_radius, max_radius = shaft_ring.eye_radius, shoulder_radius(seat, shaft.radius)
+    if eye_radius > max_radius:
         yield (
-            f"the eyes of the ring on the crank need an opening of {in_mm(2.0 * eyes)} mm, but the shoulder of the "
-            f"bearing leaves {in_mm(2.0 * opening)} mm: choose a bearing with a larger section"
+            f"the eyes of the ring on the crank need an opening of {in_mm(2.0 * eye_radius)} mm, but the shoulder of "
+            f"the bearing leaves {in_mm(2.0 * max_radius)} mm: choose a bearing with a larger section"
         )
-    if in_bore.eye_radius < shaft.radius + RULES.min_wall:
+    if bore_ring.eye_radius < shaft.radius + RULES.min_wall:
         yield "the eyes of the ring in the cover leave no room for a collar of the crank: choose a larger bearing"

@@ -101,8 +101,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), sizes.motor_bore
     core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
-    reach = math.hypot(radius + key.in_hub, 0.5 * key.width)
-    does_fit = walls[best] >= reach + RULES.min_wall and hub_radius(reducer, sizes) >= reach
+    keyway_radius = math.hypot(radius + key.in_hub, 0.5 * key.width)
+    does_fit = walls[best] >= keyway_radius + RULES.min_wall and hub_radius(reducer, sizes) >= keyway_radius
     if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     midpoint = 0.5 * (low + high)
@@ -119,10 +119,11 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
     if design.gear.discs == 1 or design.shaft.cam_joint != "shrink":
         return None
     steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, sizes.motor_bore
-    low = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0
-    core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
-    outside, elasticity = 2.0 * (cam_radius(reducer) - design.gear.eccentricity), (steel.youngs_modulus, steel.poisson)
-    press = PressFit(diameter, design.gear.face_width, outside, elasticity, elasticity, 2.0 * core)
+    cam_start = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0
+    core = bore[0] if bore and bore[2] > cam_start else design.shaft.bore_radius
+    hub_diameter = 2.0 * (cam_radius(reducer) - design.gear.eccentricity)
+    elasticity = steel.youngs_modulus, steel.poisson
+    press = PressFit(diameter, design.gear.face_width, hub_diameter, elasticity, elasticity, 2.0 * core)
     limit = min(press.yield_pressure(steel.yield_strength), press.shaft_yield_pressure(steel.yield_strength))
     for zones in SHRINK_FITS:
         largest = -fits.clearances(zones, diameter)[0]

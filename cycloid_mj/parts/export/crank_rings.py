@@ -50,11 +50,11 @@ def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     The result is empty for a straddled crank, for bearings without a gap between them, and for needle bearings (drawn
     cups).
     """
-    far, near = bearing_seats(reducer, crank_segments(reducer))
-    if sizes.far or near[0] - far[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
+    far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
+    if sizes.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
     outer, inner = names.all_numbered(names.BEARING_SPACER, 2)
-    ends, shaft = (far[1], near[0]), reducer.design.shaft.radius
+    ends, shaft = (far_seat[1], near_seat[0]), reducer.design.shaft.radius
     return (
         CrankRing(outer, sizes.seat, *ends, shoulder_radius(sizes.seat, shaft), names.HOUSING),
         CrankRing(inner, shoulder_radius(shaft, sizes.seat), *ends, shaft),

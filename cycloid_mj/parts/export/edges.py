@@ -75,7 +75,10 @@ def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
         return np.array([circle.radius for circle in circles])
     for joint in drive_joints(reducer, sizes):
         if joint.kind in SEATS and name in joint.parts:
-            diameters |= {joint.diameter, *(dict(one.dimensions).get("outside diameter", 0.0) for one in joint.bought)}
+            diameters |= {
+                joint.diameter,
+                *(dict(bought_part.dimensions).get("outside diameter", 0.0) for bought_part in joint.bought),
+            }
     if names.family(name) in (names.SHAFT, names.CAM):
         diameters.add(2.0 * cam_radius(reducer))
     return 0.5 * np.array(sorted(diameters - {0.0}))
@@ -92,8 +95,8 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
             if circle is None or np.abs(radii - circle.radius).min() > SAME_LENGTH:
                 continue
             for z in (segment.z0, segment.z1):
-                beyond = [other for other in part.segments if other is not segment and _touches(other, z)]
-                edge = _Edge(circle.centre, circle.radius, side, segment, beyond)
+                adjacent_segments = [other for other in part.segments if other is not segment and _touches(other, z)]
+                edge = _Edge(circle.centre, circle.radius, side, segment, adjacent_segments)
                 fillet = reducer.design.shaft.shoulder_fillet
                 chamfer = min(EDGES.chamfer, EDGES.share * circle.radius)
                 if edge.is_convex(chamfer):

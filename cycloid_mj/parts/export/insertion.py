@@ -103,9 +103,10 @@ def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.
 
 
 def _flex_ring(reducer: Reducer, sizes: Casing, part: str, sections: "Sections") -> "Sections":
-    """Return the sections of a part as it is mounted: a retaining ring is spread over the shaft or pressed into a bore.
+    """Return the outlines of a part during mounting, where retaining rings are spread over a shaft or squeezed.
 
-    `sections` are those in place; those of other parts are returned unchanged.
+    `sections` are the outlines of the mounted part, with their ends along z; those of other parts are returned
+    unchanged.
     """
     if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
@@ -152,10 +153,10 @@ def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, .
     yield Move(_names_of_family(placements, names.MOTOR_INSERT), names.MOTOR_COVER, UP)
     yield Move(_names_of_family(placements, names.MOTOR_SCREW), names.MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, names.SHAFT_SEAL), names.MOTOR_COVER, DOWN)
-    first, *second = sorted(_names_of_family(placements, names.SHAFT_BEARING, DOWN))
-    yield Move((first,), names.MOTOR_COVER, DOWN)
+    first_bearing, *other_bearings = sorted(_names_of_family(placements, names.SHAFT_BEARING, DOWN))
+    yield Move((first_bearing,), names.MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, names.BEARING_SPACER), names.MOTOR_COVER, DOWN)
-    yield Move(tuple(second), names.MOTOR_COVER, DOWN)
+    yield Move(tuple(other_bearings), names.MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, names.BORE_RING), names.MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, names.DOWEL, DOWN), names.MOTOR_COVER, DOWN)
     yield Move((names.MOTOR_COVER,), DRIVE, UP)

@@ -65,7 +65,7 @@ USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
     """Return all joints between parts of a drive with its casing: fits, bearing seats, screws, threads and dowels.
 
-    They are in order from motor to load, followed by those of the crank.
+    They are listed from motor to load, then those of the crank.
     """
     return (
         *_motor_shaft_joint(reducer, sizes),
@@ -402,8 +402,8 @@ def _dowel_joints(sizes: Casing) -> Iterator[Joint]:
             (ring_half_width, names.HOUSING, names.OUTPUT_COVER),
         )
     for index, (face, *parts) in enumerate(faces):
-        name, first = "dowels of {} and {}".format(*parts).replace("_", " "), 1 + index * len(centres)
-        yield _dowelled_joint(name, (*parts,), (names.DOWEL, names.HOUSING, first), sizes.dowel, centres, face)
+        name, first_number = "dowels of {} and {}".format(*parts).replace("_", " "), 1 + index * len(centres)
+        yield _dowelled_joint(name, (*parts,), (names.DOWEL, names.HOUSING, first_number), sizes.dowel, centres, face)
 
 
 def _flange_dowel_joint(sizes: Casing) -> Iterator[Joint]:
@@ -439,7 +439,7 @@ def _dowelled_joint(
     face
         Height of the face between the parts [m].
     """
-    (below, above), (family, body, first) = parts, item
+    (below, above), (family, body, first_number) = parts, item
     radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
     bought_part = BoughtPart(
         family,
@@ -450,7 +450,7 @@ def _dowelled_joint(
         "steel",
         dowel.designation,
         DOWEL_FIT,
-        first=first,
+        first=first_number,
     )
     holes = (below, (centres, radius, face - depth, face)), (above, (centres, radius, face, face + depth))
     seats = len(centres), dowel.diameter, depth

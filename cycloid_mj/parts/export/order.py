@@ -115,16 +115,16 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
     A motor with tapped holes is first bolted on from within.
     """
     count = "the" if sizes.far else "both"
-    between = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
+    spacer_text = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
     seal = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
     ring = f", snap the {names.BORE_RING} in" if sizes.crank_end.bore_ring else ""
-    step = f"press {seal}{count} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{between}{ring}"
+    step = f"press {seal}{count} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{spacer_text}{ring}"
     if not sizes.motor.tapped:
         return f"P{step[1:]}"
     bolt, length = motor_screw(sizes.motor, sizes.wall)
     screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
-    turn = "Turn the crank by hand through one turn"
-    return f"{turn}; bolt the motor on ({sizes.motor.name}, {screws} from within), {step}"
+    crank_test = "Turn the crank by hand through one turn"
+    return f"{crank_test}; bolt the motor on ({sizes.motor.name}, {screws} from within), {step}"
 
 
 def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:

@@ -25,7 +25,9 @@ def choose_flange_pattern(
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = hub_shoulders(hub)[0]
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
-    fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
+    fitting = (
+        count for count in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / count) >= head + hole + wall
+    )
     return circle, next(fitting, RULES.flange_screws[-1])
 
 
@@ -47,13 +49,13 @@ def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) 
             continue
         hole, head = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
         circle = min(radius - hole - wall, shoulder - head - wall)
-        to_pin = math.dist(
+        pin_distance = math.dist(
             (circle * math.cos(math.pi / output.pins), circle * math.sin(math.pi / output.pins)),
             (output.pin_circle_radius, 0.0),
         )
         for count in counts:
             pitch = 2.0 * circle * math.sin(0.5 * math.pi / count)
-            if to_pin >= hole + pin + wall and pitch >= head + hole + wall:
+            if pin_distance >= hole + pin + wall and pitch >= head + hole + wall:
                 return bolt, circle, count
     raise DesignError(
         f"no screw of the output flange fits between the {output.pins} output pins in a disc of "
@@ -125,8 +127,10 @@ def choose_flange_dowels(
     for diameter in reversed(stock.dowel_diameters()):
         dowel, margin = stock.longest_dowel(diameter, 2.0 * depth), 0.5 * diameter + wall
         circle = min(screw_circle - thread_radius(reducer, bolt.thread), _pins_inside(reducer)) - margin
-        to_screw = math.hypot(screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count))
-        between = circle * math.sin(math.pi / count)
-        if dowel and diameter <= bolt.thread and to_screw >= counterbore + margin and between >= margin:
+        screw_distance = math.hypot(
+            screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count)
+        )
+        half_spacing = circle * math.sin(math.pi / count)
+        if dowel and diameter <= bolt.thread and screw_distance >= counterbore + margin and half_spacing >= margin:
             return dowel, circle
     return None, 0.0

@@ -64,10 +64,12 @@ class PrintPlate:
     def mesh(self) -> Mesh:
         """Surface of all parts on a plate of a printer and their supports, as one mesh [m]."""
         meshes = [*self.meshes, *(item for supports in self.supports for item in supports)]
-        first = np.cumsum([0, *(len(item.vertices) for item in meshes)])
+        vertex_offsets = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(
             np.concatenate([item.vertices for item in meshes]),
-            np.concatenate([item.faces + np.int32(offset) for item, offset in zip(meshes, first, strict=False)]),
+            np.concatenate(
+                [item.faces + np.int32(offset) for item, offset in zip(meshes, vertex_offsets, strict=False)]
+            ),
         )
 
     @property
@@ -267,9 +269,9 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
     Rows and rectangles are a `gap` [m] apart. The row length minimizes the longer side of the plate.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
-    widest = max(width for width, _ in sizes)
+    longest = max(width for width, _ in sizes)
     lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
-    candidates = [_pack_rows_to(sizes, order, max(float(length), widest), gap) for length in lengths]
+    candidates = [_pack_rows_to(sizes, order, max(float(length), longest), gap) for length in lengths]
     return min(candidates, key=lambda corners: max(_end(corners, sizes, 0), _end(corners, sizes, 1)))
 
 
@@ -298,16 +300,16 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
     """Return a part as it lies with its larger end face on z = 0, and whether it is turned over for that."""
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
-    below = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
-    above = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
-    turned_over = above > below
+    bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
+    top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
+    is_turned_over = top_area > bottom_area
     prisms = tuple(
         Prism(_mirror(prism.outline), tuple(_mirror(hole) for hole in prism.holes), high - prism.z1, high - prism.z0)
-        if turned_over
+        if is_turned_over
         else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
         for prism in solid.prisms
     )
-    return Solid(solid.name, prisms, solid.density), turned_over
+    return Solid(solid.name, prisms, solid.density), is_turned_over
 
 
 def _mirror(polygon: Array) -> Array:

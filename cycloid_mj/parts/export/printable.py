@@ -77,8 +77,8 @@ def print_warnings(
 ) -> Iterator[str]:
     """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
 
-    `unsupported_areas` are the areas of faces that cannot have a support [m2], by part and height [m], as in
-    `PrintPlate.hanging`.
+    `unsupported_areas` are the areas of faces that cannot have a support [m2], as a mapping from part to a mapping from
+    the height [m] of the faces to their area.
     """
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):

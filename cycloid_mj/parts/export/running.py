@@ -79,7 +79,7 @@ class RunningGap:
 
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
-    """Return the smallest distance [m] of each pair of parts of different bodies; parts at 0 or less touch.
+    """Return the smallest distance [m] of each pair of parts that move relative to each other; 0 or less if they touch.
 
     Where parts overlap along z by design, such as a cam and its disc, their distance is ignored.
 
@@ -124,7 +124,7 @@ def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
 
 
 def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
-    """Yield the annuli that all segments of all parts of a drive sweep, those of bearings by ring."""
+    """Yield the annuli swept by all segments of all parts of a drive, with one annulus per ring of a bearing."""
     parts = assembly_parts(reducer, sizes)
     for placement in place_parts(reducer, 0.0, sizes):
         for segment in parts[placement.part].segments:

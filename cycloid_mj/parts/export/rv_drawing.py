@@ -48,9 +48,9 @@ def rv_part_drawings(reducer: RvReducer) -> tuple[PartDrawing, ...]:
     DesignError
         A part cannot be manufactured.
     """
-    counts = Counter(place.part for place in place_rv_parts(reducer))
-    made = (part for part in rv_parts(reducer).values() if part.name not in (NEEDLE, names.PIN))
-    return tuple(_draw_part(reducer, part, counts[part.name]) for part in made)
+    counts = Counter(placement.part for placement in place_rv_parts(reducer))
+    manufactured = (part for part in rv_parts(reducer).values() if part.name not in (NEEDLE, names.PIN))
+    return tuple(_draw_part(reducer, part, counts[part.name]) for part in manufactured)
 
 
 def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:

@@ -255,22 +255,22 @@ def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
 
     All fillets, or all chamfers, stay sharp if OpenCASCADE cannot build a valid solid with them.
     """
-    for maker, broken in (
+    for maker, edges_of_kind in (
         (occ.BRepFilletAPI_MakeFillet, [edge for edge in edges if edge.is_fillet]),
         (occ.BRepFilletAPI_MakeChamfer, [edge for edge in edges if not edge.is_fillet]),
     ):
-        if not broken:
+        if not edges_of_kind:
             continue
         builder, explorer = maker(shape), occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_EDGE)
-        treated: list[Any] = []
+        done_edges: list[Any] = []
         while explorer.More():
             edge = occ.TopoDS.Edge(explorer.Current())
-            size = _size_of(edge, broken)
-            if size and not any(edge.IsSame(other) for other in treated):
+            size = _size_of(edge, edges_of_kind)
+            if size and not any(edge.IsSame(done_edge) for done_edge in done_edges):
                 builder.Add(MILLIMETRES * size, edge)
-                treated.append(edge)
+                done_edges.append(edge)
             explorer.Next()
-        if treated:
+        if done_edges:
             builder.Build()
             if builder.IsDone() and occ.BRepCheck_Analyzer(builder.Shape()).IsValid():
                 shape = builder.Shape()
@@ -284,9 +284,11 @@ def _size_of(edge: Any, edges: Sequence[BrokenEdge]) -> float:
         return 0.0
     circle = curve.Circle()
     centre = circle.Location()
-    place = np.array([centre.X(), centre.Y(), centre.Z(), circle.Radius()]) / MILLIMETRES
+    circle_data = np.array([centre.X(), centre.Y(), centre.Z(), circle.Radius()]) / MILLIMETRES
     matches = (
-        broken.size for broken in edges if np.allclose(place, (*broken.centre, broken.z, broken.radius), atol=1e-9)
+        broken.size
+        for broken in edges
+        if np.allclose(circle_data, (*broken.centre, broken.z, broken.radius), atol=1e-9)
     )
     return next(matches, 0.0)
 
