@@ -49,10 +49,10 @@ __all__ = [
 
 
 def check(design: Named) -> Checks:
-    """Check a design; return the checks whether it can be built, and warnings about how well it works.
+    """Check whether a design can be built, and how well it works; return the passed and failed checks.
 
-    The result has passed and failed checks. The warnings are left out for a design that cannot be built, and for an RV
-    reducer. The checks of the life are in ``life.checks``.
+    Checks of how well it works fail with warnings only. They are left out for a design that cannot be built, and for an
+    RV reducer. The checks of the life are in ``life.checks``.
 
     Parameters
     ----------
@@ -68,12 +68,14 @@ def check(design: Named) -> Checks:
     """
     design = resolve(design)
     reducer = reducer_of(design)
-    sound = soundness(reducer)
-    if isinstance(reducer, RvReducer) or any(item.severity == "error" and not item.passed for item in sound):
-        return Checks(sound)
+    feasibility_checks = soundness(reducer)
+    if isinstance(reducer, RvReducer) or any(
+        item.severity == "error" and not item.passed for item in feasibility_checks
+    ):
+        return Checks(feasibility_checks)
     margins = evaluate(reducer, margin_rules(reducer))
     quality = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
-    return Checks((*sound, *quality, *casing_checks(reducer)))
+    return Checks((*feasibility_checks, *quality, *casing_checks(reducer)))
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:
@@ -86,7 +88,10 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of `soundness` as they are computed, so that a search can stop at the first failure."""
+    """Yield the checks whether a design can be built, without statics, as they are computed (see `soundness`).
+
+    A search can thus stop at the first failure.
+    """
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return

@@ -39,7 +39,7 @@ TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
 
 
 def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
-    """Return the checks of a design with those of their remedies that work, after trying each remedy on the design.
+    """Try the remedies of all failed checks on the design; return the checks with only those remedies that work.
 
     A change is kept if the check passes with it and no other check that needs no statics gets worse. It is completed by
     changes for checks that fail because of it, such as a hole that depends on the eccentricity. If no change is left,
@@ -55,9 +55,11 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 
 
 def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, Check]) -> Check:
-    """Return a failed check with only those of its changes that work, each completed, and its remedy in words.
+    """Try the remedies of a failed check on the design; return the check with those that work, in numbers and words.
 
     `checks_before` are the checks of the unchanged design by name.
+
+    Each change is completed by changes of other keys that it requires.
     """
     if not check.changes:
         return check
@@ -102,44 +104,45 @@ def _complete_change(
         checks_after = quick_checks(reducer, complete_change)
         if checks_after is None:
             return None
-        worse = [
+        worse_checks = [
             other for other in checks_after.values() if _is_worse(other, checks_before.get(other.name), check.name)
         ]
         hole_check = checks_after["hole_size"]
-        if not worse and not hole_check.passed and complete_change.keys() & TIED:
-            worse = [hole_check]
-        if not worse:
+        if not worse_checks and not hole_check.passed and complete_change.keys() & TIED:
+            worse_checks = [hole_check]
+        if not worse_checks:
             return complete_change
-        repair = _choose_repair(reducer, worse[0], complete_change)
+        repair = _choose_repair(reducer, worse_checks[0], complete_change)
         if repair is None:
             return None
         complete_change.update(repair)
     return None
 
 
-def _is_worse(after: Check, before: Check | None, name: str) -> bool:
+def _is_worse(after: Check, before: Check | None, target_name: str) -> bool:
     """Return whether a check is more serious `after` a change than `before` it.
 
-    The check with the `name`, for which the change is made, must pass. A check that did not exist before must not fail.
+    The check with the `target_name`, for which the change is made, must pass. A check that did not exist before must
+    not fail.
     """
-    if after.name == name:
+    if after.name == target_name:
         return not after.passed
     return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
 
 
 def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Choose the next change that makes a failed check pass: a larger change of the same keys, or of other keys.
+    """Choose the next change that makes a failed check pass: a larger change of the same keys, or one of other keys.
 
-    `applied_change` is the change so far. Returns None if there is no such change.
+    `applied_change` is the change that has been made so far. Returns None if there is no such change.
     """
     design = reducer.design
     for change in failed_check.changes:
-        goes_further = (
+        extends_change = (
             key in applied_change
             and (value - applied_change[key]) * (applied_change[key] - value_of(design, key)) > 0.0
             for key, value in change.items()
         )
-        if all(goes_further):
+        if all(extends_change):
             return change
     if (
         failed_check.key != TWO_SIDED
@@ -164,32 +167,38 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
         checks_after = quick_checks(reducer, {key: candidate})
         return bool(checks_after and failed_check.name in checks_after and checks_after[failed_check.name].passed)
 
-    failing = value
+    failing_value = value
     for stride in ADVICE.strides:
-        passing = float(
+        passing_value = float(
             round_beyond(value / (1.0 + stride) if decrease else value * (1.0 + stride), decrease, is_integer)
         )
-        if passes(passing):
+        if passes(passing_value):
             break
-        failing = passing
+        failing_value = passing_value
     else:
         return None
-    while abs(passing - failing) > max(ADVICE.rtol * abs(passing), float(is_integer)):
-        midpoint = float(round_beyond(0.5 * (failing + passing), decrease, is_integer))
-        if midpoint in (failing, passing):
+    while abs(passing_value - failing_value) > max(ADVICE.rtol * abs(passing_value), float(is_integer)):
+        midpoint = float(round_beyond(0.5 * (failing_value + passing_value), decrease, is_integer))
+        if midpoint in (failing_value, passing_value):
             break
-        failing, passing = (failing, midpoint) if passes(midpoint) else (midpoint, passing)
-    return {key: passing}
+        failing_value, passing_value = (failing_value, midpoint) if passes(midpoint) else (midpoint, passing_value)
+    return {key: passing_value}
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
-    """Check a changed design without statics; return the checks by name, or None if the change is not allowed."""
+    """Check a changed design, without the slow checks that need statics; return the checks by name.
+
+    The result is None if the change is not allowed. `change` maps keys of the design file to new values.
+    """
     try:
         changed_reducer = Reducer(override(reducer.design, dict(change)))
-        sound = soundness(changed_reducer)
-        if any(check.judgement is Judgement.FAILED for check in sound):
-            return {check.name: check for check in sound}
-        return {check.name: check for check in (*sound, *evaluate(changed_reducer, margin_rules(changed_reducer)))}
+        feasibility_checks = soundness(changed_reducer)
+        if any(check.judgement is Judgement.FAILED for check in feasibility_checks):
+            return {check.name: check for check in feasibility_checks}
+        return {
+            check.name: check
+            for check in (*feasibility_checks, *evaluate(changed_reducer, margin_rules(changed_reducer)))
+        }
     except CycloidError:
         return None
 

@@ -15,7 +15,7 @@ MAX_POSES = 36
 
 
 def assembly_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that parts with manufacturing errors or modifications fit together; none for ideal parts."""
+    """Yield the checks that parts with manufacturing errors or modified profiles fit together; none for ideal parts."""
     if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:
@@ -54,7 +54,7 @@ def _check_assembly_gap(reducer: Reducer) -> Check:
     smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).min_gap for pose in range(poses))
     value_text, limit = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
-    wider = [
+    limits = [
         Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) - smallest_gap) for pair in pairs
     ]
     return Check(
@@ -65,5 +65,5 @@ def _check_assembly_gap(reducer: Reducer) -> Check:
         why="errors and modification exceed the clearances: the parts can be assembled by force only",
         severity="warning",
         key="the gap left by errors and modification",
-        **joint_remedy(reducer, [] if smallest_gap >= 0.0 else wider, "lower the errors"),
+        **joint_remedy(reducer, [] if smallest_gap >= 0.0 else limits, "lower the errors"),
     )

@@ -67,10 +67,10 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
 
 
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
-    """Return the rules for counterweight and shaft bearings; the disc must be feasible.
+    """Return the rules that the counterweight can balance the disc and that the shaft bearings have room beside it.
 
-    Several discs balance each other and have no rule for a counterweight. The rule for the bearings is left out if the
-    rule for the counterweight is not met.
+    The disc must be feasible. Several discs balance each other and have no rule for a counterweight. The rule for the
+    bearings is left out if the rule for the counterweight is not met.
     """
     if reducer.design.gear.discs > 1:
         return (bearing_room_rule(reducer),)

@@ -14,7 +14,7 @@ def has_bare_rollers(reducer: Reducer) -> bool:
 
 
 def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
-    """Yield both parts on which the bare rollers of the cam press, each with a pressure ratio.
+    """Yield the two parts on which the rollers of a cam without bearing rings press, each with its pressure ratio.
 
     The ratio is the true Hertz pressure on the part over that of the model's contact ``cam``. This contact has the
     curvature of a roller on the cam, but the modulus of shaft on disc. In fact, roller and cam are of the same
@@ -34,7 +34,7 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
 
 
 def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:
-    """Compute the largest allowed pressure [Pa] of the model's contact ``cam`` for bare rollers.
+    """Compute the largest allowed pressure [Pa] of the model's contact ``cam`` for rollers without bearing rings.
 
     At this pressure the cam or the bore reaches its limit, `factor` times the attribute `strength` of its material.
     """

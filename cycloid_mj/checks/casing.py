@@ -12,7 +12,7 @@ from cycloid_mj.reducer.sockets import is_drawn
 
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely.
+    """Yield the check that the complete drive, with covers, bearings and screws, can be assembled and turns freely.
 
     Yields nothing for a design without solids of its parts (`is_drawn`), or without fitting covers (`casing_or_none`)
     unless the design has a key that only the drive around the mechanism uses.

@@ -116,7 +116,7 @@ class Checks(Presented, tuple[Check, ...]):
 
     @property
     def margins(self) -> dict[str, float]:
-        """Margin of each check by name: the factor by which its value may grow or shrink until it reaches its bound.
+        """Return the margin of each check by name: the factor by which its value may change until it reaches its bound.
 
         It is above 1 if the check passes. Checks without number, or with a value or bound of 0, are left out.
         """

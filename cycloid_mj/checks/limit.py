@@ -87,8 +87,8 @@ class Limit:
             override(reducer.design, [f"{self.file_key}={bound_text}"])
         except DesignError:
             return ""
-        verb, beyond = ("lower", "less") if self.side in UPPER else ("raise", "more")
-        return f"{verb} {self.file_key} to {bound_text} or {beyond}"
+        verb, comparative = ("lower", "less") if self.side in UPPER else ("raise", "more")
+        return f"{verb} {self.file_key} to {bound_text} or {comparative}"
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
         """Return the file's key and the value that satisfies the limit; None if the file does not allow it."""
@@ -122,7 +122,7 @@ class Limit:
 
 
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
-    """Return the remedy that changes the keys of all limits together, in words and as a single change.
+    """Return the remedy of a failed check that changes several keys together, in words and as a single change.
 
     `other_remedy`, in words, is an alternative to it. Without limits, text and changes are empty. If the design file
     does not allow a value, this limit is left out of the text, and no change is returned.
@@ -136,10 +136,10 @@ def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = 
 
 
 def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
-    """Return a remedy for each limit, in words and as changes; each remedy alone is sufficient.
+    """Return alternative remedies of a failed check, each of which changes one key, in words and as changes.
 
-    `otherwise`, in words, is a further alternative. A limit whose value the design file does not allow is left out.
-    Without limits, both text and changes are empty.
+    There is one remedy for each limit; each alone is sufficient. `otherwise`, in words, is a further alternative. A
+    limit whose value the design file does not allow is left out. Without limits, both text and changes are empty.
     """
     texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
     return {

@@ -43,8 +43,8 @@ def _short_width_rule(reducer: Reducer) -> Rule:
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
     low, high = MARGINS.k1_range
-    above = Limit("gear.eccentricity", "at least", low * E / N)
-    limit = Limit(above.key, "at most", high * E / N) if above.is_met(reducer) else above
+    lower_limit = Limit("gear.eccentricity", "at least", low * E / N)
+    limit = Limit(lower_limit.key, "at most", high * E / N) if lower_limit.is_met(reducer) else lower_limit
     return Rule(
         "short_width",
         limit,

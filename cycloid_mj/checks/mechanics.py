@@ -105,8 +105,8 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
     """
     design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
-    above = Limit("housing.bolt_circle_radius", "more than", root)
-    limit = Limit(above.key, "less than", outer) if circle > root else above
+    lower_limit = Limit("housing.bolt_circle_radius", "more than", root)
+    limit = Limit(lower_limit.key, "less than", outer) if circle > root else lower_limit
     explanation = f"the bolts are in the wall between the teeth (out to {millimetres(root)}) and the rim"
     yield Rule("bolt_circle", limit, explanation)
     max_bolt_radius = min(outer - circle, circle - max(root, 0.0))
@@ -128,26 +128,26 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
     The counterweight must be larger than the shaft, and turn inside the ring. Several discs need none.
     """
     design = reducer.design
-    shaft, c = design.shaft, design.gear.eccentricity
+    shaft, eccentricity = design.shaft, design.gear.eccentricity
     yield Rule(
         "shaft",
-        Limit("shaft.radius", "less than", design.gear.bore_radius - c),
+        Limit("shaft.radius", "less than", design.gear.bore_radius - eccentricity),
         "the cam must enclose the shaft, or the disc cannot be assembled",
-        (Limit("gear.bore_radius", "more than", shaft.radius + c),),
+        (Limit("gear.bore_radius", "more than", shaft.radius + eccentricity),),
     )
     if shaft.bore_radius:
-        share = MECHANICS.max_bore_share
+        max_share = MECHANICS.max_bore_share
         yield Rule(
             "shaft_bore",
-            Limit("shaft.bore_radius", "at most", share * shaft.radius),
-            f"the wall of a hollow shaft must be at least {100.0 * (1.0 - share):.0f} % of its radius",
-            (Limit("shaft.radius", "at least", shaft.bore_radius / share),),
+            Limit("shaft.bore_radius", "at most", max_share * shaft.radius),
+            f"the wall of a hollow shaft must be at least {100.0 * (1.0 - max_share):.0f} % of its radius",
+            (Limit("shaft.radius", "at least", shaft.bore_radius / max_share),),
         )
     yield Rule(
         "shaft_fillet",
-        Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),
+        Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - eccentricity - shaft.radius, 0.0)),
         "the cam's shoulder, lowest opposite the eccentricity, leaves no more room for a fillet",
-        (Limit("gear.bore_radius", "more than", shaft.radius + c + shaft.fillet_radius),),
+        (Limit("gear.bore_radius", "more than", shaft.radius + eccentricity + shaft.fillet_radius),),
     )
     if design.gear.discs > 1:  # they balance each other
         return
@@ -174,18 +174,18 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     design = reducer.design
     names = design.pair_kinds
     total, allowed = _total_clearance(reducer)
-    value_text, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
-    shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
-    tighter = [] if total <= allowed else [share for share in shares if not share.is_met(reducer)]
+    value_text, limit_text = value_and_limit(total, "at most", allowed, MICROMETRE)
+    limits = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
+    violated_limits = [] if total <= allowed else [item for item in limits if not item.is_met(reducer)]
     yield Check(
         name="play",
         passed=total <= allowed,
         got=f"{value_text} ({' + '.join(names)})",
-        limit=f"{limit} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
+        limit=f"{limit_text} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
         severity="warning",
         key="clearance",
-        **joint_remedy(reducer, tighter),
+        **joint_remedy(reducer, violated_limits),
     )
     if total > allowed and has_shape:
         yield _check_tooth_skip(reducer)
@@ -226,9 +226,9 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
     design = reducer.design
     backlash, allowed = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
     value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
-    share = (1.0 - MECHANICS.jump_margin) * allowed / backlash
-    lower = [
-        Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in design.pair_kinds
+    factor = (1.0 - MECHANICS.jump_margin) * allowed / backlash
+    limits = [
+        Limit(f"clearance.{name}", "at most", factor * getattr(design.clearance, name)) for name in design.pair_kinds
     ]
     return Check(
         name="jump",
@@ -237,7 +237,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
         limit=f"{limit} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
         key="the backlash of the output",
-        **joint_remedy(reducer, [] if backlash <= allowed else lower),
+        **joint_remedy(reducer, [] if backlash <= allowed else limits),
         **numbers(backlash, allowed, DEGREE),
     )
 

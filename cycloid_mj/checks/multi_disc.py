@@ -11,7 +11,7 @@ MAX_OUTPUT_PINS = 100
 
 
 def disc_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check that several discs are identical parts; none for a single disc."""
+    """Yield the check that all discs of a drive can be made as one identical part; none for a single disc."""
     design = reducer.design
     discs, pins, lobes = design.gear.discs, design.output.pins, design.lobes
     if discs == 1:

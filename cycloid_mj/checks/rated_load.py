@@ -50,7 +50,7 @@ class RatedLoad:
         return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa].
+        """Compute the output torque [N m] at which the peak Hertz pressure in a kind of contact is `pressure` [Pa].
 
         Return NaN if they never reach it, if inertia forces alone exceed it, or if there is no equilibrium.
         """

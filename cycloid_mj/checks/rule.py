@@ -81,7 +81,7 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     """
     limit = rule.limit
     is_passed = limit.is_met(reducer)
-    value_text, allowed = limit.texts(reducer)
+    value_text, limit_text = limit.texts(reducer)
     remedies = [] if is_passed else [*([] if rule.tied else [limit]), *rule.alternatives]
     keys = " and ".join(remedy.file_key for remedy in remedies)
     remedy = single_remedies(reducer, remedies)
@@ -91,7 +91,7 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
         name=rule.name,
         passed=is_passed,
         got=value_text,
-        limit=allowed,
+        limit=limit_text,
         why=rule.why,
         severity=rule.severity,
         key=limit.file_key,

@@ -119,34 +119,41 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     E, circle, bore = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
     root = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
     window, posts = reducer.window_radius, reducer.post_circle_radius
-    apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
-    around = bore - cranks.eccentric_radius
+    window_bore_distance = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
+    bore_margin = bore - cranks.eccentric_radius
 
-    def wall(name: str, where: str, key: str, room: float) -> Rule:
+    def wall(name: str, location: str, key: str, max_value: float) -> Rule:
         """Return the rule that a wall is at least `TEETH.min_wall_share` of the pin-circle radius thick.
 
-        Its thickness is `room` [m] minus the value of the design at `key` [m]. `name` is that of the check, and `where`
-        locates the wall in messages, such as "between post and crank".
+        Its thickness is `max_value` [m] minus the value of the design at `key` [m]. `name` is that of the check, and
+        `location` names the place of the wall in messages, such as "between post and crank".
         """
 
         def wall_limits(relative_wall: float) -> tuple[Limit, ...]:
-            return (Limit(key, "less than", room - relative_wall * E),)
+            return (Limit(key, "less than", max_value - relative_wall * E),)
 
-        return wall_rule(name, wall_limits, TEETH.min_wall_share, E, where)
+        return wall_rule(name, wall_limits, TEETH.min_wall_share, E, location)
 
     eccentric, post = "cranks.eccentric_radius", "cranks.post_radius"
-    beyond = window - cranks.post_radius
-    yield wall("crank_bores", "between the crank bores and the roots of the lobes", eccentric, root - circle - around)
+    window_margin = window - cranks.post_radius
+    yield wall(
+        "crank_bores", "between the crank bores and the roots of the lobes", eccentric, root - circle - bore_margin
+    )
     yield wall(
         "middle_hole",
         "between the middle hole and the crank bores",
         "cranks.middle_hole_radius",
         circle - bore,
     )
-    yield wall("windows_to_bores", "between the windows and the crank bores", post, apart - bore - beyond)
-    yield wall("windows_to_root", "between the windows and the roots of the lobes", post, root - posts - beyond)
     yield wall(
-        "windows_to_hole", "between the windows and the middle hole", post, posts - cranks.middle_hole_radius - beyond
+        "windows_to_bores", "between the windows and the crank bores", post, window_bore_distance - bore - window_margin
+    )
+    yield wall("windows_to_root", "between the windows and the roots of the lobes", post, root - posts - window_margin)
+    yield wall(
+        "windows_to_hole",
+        "between the windows and the middle hole",
+        post,
+        posts - cranks.middle_hole_radius - window_margin,
     )
 
 
@@ -205,13 +212,13 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
 
 def _post_rule(reducer: RvReducer) -> Rule:
     """Return the rule that the posts stay clear of the windows of the discs, which orbit with the eccentricity."""
-    orbit = reducer.cranks.post_radius + reducer.design.gear.eccentricity
-    stated = reducer.cranks.window_radius > 0.0
-    key = Limit("cranks.window_radius", "more than", orbit)
-    other = Limit("cranks.post_radius", "less than", reducer.window_radius - reducer.design.gear.eccentricity)
+    min_window = reducer.cranks.post_radius + reducer.design.gear.eccentricity
+    is_window_set = reducer.cranks.window_radius > 0.0
+    window_limit = Limit("cranks.window_radius", "more than", min_window)
+    post_limit = Limit("cranks.post_radius", "less than", reducer.window_radius - reducer.design.gear.eccentricity)
     return Rule(
         "posts_in_windows",
-        key if stated else other,
+        window_limit if is_window_set else post_limit,
         "the windows of the discs orbit about the posts at the eccentricity, and must not touch them",
-        (other,) if stated else (),
+        (post_limit,) if is_window_set else (),
     )

@@ -52,7 +52,7 @@ PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam"
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of pressures, load sharing and walls of a feasible design at its nominal torque.
+    """Yield the checks of contact pressures, load sharing and wall strength of a feasible design at its nominal torque.
 
     If there is no static equilibrium, a single failed check is yielded, which states the reason. A cam with a bought
     bearing has no pressure checks.
@@ -176,7 +176,7 @@ def _weaker_strength(
 
 
 def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
-    """Return the limit on the face width [m] at which a value of the loads decreases to `allowed`.
+    """Return the limit on the face width [m] at which a load, such as a pressure, decreases to an allowed value.
 
     `value` computes it from the loads at the nominal torque. Each iteration assumes that it varies as width **
     (-1/`power`) and solves for the loads again. Without an equilibrium the limit is infinite, so that it is no remedy.
@@ -218,8 +218,8 @@ def _check_load_sharing(state: RatedLoad) -> Check:
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     remedy = joint_remedy(reducer, [] if is_passed else limits)
     if not share:
-        stiffer = "a wider face or more rollers make the cam stiffer (gear.face_width_mm, contact.cam_rollers)"
-        remedy = {"remedy": f"smaller clearances are not enough: {stiffer}", "changes": ()}
+        remedy_text = "a wider face or more rollers make the cam stiffer (gear.face_width_mm, contact.cam_rollers)"
+        remedy = {"remedy": f"smaller clearances are not enough: {remedy_text}", "changes": ()}
     return Check(
         name="load_concentration",
         passed=is_passed,
@@ -297,11 +297,11 @@ def _find_threshold(is_met: Callable[[float], bool]) -> float:
         except CycloidError:
             return False
 
-    low, high = 0.0, 1.0
-    while high - low > STRENGTH.bisection_rtol * high and high > STRENGTH.bisection_rtol:
-        midpoint = 0.5 * (low + high)
-        low, high = (midpoint, high) if is_met_safely(midpoint) else (low, midpoint)
-    return low
+    passing, failing = 0.0, 1.0
+    while failing - passing > STRENGTH.bisection_rtol * failing and failing > STRENGTH.bisection_rtol:
+        midpoint = 0.5 * (passing + failing)
+        passing, failing = (midpoint, failing) if is_met_safely(midpoint) else (passing, midpoint)
+    return passing
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def summarize(reducer: Reducer) -> Summary:
     design = reducer.design
     state = rated_load(reducer)
     turning_reducer = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
-    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
+    weakest_kind = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
     return Summary(
         ratio=design.reduction,
         discs=design.gear.discs,
@@ -83,7 +83,7 @@ def summarize(reducer: Reducer) -> Summary:
         pressure_angle=state.pressure_angle,
         backlash=ARCMINUTE * figure("backlash_arcmin").value(turning_reducer),
         capacity=_capacity(turning_reducer),
-        weakest=weakest,
+        weakest=weakest_kind,
         material_limits=describe_plastic_limits(design),
     )
 

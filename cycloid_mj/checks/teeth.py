@@ -85,7 +85,7 @@ def _undercut_rule(reducer: Reducer) -> Rule:
         gear = CycloidGear(ring.teeth, eccentricity, generating_radius, ring.pin_radius)
         return profile.undercut_radius(gear) - offset
 
-    less_eccentric = (
+    alternatives = (
         ()
         if remaining_radius(c) > 0
         else (Limit("gear.eccentricity", "less than", _find_decreasing_root(remaining_radius, c)),)
@@ -94,7 +94,7 @@ def _undercut_rule(reducer: Reducer) -> Rule:
         "undercut",
         Limit("ring.pin_radius", "less than", ring.pin_radius + remaining_radius(c)),
         "pin and clearance must be smaller than the smallest convex radius of the pin's path, or they undercut lobes",
-        less_eccentric,
+        alternatives,
     )
 
 
@@ -126,7 +126,7 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
 def _sleeve_rule(reducer: Reducer) -> Rule:
     """Return the rule that the core pin in a sleeve has at least `TEETH.min_core_share` of the sleeve's radius."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
-    no_pin = Rule(
+    failure_rule = Rule(
         "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
     )
     return Rule(
@@ -135,7 +135,7 @@ def _sleeve_rule(reducer: Reducer) -> Rule:
         f"the pin inside should have at least {TEETH.min_core_share:.0%} of the sleeve's outside diameter (assumed)",
         (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - TEETH.min_core_share)),),
         severity="warning",
-        failure=no_pin,
+        failure=failure_rule,
     )
 
 

@@ -19,11 +19,13 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     positions and of the eccentricity are compared with the sum of the clearances of cam and mesh.
     """
     design = reducer.design
-    errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
+    errors, measurements, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
     mesh_clearance = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
     position_error, radius_error = (
-        _tolerance_of(errors.pin_position, errors.pin_x, errors.pin_y, measured.pins_radial, measured.pins_tangential),
-        _tolerance_of(errors.pin_radius, errors.pin_dr, measured.pins_radius),
+        _tolerance_of(
+            errors.pin_position, errors.pin_x, errors.pin_y, measurements.pins_radial, measurements.pins_tangential
+        ),
+        _tolerance_of(errors.pin_radius, errors.pin_dr, measurements.pins_radius),
     )
     pin_error = math.hypot(position_error, radius_error)
     yield from _check_error(
@@ -31,7 +33,7 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     )
     hole_error = _tolerance_of(errors.hole_position, errors.hole_x, errors.hole_y)
     yield from _check_error(reducer, "hole_tolerance", "the position of a hole", hole_error, "output", clearance.output)
-    flank_error = _tolerance_of(errors.disc_size, errors.disc_dr, measured.gear_deviation)
+    flank_error = _tolerance_of(errors.disc_size, errors.disc_dr, measurements.gear_deviation)
     yield from _check_error(reducer, "disc_tolerance", "the flanks of a disc", flank_error, pair, mesh_clearance)
     cam_error = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
     yield from _check_error(

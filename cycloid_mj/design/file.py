@@ -159,7 +159,7 @@ class Base:
 
 
 def base_design(tables: Mapping[str, Any], source: str) -> Base:
-    """Return the preset that the table ``[base]`` of a file names, scaled to the pin circle of the file if requested.
+    """Return the preset that the table ``[base]`` of a design file names, scaled to the file's pin circle if requested.
 
     `tables` are those of the file, and `source` names it in errors. Raises DesignError if ``preset`` is not the name of
     a preset, ``scaled`` is not true or false, or there is another key.
@@ -174,14 +174,14 @@ def base_design(tables: Mapping[str, Any], source: str) -> Base:
     design = PRESETS[name.casefold()]
     if not is_scaled:
         return Base(name, design, None)
-    size, own_size = value_of(design, PIN_CIRCLE), dict(_flat(tables)).get(PIN_CIRCLE)
-    is_size = isinstance(own_size, (int, float)) and not isinstance(own_size, bool) and 0.0 < own_size < math.inf
-    factor = own_size / size if is_size else 1.0  # the validation of the file refuses any other size
+    preset_size, size = value_of(design, PIN_CIRCLE), dict(_flat(tables)).get(PIN_CIRCLE)
+    is_size = isinstance(size, (int, float)) and not isinstance(size, bool) and 0.0 < size < math.inf
+    factor = size / preset_size if is_size else 1.0  # the validation of the file refuses any other size
     return Base(name, scale_design(design, factor), factor)
 
 
 def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
-    """Return a design whose motor has the torque and power that its load requires without losses, at the drive's speed.
+    """Return a design with the motor torque and power that its load requires at the drive's speed, without losses.
 
     `values` are those of the file in SI; a power that they contain is not changed. A design without load is unchanged.
     """
@@ -278,7 +278,7 @@ def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str
 
 
 def declaration_of(path: str) -> FieldInfo:
-    """Return the declaration (type, unit, bounds, meaning) of a key of the design file, such as ``load.torque_nm``.
+    """Return the declaration (type, unit, bounds, description) of a key of the design file, such as ``load.torque_nm``.
 
     Raises
     ------
@@ -420,7 +420,9 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
 
 
 def _file_tables(section: Section, table_names: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield the keys and values of a section of the design as in the file, or only those of `table_names`.
+    """Yield the keys and values of a section of the design model as they are written in a design file.
+
+    `table_names` limits them to some tables; by default, all are included.
 
     Yields
     ------
@@ -505,11 +507,10 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
-    """Expand sparse lists such as ``{3 = 5.0}``, in place, to lists with a value for each part; return `values`.
+    """Replace sparse lists such as ``{3 = 5.0}`` in a design file by lists with a value for each part, in place.
 
-    In this example the third value is 5 and the others are 0.
-    `values` are the tables of the file, `source` names it in errors; the lengths of lists follow from counts such as
-    ``ring.teeth``.
+    In this example the third value is 5 and the others are 0. `values` are the tables of the file, `source` names it in
+    errors; the lengths of lists follow from counts such as ``ring.teeth``.
     """
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
@@ -566,12 +567,10 @@ def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Sectio
         filter(None, ([prefix + name for name in known_keys if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
     )
     tables = ((name, section_of(field)) for name, field in root.model_fields.items())
-    everywhere = [f"{table}.{name}" for table, section in tables if section for name in _keys_of(section)]
-    same_name_keys = [name for name in everywhere if name.endswith(f".{key}")]
+    all_keys = [f"{table}.{name}" for table, section in tables if section for name in _keys_of(section)]
+    same_name_keys = [name for name in all_keys if name.endswith(f".{key}")]
     similar_keys = [prefix + name for name in difflib.get_close_matches(key, known_keys, n=1)]
-    suggestions = (
-        other_unit or same_name_keys or similar_keys or difflib.get_close_matches(prefix + key, everywhere, n=1)
-    )
+    suggestions = other_unit or same_name_keys or similar_keys or difflib.get_close_matches(prefix + key, all_keys, n=1)
     if suggestions:
         return f"did you mean {' or '.join(suggestions)}?"
     return "available keys: " + ", ".join(prefix + name for name in known_keys)

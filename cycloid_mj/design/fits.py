@@ -96,11 +96,11 @@ def limits(zone: str, size: float) -> tuple[float, float]:
     width = grade_width(grade, size)
     if letter == "js":
         return -0.5 * width, 0.5 * width
-    nearest = _deviation(letter, grade, size)
+    deviation = _deviation(letter, grade, size)
     if match[1].islower():
-        return (nearest - width, nearest) if letter <= "h" else (nearest, nearest + width)
+        return (deviation - width, deviation) if letter <= "h" else (deviation, deviation + width)
     if letter <= "h":
-        return -nearest, width - nearest
+        return -deviation, width - deviation
     upper = _upper_hole_deviation(letter, grade, size)
     return upper - width, upper
 
@@ -126,11 +126,11 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
 
 
 def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
-    """Compute the upper deviation [m] of a hole zone with a letter after H at a nominal size [m] (ISO 286-1, 4.3.2.5).
+    """Compute the upper deviation [m] of a hole zone, of a letter after H, at a nominal size [m] (ISO 286-1, 4.3.2.5).
 
-    `letter` is the letter of the zone as a small letter. The deviation is minus that of the shaft with the same letter.
-    For sizes above 3 mm, and grades up to IT8 (k, m, n) or IT7 (p to zc), the width of the grade minus that of the next
-    finer grade is added.
+    The deviation is minus that of the shaft zone with the same letter. For sizes above 3 mm, and grades up to IT8 (k,
+    m, n) or IT7 (p to zc), the width of the grade minus that of the next finer grade is added. `letter` is in lower
+    case.
     """
     max_delta_grade = 8 if letter in "kmn" else 7
     if letter == "n" and grade > max_delta_grade:

@@ -50,14 +50,19 @@ class Inheritance:
         """List the values that a design file takes from its preset in a sentence; empty if there are none."""
         if not self.values:
             return ""
-        listed = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())
+        value_texts = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())
         source = "[base]" if self.is_stated else f'the default; [base] preset = "{self.preset}" states it'
-        scaled = "" if self.factor is None else f", with its lengths scaled by {self.factor:.4g} to the pin circle"
-        return f"{len(self.values)} values are taken from the preset {self.preset} ({source}){scaled}: {listed}"
+        scale_text = "" if self.factor is None else f", with its lengths scaled by {self.factor:.4g} to the pin circle"
+        return (
+            f"{len(self.values)} values are taken from the preset {self.preset} ({source}){scale_text}: {value_texts}"
+        )
 
     @property
     def remedy(self) -> tuple[str, ...]:
-        """Advice to scale the lengths taken from a preset if they are those of another pin circle; else empty."""
+        """Return the advice to scale the preset's lengths to the pin circle of the file; empty if it does not apply.
+
+        It applies if lengths were taken unscaled from a preset with another pin circle.
+        """
         lengths = [key for key in self.values if key.endswith("_mm")]
         if self.factor is not None or not lengths or PIN_CIRCLE in self.values:
             return ()
@@ -74,10 +79,10 @@ class Inheritance:
 
 
 def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
-    """Return the values that a design takes from a preset because neither its file nor `changes` set them, by file key.
+    """Return the values that a design takes from its preset because neither its file nor `changes` set them.
 
-    Only the material's name and values of the tables `DESCRIBING` are included; values of 0 are omitted. The result is
-    None if `named` is a preset or a design.
+    Only values that describe the drive (tables `DESCRIBING` and the name of the material) are included; values of 0 are
+    omitted. The result is None if `named` is a preset or a design.
 
     Parameters
     ----------
@@ -108,9 +113,9 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 
 
 def _describing_keys(design: Design) -> list[str]:
-    """List the file keys (``table.key``) of the tables `DESCRIBING` that apply to a design, and ``material.name``.
+    """List the file keys (``table.key``) that describe the drive of a design, for its layout.
 
-    The keys in `RAMP`, which describe a run and not the drive, are left out.
+    These are all keys of the tables `DESCRIBING` except those in `RAMP`, which describe a run, and ``material.name``.
     """
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [

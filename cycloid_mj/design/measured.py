@@ -79,7 +79,11 @@ class Measured(Section):
 
     @model_validator(mode="after")
     def _check_lists(self) -> Self:
-        """Raise ValueError for lists of deviations that differ in length, unread files, or a profile in both forms."""
+        """Raise ValueError for lists of measured deviations that are inconsistent.
+
+        They are inconsistent if lists of the same surface differ in length, if a file is named whose values were not
+        read, or if a profile is stated both in polar and in Cartesian coordinates.
+        """
         groups = {
             "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
             "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),
@@ -247,7 +251,7 @@ def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int
 
 
 def _describe_out_of_range(row: Mapping[str, float]) -> str | None:
-    """Describe the first value of a row that is beyond the limit of its unit; None if all are within.
+    """Describe the first measured value of a row that exceeds the limit of its unit; None if none does.
 
     `row` maps column names, which end in their unit (um, mm or deg), to values.
     """

@@ -111,7 +111,7 @@ class Ring(Section):
 
     @model_validator(mode="after")
     def _check_preload(self) -> Self:
-        """Raise ValueError for a preload of an undivided ring, or one that is set both as an angle and as a torque."""
+        """Raise ValueError if an undivided ring has a preload, or a preload is set both as an angle and as a torque."""
         preload_values = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
         set_keys = [key for key, value in preload_values.items() if value]
         if set_keys and self.halves == 1:
@@ -122,7 +122,7 @@ class Ring(Section):
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """Counter-clockwise rotation [rad] of each half of the ring, by which the teeth are preloaded.
+        """Return the counter-clockwise rotation [rad] of each half of the ring, which preloads the teeth.
 
         An undivided ring has one value, 0.
 
@@ -1052,7 +1052,7 @@ class Design(Section, Presented):
         return make_frame([*_value_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return pairs of name and text: name, ratio, ring, eccentricity, speed, nominal torque and load."""
+        """Return the main properties as pairs of name and text: name, ratio, ring, eccentricity, speed, torques."""
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -1090,7 +1090,7 @@ class Design(Section, Presented):
 
     @property
     def at_reference(self) -> Self:
-        """The same design at 20 °C, as its parts are manufactured.
+        """Return the same design at 20 °C, the temperature at which its parts are manufactured.
 
         Raises
         ------
@@ -1147,7 +1147,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
-        """Raise ValueError if a design sets values of parts that the layout of its reducer does not have."""
+        """Raise ValueError if values are set for parts that do not exist in the layout of the design."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
             set_keys += [key for key, is_default in _unused_keys(self) if not is_default and key.startswith("contact.")]
@@ -1265,7 +1265,7 @@ class Design(Section, Presented):
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
-        """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn in between.
+        """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn between the parts.
 
         With the law ``film``, sliding parts have its upper limit, the coefficient of boundary lubrication. Where a
         roller slides on an output pin, the coefficient is multiplied by the ratio of the radii of pin and roller. In an
@@ -1323,7 +1323,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_error_lists(self) -> Self:
-        """Raise ValueError for a list of errors of a wrong length, or for errors of pins that the ring lacks."""
+        """Raise ValueError if a list of manufacturing errors has a wrong length, or the ring has no pins for it."""
         tables: tuple[tuple[str, Section], ...] = (("errors", self.errors),)
         if self.crank_errors is not None:
             tables += (("crank_errors", self.crank_errors),)
@@ -1332,7 +1332,7 @@ class Design(Section, Presented):
         return self
 
     def _check_error_table(self, table: str, section: Section) -> None:
-        """Raise ValueError for a list of errors of a wrong length, or for errors of pins that the ring lacks.
+        """Raise ValueError if a list in a table of manufacturing errors has a wrong length, or is for missing pins.
 
         `section` has the lists, `table` is its name in messages.
         """
@@ -1355,7 +1355,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_measured_pins(self) -> Self:
-        """Raise ValueError for measured pins of an internal gear, or another number of them than ``ring.teeth``."""
+        """Raise ValueError if there are measured pins for an internal gear, or not as many as ``ring.teeth``."""
         count, teeth = len(self.measured.pins_radial), self.ring.teeth
         if count and self.ring.kind == "nonpin":
             raise ValueError(
@@ -1370,7 +1370,7 @@ class Design(Section, Presented):
 
 
 def _unused_keys(design: Design) -> Iterator[tuple[str, bool]]:
-    """Yield the file keys that do not apply to the layout of a design.
+    """Yield the keys of the design file that have no effect with the layout of a design.
 
     Yields
     ------

@@ -113,7 +113,7 @@ def _make_rv80e() -> Design:
 
 
 def _make_rv64() -> Design:
-    """Return an RV reducer whose pin circle has a radius of 64 mm, as the RV example for the code Exudyn.
+    """Return an RV reducer whose pin circle has a radius of 64 mm, as in the RV example of the multibody code Exudyn.
 
     Discs, pins, eccentricity, cranks and needles are those of the example. Sun and planets are not part of it: with a
     module of 1.25 mm they fit the circle of cranks. They have the ratio 121, which the catalogue states for the RV-40E,

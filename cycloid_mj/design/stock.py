@@ -490,10 +490,10 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     """
     size_mm, length_mm = round(diameter / MM, 6), length / MM
     if size_mm in _DOWELS:
-        shortest, longest = _DOWELS[size_mm]
-        count = max(-(-length_mm // longest), 1)
-        usual_lengths = [item for item in _LENGTHS if shortest <= item <= longest]
-        dowel = usual_lengths[min(bisect_left(usual_lengths, length_mm / count - 1e-6), len(usual_lengths) - 1)]
+        min_length, max_length = _DOWELS[size_mm]
+        count = max(-(-length_mm // max_length), 1)
+        stock_lengths = [item for item in _LENGTHS if min_length <= item <= max_length]
+        dowel = stock_lengths[min(bisect_left(stock_lengths, length_mm / count - 1e-6), len(stock_lengths) - 1)]
         return Dowel(f"ISO 8734 - {size_mm:g} x {dowel} - A", diameter, dowel * MM), int(count)
     if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
         return Dowel(f"{GAUGES} - {size_mm:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
@@ -546,21 +546,21 @@ def free_pin(diameter: float, width: float, play: float) -> Roller | None:
     play
         Axial play at each end [m].
     """
-    size_mm, room_mm = round(diameter / MM, 6), width / MM
+    size_mm, width_mm = round(diameter / MM, 6), width / MM
     if size_mm in _ROLLERS:
         shortest, longest = _ROLLERS[size_mm]
         lengths = [length for length in _ROLLER_LENGTHS if shortest <= length <= longest]
-        count = max(-(-(room_mm - 5.0 * play / MM) // longest), 1)
-        stock_length = next((item for item in lengths if 0.0 <= room_mm / count - item <= 5.0 * play / MM), 0.0)
+        count = max(-(-(width_mm - 5.0 * play / MM) // longest), 1)
+        stock_length = next((item for item in lengths if 0.0 <= width_mm / count - item <= 5.0 * play / MM), 0.0)
         cut_length = 0.0 if stock_length else width / count - 2.0 * play
-        length = stock_length or next(item for item in lengths if item >= room_mm / count - 2.0 * play / MM - 1e-6)
+        length = stock_length or next(item for item in lengths if item >= width_mm / count - 2.0 * play / MM - 1e-6)
         return Roller(
             f"ISO 3096 - {size_mm:g} x {length:g} - G2", ROLLER_LIMITS, diameter, length * MM, int(count), cut_length
         )
     longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size_mm)), 0)
     if not longest:
         return None
-    count = int(max(-(-(room_mm - 2.0 * play / MM) // longest), 1))
+    count = int(max(-(-(width_mm - 2.0 * play / MM) // longest), 1))
     designation = f"{GAUGES} - {size_mm:.2f} x {longest:g}"
     return Roller(designation, GAUGE_LIMITS, diameter, longest * MM, count, width / count - 2.0 * play)
 
@@ -586,16 +586,16 @@ def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> 
 
     size = round(diameter / MM, 6)
     shortest, longest = _DOWELS.get(size, (math.inf, 0))
-    usual_lengths = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
+    stock_lengths = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
     counts = range(1, max_count + 1)
     stack_lengths = {
-        count * dowel for count in counts for dowel in usual_lengths if -(-count * dowel // longest) == count
+        count * dowel for count in counts for dowel in stock_lengths if -(-count * dowel // longest) == count
     }
     if not stack_lengths:
         return lengths
-    sold = np.round(MM * np.array(sorted(stack_lengths)), 9)
-    near = sold[np.abs(np.log(sold / lengths[:, np.newaxis])).argmin(axis=1)]
-    return np.where((lengths / OFF <= near) & (near <= lengths * OFF), near, lengths)
+    stack_lengths_m = np.round(MM * np.array(sorted(stack_lengths)), 9)
+    nearest_lengths = stack_lengths_m[np.abs(np.log(stack_lengths_m / lengths[:, np.newaxis])).argmin(axis=1)]
+    return np.where((lengths / OFF <= nearest_lengths) & (nearest_lengths <= lengths * OFF), nearest_lengths, lengths)
 
 
 def bar_diameters() -> tuple[float, ...]:

@@ -83,7 +83,7 @@ BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at m
 
 
 def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, **bounds: Any) -> Any:
-    """Declare a numeric value of the design: return a pydantic field, whose default and bounds are in SI units.
+    """Declare a numeric value of the design model: return a pydantic field whose default and bounds are in SI units.
 
     Parameters
     ----------

@@ -90,8 +90,8 @@ def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
     value_text = _quote(unit.from_si(value) if isinstance(value, float) else value)
     if isinstance(value, str) and (unsupported_text := unsupported_value(key, value)):
         return f"{key} = {value_text} is not supported: {unsupported_text}"
-    meaning = "" if details["type"] == "value_error" else f" ({field.description})"
-    return f"{key} = {value_text} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
+    description_text = "" if details["type"] == "value_error" else f" ({field.description})"
+    return f"{key} = {value_text} is not allowed: {_describe_allowed(details, field, unit)}{description_text}"
 
 
 def _quote(value: Any) -> str:
