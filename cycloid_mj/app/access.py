@@ -78,10 +78,10 @@ class AccessControl:
         return secrets.compare_digest(text.encode(), self._token)
 
 
-def _add_headers(send: Send) -> Send:
-    """Return a function that sends a response with the security headers of the page.
+def _add_headers(send_message: Send) -> Send:
+    """Return an ASGI function that adds the security headers of the page to a response and sends it by `send_message`.
 
-    `send` is the function of ASGI that sends without them.
+    `send_message` is the function of ASGI that sends without them.
     """
 
     async def send_with_headers(message: Message) -> None:
@@ -90,6 +90,6 @@ def _add_headers(send: Send) -> Send:
             headers["Cache-Control"] = "no-store"
             headers["Referrer-Policy"] = "no-referrer"
             headers["X-Content-Type-Options"] = "nosniff"
-        await send(message)
+        await send_message(message)
 
     return send_with_headers

@@ -73,7 +73,7 @@ def with_load(design: Design) -> Design:
 def view(design: Design, content: Content) -> dict[str, Any]:
     """Return all that the page shows of a design without solving for static equilibrium, as JSON values.
 
-    These are the values of the design, the header (ratio, diameter, mass), controls, cross-section and errors.
+    These are the values of the design file, the header (ratio, diameter, mass), controls, cross-section and errors.
 
     Parameters
     ----------

@@ -65,8 +65,8 @@ def part_files(file_format: Format, design: Design, options: BuildOptions) -> di
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
     reducer = reducer_at_reference(reducer_of(design))
     if sizes := _casing(reducer, options):
-        wide = widen_clearances(reducer, options.offset)
-        files |= drive_files(wide, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
+        widened_reducer = widen_clearances(reducer, options.offset)
+        files |= drive_files(widened_reducer, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
     return _zip(f"{design.name}-{file_format}", files)
 
 
@@ -182,16 +182,16 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
             "as 1640 rpm"
         )
     without_ramp = design.but(drive={"ramp": 0.0})
-    settled, crank_turn = settling_time(reducer_of(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
+    settling_duration, crank_turn = settling_time(reducer_of(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
     # the report judges at least half of the time at constant speed
-    shortened = without_ramp.steady(settled, max(MIN_CRANK_TURNS, settled / crank_turn))
+    shortened = without_ramp.steady(settling_duration, max(MIN_CRANK_TURNS, settling_duration / crank_turn))
 
     def report_progress(done: int, total: int) -> None:
         on_progress({"doing": "simulating in MuJoCo", "share": done / total})
 
     on_progress({"doing": "building the model", "share": 0.0})
     run = simulate(shortened, progress=report_progress)
-    return Download(page=report({design.name: run}, settle=settled))
+    return Download(page=report({design.name: run}, settle=settling_duration))
 
 
 def _zip(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

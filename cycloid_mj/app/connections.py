@@ -97,8 +97,8 @@ class LimitedConnection(H11Protocol):
         else:
             self._refuse(408, TIMEOUT_MESSAGE)
 
-    def _refuse(self, status: int, words: str) -> None:
-        """Send a response with an HTTP status and the text `words`, and close the connection.
+    def _refuse(self, status: int, text: str) -> None:
+        """Send a response with an HTTP status and a `text`, and close the connection.
 
         Nothing is sent if a response has begun, or if the connection is closing already. The application is notified of
         the disconnection, so that it stops writing.
@@ -106,7 +106,7 @@ class LimitedConnection(H11Protocol):
         headers = [("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
         if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not self.transport.is_closing():
             response = h11.Response(status_code=status, headers=headers)
-            for event in (response, h11.Data(data=words.encode("ascii", "replace")), h11.EndOfMessage()):
+            for event in (response, h11.Data(data=text.encode("ascii", "replace")), h11.EndOfMessage()):
                 self.transport.write(self.conn.send(event) or b"")
         if self.cycle is not None:  # the application must not write into a connection that is closed
             self.cycle.disconnected = True

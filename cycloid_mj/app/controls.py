@@ -186,11 +186,11 @@ def find_controls(design: Design, text: str) -> tuple[Control, ...]:
     A key matches if its name, its label and its description together contain each word of the text. Only keys with a
     number, an option or a switch as value are searched.
     """
-    words, shown = text.lower().split(), {control.key for control in controls(design)}
+    words, shown_keys = text.lower().split(), {control.key for control in controls(design)}
     return tuple(
         control
         for control in _all_controls(design)
-        if control.key not in shown
+        if control.key not in shown_keys
         and all(word in f"{control.key} {control.label} {control.meaning}".lower() for word in words)
     )
 
@@ -220,10 +220,12 @@ def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) 
     the slider begins at the negative end, for the value 0 it ends at 1. An integer has steps of 1, any other number
     steps of a power of ten.
     """
-    shown = value if isinstance(value, int) else unit.from_si(value)
-    low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, SLIDER.span * shown))
+    shown_value = value if isinstance(value, int) else unit.from_si(value)
+    low, high = (0.0, max(1.0, abs(shown_value))) if shown_value == 0.0 else sorted((0.0, SLIDER.span * shown_value))
     step = 1.0 if isinstance(value, int) else 10.0 ** math.floor(math.log10((high - low) / SLIDER.steps))
-    return Control(key, OTHERS, label, _symbol(unit.suffix), meaning, shown, low, math.ceil(high / step) * step, step)
+    return Control(
+        key, OTHERS, label, _symbol(unit.suffix), meaning, shown_value, low, math.ceil(high / step) * step, step
+    )
 
 
 def label_of(key: str) -> str:
@@ -285,7 +287,7 @@ def _slider_rows(layout: Layout) -> Iterator[tuple[str, str, str]]:
 
 
 def _labels() -> dict[str, str]:
-    """Return the labels of the keys that have a control of their own on the page: key of the design file -> label."""
+    """Return the labels of all keys for which the page has a control by default: key of the design file -> label."""
     labels = {key: label for key, (label, _) in WORDS.items()}
     rows = [(design, *row) for layout, design in BASES.items() for row in _slider_rows(layout)]
     for design, group, name, label in rows:
@@ -298,15 +300,15 @@ def _labels() -> dict[str, str]:
 
 
 def _list_controls(design: Design) -> Iterator[Control]:
-    """Yield the controls from which an option is chosen: those of the layout of the design, then its materials."""
+    """Yield the controls with a list of options: those for the layout of the design, then one for each material."""
     for key, (label, texts) in WORDS.items():
         table, _, name = key.partition(".")
         if (key == "ring.pins" and design.ring.kind != "pin") or not applies(design.layout, table, name):
             continue
         section = getattr(design, table)
         value, field = getattr(section, name), type(section).model_fields[name]
-        allowed = get_args(field.annotation)
-        options = tuple(option for option in texts.items() if not allowed or option[0] in allowed)
+        literal_values = get_args(field.annotation)
+        options = tuple(option for option in texts.items() if not literal_values or option[0] in literal_values)
         if value not in texts:
             options += ((value, str(value).replace("_", " ")),)
         yield Control(key, LAYOUT, label, "", _sentence(field.description), value, options=options)
@@ -338,19 +340,19 @@ def _create_slider(design: Design, group: str, name: str, label: str) -> Control
     unit = unit_of(field)
     path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
     bounds = bounds_of(field)
-    least, most = (unit.from_si(bounds.get(key, end)) for key, end in (("ge", -math.inf), ("le", math.inf)))
+    min_value, max_value = (unit.from_si(bounds.get(key, end)) for key, end in (("ge", -math.inf), ("le", math.inf)))
     if name in COUNTS:
         lower_end = max(bounds["ge"], math.floor(current / SLIDER.count_span))
         return Control(path, group, label, "", meaning, current, lower_end, math.ceil(current * SLIDER.count_span), 1)
     value, is_clearance = unit.from_si(current), table == "clearance" or name in ADJUSTABLE
-    typical = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
+    typical_value = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
     span = SPAN.get("clearance" if is_clearance else table, SLIDER.span)
-    high = max(SLIDER.min_clearance_range_um, span * abs(value)) if is_clearance else span * typical
+    high = max(SLIDER.min_clearance_range_um, span * abs(value)) if is_clearance else span * typical_value
     step = 10.0 ** math.floor(math.log10(high / SLIDER.steps))
-    lower_end = max(1.0, math.floor(typical / span / step)) * step
+    lower_end = max(1.0, math.floor(typical_value / span / step)) * step
     if is_clearance:
-        lower_end = max(least, -high) if name in ADJUSTABLE else step
-    upper_end = min(most, math.ceil(high / step) * step)
+        lower_end = max(min_value, -high) if name in ADJUSTABLE else step
+    upper_end = min(max_value, math.ceil(high / step) * step)
     return Control(path, group, label, _symbol(unit.suffix), meaning, value, lower_end, upper_end, step)
 
 

@@ -158,15 +158,15 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
     chord_error = _chord_error(reducer)
     ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
     if isinstance(reducer, RvReducer):
-        centred = rv_holes(reducer)
+        circle_groups = rv_holes(reducer)
     else:
         bore, hole = design.gear.bore_radius, design.output.hole_radius
-        centred = [(bore, np.zeros((1, 2))), (hole, output_centres(reducer))]
-    holes = [circle(radius, chord_error) + centre for radius, centres in centred for centre in centres]
+        circle_groups = [(bore, np.zeros((1, 2))), (hole, output_centres(reducer))]
+    holes = [circle(radius, chord_error) + centre for radius, centres in circle_groups for centre in centres]
     try:
         gear = tooth_profile(design)
-        t = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
-        teeth = [profile.outline(gear, t, profile_offset(design))]
+        parameters = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
+        teeth = [profile.outline(gear, parameters, profile_offset(design))]
     except CycloidError:
         teeth = []
     discs = ["".join(map(_svg_loop, (*teeth, *holes)))] * design.gear.discs

@@ -236,13 +236,13 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
         )
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     on_step("laying out the plate and the bill", 0.0)
-    printed = print_files(reducer, sizes, settings, tightening_torques(reducer))
-    files, notes = dict(printed.files), [*printed.notes, *printed.warnings]
+    print_result = print_files(reducer, sizes, settings, tightening_torques(reducer))
+    files, notes = dict(print_result.files), [*print_result.notes, *print_result.warnings]
     if is_plastic(reducer):
         on_step("meshing the parts", 0.3)
-        widened = widen_clearances(reducer, options.offset)
+        widened_reducer = widen_clearances(reducer, options.offset)
         meshes = export(reducer.design, "stl", CHORD_ERROR, options.offset, options.motor).files
-        meshes |= drive_files(widened, "stl", sizes, CHORD_ERROR, settings.cam_seat)
+        meshes |= drive_files(widened_reducer, "stl", sizes, CHORD_ERROR, settings.cam_seat)
         files |= {f"stl/{name}": content for name, content in meshes.items()}
     on_step("drawing the parts", 0.5)
     files |= {f"drawings/{name}": content for name, content in drawing_files(reducer, sizes).items()}

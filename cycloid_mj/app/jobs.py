@@ -130,7 +130,7 @@ class Jobs:
             )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
-        finished = [number for number, listed in self._jobs.items() if listed.state in ("done", "stopped")]
+        finished = [number for number, other_job in self._jobs.items() if other_job.state in ("done", "stopped")]
         for number in finished[: -REQUESTS.finished_jobs]:
             del self._jobs[number]
         threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()

@@ -97,7 +97,7 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
 
 
 def set_tolerances(design: Design, spread_um: Any) -> Design:
-    """Return a design with uniform tolerances of the half width `spread_um` [um]; unchanged for None.
+    """Return a design in which all tolerances are uniform with the half width `spread_um` [um]; unchanged for None.
 
     Raises
     ------

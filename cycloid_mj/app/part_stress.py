@@ -65,7 +65,7 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
 
 
 def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
-    """Return the contact and fatigue stresses of a rating as rows for the page, by kind of part.
+    """Return the contact and fatigue stresses of a rating as rows for the page: kind of part -> dict of its rows.
 
     A kind has its ``name``, the rows ``rated`` with value, limit and bar of each stress, and an empty list ``bulk``.
     """

@@ -140,7 +140,10 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
 
 
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for a requirement; `on_progress` gets partial answers with the alternatives confirmed so far."""
+    """Find drives for the requirement in the start form of the page; return the answer as JSON values.
+
+    `on_progress` is called with the preliminary answer, and again after each alternative that is added to it.
+    """
     on_progress({"doing": "searching for proportions that meet the requirements"})
     motor = parse_options(form).motor
     requirement = parse_form(form)
@@ -160,7 +163,7 @@ def load_search() -> None:
 
 
 def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
-    """Convert the result of a search for drives to JSON values; the drives have covers for the motor `motor`.
+    """Convert the result of a search for drives to JSON values for the page.
 
     Returns
     -------
@@ -184,15 +187,15 @@ def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
     }
 
 
-def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
-    """Convert a drive to JSON values with verdicts on the requirement, `required`.
+def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -> dict[str, Any]:
+    """Convert a drive that the search returned to JSON values, with verdicts on the requirement.
 
     Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
     """
-    form, reason = fill_form(required), ""
-    is_rv = isinstance(required, RvRequirement)
-    name = f"{'rv' if is_rv else required.process}-{required.ratio}"
-    design = drive.design.but(name=name, load={"torque": required.torque})
+    form, reason = fill_form(requirement), ""
+    is_rv = isinstance(requirement, RvRequirement)
+    name = f"{'rv' if is_rv else requirement.process}-{requirement.ratio}"
+    design = drive.design.but(name=name, load={"torque": requirement.torque})
     # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
     figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(reducer_of(design))}
     if is_rv:  # it has no covers
@@ -203,9 +206,9 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
-    violated = {field: judged for field, judged in verdicts.items() if judged["judgement"] != Judgement.PASSED}
-    listed = [f"{NAMES[field]}: {judged['words']} required" for field, judged in violated.items()]
-    words = "; ".join([*listed, *filter(None, (reason,))])
+    violated = {field: item for field, item in verdicts.items() if item["judgement"] != Judgement.PASSED}
+    requirement_texts = [f"{NAMES[field]}: {item['words']} required" for field, item in violated.items()]
+    words = "; ".join([*requirement_texts, *filter(None, (reason,))])
     return {
         "title": drive.title,
         "why": drive.why,
@@ -213,7 +216,7 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
         "figures": figures,
         "life": format_life(figures["life_h"]),
         "verdicts": verdicts,
-        "verdict": verdict(gravest(Judgement(judged["judgement"]) for judged in verdicts.values()), words),
+        "verdict": verdict(gravest(Judgement(item["judgement"]) for item in verdicts.values()), words),
     }
 
 

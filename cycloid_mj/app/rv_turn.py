@@ -27,18 +27,18 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
         (x, y [m], rotation [rad]), shape (m, D, 3); ``output_turn``: rotation of the carrier from its ideal angle
         [rad], shape (m,); ``share``: share of each disc in the torque on the carrier, shape (m, D).
     """
-    springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
-    loads = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, float(np.sign(on_carrier))))
+    springs, carrier_torque = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
+    loads = solve_rv_loads(springs, carrier_torque, running_friction(reducer, crank, float(np.sign(carrier_torque))))
     discs, count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
     columns = 3 * springs.disc[:, np.newaxis] + np.arange(2)
-    slope = springs.slope[:, : springs.pins]
-    normal = np.take_along_axis(slope, np.broadcast_to(columns, (len(crank), *columns.shape)), axis=2)
-    size = loads.bearings
-    toward = loads.cranks / np.maximum(size, np.finfo(float).tiny)[..., np.newaxis]
+    slopes = springs.slope[:, : springs.pins]
+    normal = np.take_along_axis(slopes, np.broadcast_to(columns, (len(crank), *columns.shape)), axis=2)
+    bearing_forces = loads.bearings
+    bearing_directions = loads.cranks / np.maximum(bearing_forces, np.finfo(float).tiny)[..., np.newaxis]
     axes = reducer.stage.crank_positions(crank)[:, np.newaxis]
     centres = reducer.design.gear.eccentricity * reducer.stage.eccentrics(crank)[:, :, np.newaxis]
     moments = axes[..., 0] * loads.cranks[..., 1] - axes[..., 1] * loads.cranks[..., 0]
-    on_disc = moments.sum(axis=2)
+    disc_moments = moments.sum(axis=2)
     poses = loads.displacements[:, : 3 * discs].reshape(shape) / [1.0, 1.0, springs.lever]
     return {
         "teeth": {
@@ -47,13 +47,13 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
             "direction": normal,
         },
         "output": {
-            "force": size.reshape(len(crank), discs * count),
+            "force": bearing_forces.reshape(len(crank), discs * count),
             "position": (axes + centres).reshape(len(crank), discs * count, 2),
-            "direction": toward.reshape(len(crank), discs * count, 2),
+            "direction": bearing_directions.reshape(len(crank), discs * count, 2),
         },
         "discs": poses,
         "output_turn": loads.carrier_turn,
-        "share": on_disc / np.where(on_disc.sum(axis=1) == 0.0, 1.0, on_disc.sum(axis=1))[:, np.newaxis],
+        "share": disc_moments / np.where(disc_moments.sum(axis=1) == 0.0, 1.0, disc_moments.sum(axis=1))[:, np.newaxis],
     }
 
 

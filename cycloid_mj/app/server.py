@@ -250,9 +250,9 @@ def serve(design: Design, listener: socket.socket, token: str, show: bool) -> No
         Whether to open the page in the default browser.
     """
     question = {"design": changed_values(with_load(design))}
-    slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
-    quick = [(work, (question,)) for work in QUICK.values()]
-    workers = Workers(quick, slower, [(load_search, ())], [(load_exports, ())])
+    slower_work = [(SLOWER[name], (question,)) for name in ("checks", "life")]
+    quick_work = [(work, (question,)) for work in QUICK.values()]
+    workers = Workers(quick_work, slower_work, [(load_search, ())], [(load_exports, ())])
     try:
         server = create_server(application(Page(design, workers), token))
         if show:

@@ -123,15 +123,15 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
     """
     for group_name, new_parts in _parts_of_moves(moves):
         counts = Counter(names.family(name).replace("_", " ") for name in new_parts)
-        listed = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())
+        parts_text = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())
         if len(new_parts) == 1:
-            listed = new_parts[0].replace("_", " ")
+            parts_text = new_parts[0].replace("_", " ")
         group = GROUPS.get(group_name, group_name.replace("_", " "))
-        yield listed if group_name in new_parts or group in counts else f"{listed} into the {group}"
+        yield parts_text if group_name in new_parts or group in counts else f"{parts_text} into the {group}"
 
 
 def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
-    """Compute the shift of each family of parts along the axis [m] in the exploded view, by the name of the family.
+    """Compute the axial shift [m] of each family of parts in the exploded view, by the name of the family.
 
     A family is a part with its numbered copies, such as all discs. `parts` are those of the drive by name, `components`
     their copies with positions. In the exploded view the families follow one another in the order of `ALONG` (from

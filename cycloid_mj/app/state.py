@@ -22,7 +22,7 @@ TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
 
 
 def parse_design(values: Any) -> Design:
-    """Return the design of the page's values: keys of the design file -> values that differ from the preset in `BASES`.
+    """Return the design that the page sends: a preset in `BASES`, changed by `values` (key of the file -> value).
 
     Raises
     ------
@@ -92,7 +92,7 @@ def _has_table(design: Design, key: str) -> bool:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, and with the values that depend on them.
+    """Return a design with changes of the page applied, and with the values that depend on them.
 
     `changes` maps keys of the design file to values. The hole radius follows from output-pin radius and eccentricity,
     unless it is changed itself. On the page, load and nominal torque are the same: if one of them changes, the other is
@@ -111,15 +111,18 @@ def apply_changes(design: Design, changes: Any) -> Design:
     if not changes:
         return design
     base = BASES[design.layout]
-    new = override(design, {str(key): _as_integer(base, key, value) for key, value in changes.items()})
+    changed = override(design, {str(key): _as_integer(base, key, value) for key, value in changes.items()})
     has_holes = design.layout == "central"
     if has_holes and any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
-        new = new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
+        changed = changed.but(output={"hole_radius": changed.output.pin_radius + changed.gear.eccentricity})
     if "drive.torque_nm" in changes:
-        return new.but(load={"torque": new.rated_torque})
-    if new.load.torque and (new.load.torque, new.reduction) != (design.load.torque, design.reduction):
-        return reducer_of(new).with_nominal_torque(abs(new.load.torque)).design
-    return new
+        return changed.but(load={"torque": changed.rated_torque})
+    if changed.load.torque and (changed.load.torque, changed.reduction) != (
+        design.load.torque,
+        design.reduction,
+    ):
+        return reducer_of(changed).with_nominal_torque(abs(changed.load.torque)).design
+    return changed
 
 
 def at_load(reducer: Reducer) -> Reducer:

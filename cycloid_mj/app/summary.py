@@ -95,7 +95,7 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
-    """Run all checks of a design at its load; return failures, then warnings, and a summary as JSON values."""
+    """Run all checks of a design at its load; return the failed checks, the warnings and a summary as JSON values."""
     loaded = at_load(reducer)
     results = check_reducer(loaded)
     return {
@@ -109,9 +109,9 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 
 
 def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
-    """Return the ``changes`` that resolve a warning of life, heat or strength at the load, and its ``name``.
+    """Return the changes of a design that resolve a failed check of life, heat or strength at its load, as JSON values.
 
-    There are none for an RV reducer.
+    ``name`` is that of the check; ``changes`` is empty for an RV reducer.
     """
     if isinstance(reducer, RvReducer):
         return {"name": check_name, "changes": []}
@@ -167,8 +167,8 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     rating = rate_for_verdict(at_load(reducer))
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(lives, default=math.inf)
-    rated, limit, momentary = _rated_torque(reducer, rating)
-    verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated, momentary)})
+    rated_torque, limited_by, momentary = _rated_torque(reducer, rating)
+    verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated_torque, momentary)})
     size_with_covers, no_covers = (None, "") if isinstance(reducer, RvReducer) else covered_size(reducer, motor)
     if isinstance(reducer, RvReducer):
         verdicts |= requirement_verdicts(required, rv_size(reducer))
@@ -181,8 +181,8 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     return {
         "condition": f"{rating.duty}, parts {rating.parts}",
         "required_h": hours_required,
-        "rated_torque_nm": rated,
-        "limited_by": limit,
+        "rated_torque_nm": rated_torque,
+        "limited_by": limited_by,
         "momentary_torque_nm": momentary,
         "life_h": shortest,
         "life": format_life(shortest),
@@ -219,8 +219,8 @@ def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str, float]:
         momentary = figure("momentary_torque_nm").value(reducer)
     except CycloidError as error:
         return 0.0, str(error), 0.0
-    limited = (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
-    return *limited, momentary
+    rating_result = (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+    return *rating_result, momentary
 
 
 def rated_items(rating: Rating) -> list[dict[str, Any]]:
@@ -274,7 +274,7 @@ def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> 
 
 
 def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, float]]:
-    """Return the changes that resolve a failed check, those with the fewest keys first.
+    """Return the changes of the design that resolve a failed check, those with the fewest keys first.
 
     If the check is an error, its changes are extended until no other error is left. Changes for which this fails are
     omitted; if it fails for all, all are returned without extension.
@@ -286,7 +286,7 @@ def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, floa
 
 
 def _complete_change(reducer: Reducer, change: Mapping[str, float], max_additions: int) -> Mapping[str, float] | None:
-    """Extend a change of the design by up to `max_additions` changes that resolve the errors which it causes.
+    """Extend a change of the design by up to `max_additions` further changes until it causes no errors of other checks.
 
     `change` maps keys to new values. An extension never changes a key of `change` again. Return None if no extension
     resolves the errors.

@@ -76,13 +76,13 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
         discs = reducer.design.gear.discs
         content = rv_forces(reducer, angles_in_ring, load)
         contacts = {
-            kind: _contact_lists(found["force"], found["position"], found["direction"], discs)
-            for kind, found in ((kind, content[kind]) for kind in RV_CONTACTS)
+            kind: _contact_lists(contact["force"], contact["position"], contact["direction"], discs)
+            for kind, contact in ((kind, content[kind]) for kind in RV_CONTACTS)
         }
-        others = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
+        other_lists = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
         poses = content["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
         frame = {"turn": turn, "load_nm": abs(load), "words": RV_CONTACTS}
-        return {**frame, **contacts, **others, "discs": np.round(poses, 7).tolist()}
+        return {**frame, **contacts, **other_lists, "discs": np.round(poses, 7).tolist()}
     return _central_forces(reducer, turn, angles_in_ring, load)
 
 

@@ -95,14 +95,14 @@ def verdict(judgement: Judgement, words: str) -> dict[str, str]:
     return {"judgement": judgement, "words": words}
 
 
-def _margin(value: float, limit: float, sense: str) -> float:
-    """Return the margin of a value to its limit: limit / value for the sense "≤ ", value / limit for "≥ ".
+def _margin(value: float, limit: float, side: str) -> float:
+    """Return the margin of a value to its limit: limit / value for the side "≤ ", value / limit for "≥ ".
 
-    Without a sense, the value must equal its limit: the margin is 1 if it does, else 0.
+    For an empty `side`, the value must equal its limit: the margin is 1 if it does, else 0.
     """
-    if not sense:
+    if not side:
         return float(value == limit)
-    return limit / value if sense.startswith("≤") else value / limit
+    return limit / value if side.startswith("≤") else value / limit
 
 
 def rated_item(item: RatedItem, life: float) -> dict[str, Any]:

@@ -33,7 +33,7 @@ MAX_FOLDERS = 3
 
 @cache
 def cache_folder() -> Path | None:
-    """Return the writable folder for the compiled code of the current sources; None if no place is writable.
+    """Return a writable folder for the machine code of the current sources; None if there is no writable folder.
 
     The folder is created if needed. It is in ``NUMBA_CACHE_DIR`` if that is set, else next to the sources or in the
     home folder. Folders of earlier versions of the sources are removed, except for the latest two.

@@ -45,8 +45,8 @@ def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Re
             if old in kwargs:
                 if new in kwargs:
                     raise TypeError(f"{function.__name__} got both {new} and {old}: remove {old}")
-                words = f"the argument {old} of {function.__name__} is deprecated: use {new}"
-                warnings.warn(words, DeprecationWarning, stacklevel=2)
+                warning_text = f"the argument {old} of {function.__name__} is deprecated: use {new}"
+                warnings.warn(warning_text, DeprecationWarning, stacklevel=2)
                 kwargs[new] = kwargs.pop(old)
             return function(*args, **kwargs)
 

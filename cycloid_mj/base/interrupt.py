@@ -102,10 +102,10 @@ def interrupt_on_event(event: threading.Event) -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt if the event of `interrupt_on_event` is set; long computations call this periodically.
+    """Raise KeyboardInterrupt if the current thread has been asked to stop; long computations call this periodically.
 
-    Threads test the event instead of being interrupted from outside, because an exception that another thread raises in
-    them at an arbitrary line could leave a lock acquired forever.
+    The request is the event of `interrupt_on_event`. Threads test it instead of being interrupted from outside, because
+    an exception that another thread raises in them at an arbitrary line could leave a lock acquired forever.
     """
     event = _to_stop.get()
     if event is not None and event.is_set():

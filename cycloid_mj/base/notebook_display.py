@@ -23,7 +23,7 @@ class Drawn:
     """A result that can be drawn."""
 
     def plot(self, name: str = "") -> Any:
-        """Draw the result as a ``matplotlib`` figure and return it: the figure of that name, or the first.
+        """Draw the result of a computation as a ``matplotlib`` figure; return the figure of that name, or the first.
 
         Raises
         ------

@@ -78,9 +78,10 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 @contextmanager
 def command_scope() -> Iterator[None]:
-    """Protect existing files inside this block as required for a command; remove the folders that it left empty.
+    """Protect existing files from being replaced inside this block, in which a command runs.
 
-    Inside the block, `require_replaceable` refuses files that the command must not replace.
+    Inside the block, `require_replaceable` refuses files that the command must not replace. At its end, folders that
+    the command created and left empty are removed.
     """
     command = _Command()
     token = _command.set(command)
@@ -193,13 +194,13 @@ def describe_file(path: Path) -> str:
     expected_kind = _own_kind(path)
     kind_name = expected_kind.name if _begins(head, expected_kind) else _kind(head) or expected_kind.name
     match = NAMED.search(head)
-    about = next((word for word in match.groups() if word), b"").decode(errors="replace") if match else ""
-    when = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
-    return f"{kind_name}{f', {about!r},' if about else ''} of {when}"
+    title = next((word for word in match.groups() if word), b"").decode(errors="replace") if match else ""
+    modified = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
+    return f"{kind_name}{f', {title!r},' if title else ''} of {modified}"
 
 
 def _require_same_kind(path: Path) -> None:
-    """Raise TakenError if the content of an existing file is not of the type of its name's ending.
+    """Raise TakenError if an existing file has another type than the ending of its name says, such as a CSV named .png.
 
     The type is identified by the first bytes. Empty files are accepted. For types without fixed first bytes, such as
     CSV, all files are accepted whose first bytes identify no other type.

@@ -82,10 +82,10 @@ def mean_powers(run: Run) -> Powers:
 
     Powers that were not logged count as 0. For an RV reducer, `Powers.crank` is the power of the sun.
     """
-    no_speed, driven = np.zeros(len(run)), run.driven_shaft
-    energy = run.columns.get("kinetic_energy", no_speed) + run.columns.get("potential_energy", no_speed)
+    zeros, driven_shaft = np.zeros(len(run)), run.driven_shaft
+    energy = run.columns.get("kinetic_energy", zeros) + run.columns.get("potential_energy", zeros)
     return Powers(
-        crank=float(np.mean(run[f"{driven}_torque"] * run[f"{driven}_speed"])),
+        crank=float(np.mean(run[f"{driven_shaft}_torque"] * run[f"{driven_shaft}_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),
         friction={kind: float(np.mean(power)) for kind, power in run.by_stem(FRICTION_POWER).items()},
         normal={kind: float(np.mean(power)) for kind, power in run.by_stem(NORMAL_POWER).items()},

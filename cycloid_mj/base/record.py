@@ -273,10 +273,10 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
             raise LogError(
                 f"column {name!r} has no unit: add its unit to the argument `units` ('1' for a dimensionless column)"
             )
-    if surplus := [name for name in units if name not in columns]:
+    if unused_units := [name for name in units if name not in columns]:
         raise LogError(
-            f"the argument `units` has the key {surplus[0]!r}, but the log has no such column. Remove the key or "
-            f"correct its name; {_nearest_columns(surplus[0], list(columns))}"
+            f"the argument `units` has the key {unused_units[0]!r}, but the log has no such column. Remove the key or "
+            f"correct its name; {_nearest_columns(unused_units[0], list(columns))}"
         )
 
 

@@ -15,7 +15,7 @@ def register(**providers: str) -> None:
 
 
 def get_provider(name: str) -> Any:
-    """Import and return the object that is registered under a name.
+    """Import and return the object that a module has registered under a name, such as a function of a higher layer.
 
     Raises
     ------

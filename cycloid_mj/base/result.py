@@ -178,7 +178,7 @@ class Curve(Presented):
         return f"{self.panel}: {self.name}, {len(self.x)} points; {self.x_label}, {self.y_label}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the curve to JSON values: its names, the labels of the axes with their units, and the points."""
+        """Convert the curve to JSON values: its names, the labels of its axes with units, and its points."""
         x, y = self.x.tolist(), self.y.tolist()
         return {
             "panel": self.panel,
@@ -412,7 +412,7 @@ class Claim:
     p: float | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the claim to JSON values.
+        """Convert a claim of a paper, with our value for it, to JSON values.
 
         ``paper`` is the claim with the value of the source, ``ours`` our value, ``at_rated_load`` our value at the
         rated load. ``removals`` and ``ranges_searched`` are `removals` and `searched`; other keys are names of

@@ -46,9 +46,9 @@ def unit_suffix(unit: str) -> str:
     """
     if unit in ("", "1"):
         return ""
-    spelt = unit.replace("N m/", "nm per ").replace("/(N m)", " per nm").replace("N m", "nm")
-    spelt = spelt.replace("%", "percent").lower()
-    return "_".join(re.findall(r"[a-z0-9]+", spelt))
+    unit_words = unit.replace("N m/", "nm per ").replace("/(N m)", " per nm").replace("N m", "nm")
+    unit_words = unit_words.replace("%", "percent").lower()
+    return "_".join(re.findall(r"[a-z0-9]+", unit_words))
 
 
 def with_unit(key: str, unit: str) -> str:

@@ -44,7 +44,7 @@ class ColumnGroup:
     units: Mapping[str, str]
 
     def __post_init__(self) -> None:
-        """Raise LogError if the topic or a column name of a group of logged columns is invalid."""
+        """Raise LogError if the topic or a column name of this group of logged columns is invalid."""
         if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
             raise LogError(
                 f"log topic {self.topic!r} is not valid: use a slash followed by a name in lower-case letters, digits "

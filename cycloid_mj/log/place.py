@@ -109,7 +109,7 @@ class LogFile:
         self._locks.close()
 
     def _open_new(self) -> tuple[Path, BinaryIO]:
-        """Create the file of the log and lock it.
+        """Create the file in which a new log is written, and lock it.
 
         A log that replaces another log is written under the first unused name of `_partial_names`, such as
         ``run.partial.mcap``. A hidden log is written under a hidden name, which is unique and needs no lock. Any other

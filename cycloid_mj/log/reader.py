@@ -70,7 +70,7 @@ class _GroupSamples:
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
-        """Append a block of message records of a group, shape (k, bytes of a record), to the columns.
+        """Append the samples in a block of message records, shape (k, bytes of a record), to the columns of a group.
 
         The sequence numbers must continue those of the previous block. If the constructor was called with `rows`, only
         the samples with these indices are kept.
@@ -252,7 +252,7 @@ def _require_log_format(contents: _Contents, path: Path) -> None:
 
 
 def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
-    """Add schemas, channels and samples of a chunk to the contents, except the samples of excluded topics.
+    """Add schemas, channels and samples of a chunk to the contents of a log, except the samples of excluded topics.
 
     The messages of topics for viewers are only counted.
 
@@ -306,7 +306,7 @@ def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> No
 
 
 def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
-    """Join the first `samples` samples of all groups to a run.
+    """Return a run of the first `samples` samples of all groups of columns of a log.
 
     The run of a truncated file is incomplete, and its note states its last time and what the file lacks.
 

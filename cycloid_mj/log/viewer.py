@@ -37,7 +37,7 @@ class Viewer(Protocol):
 
 
 def select_frames(time: Array, previous_time: float, rate: float) -> npt.NDArray[np.intp]:
-    """Return the indices of the samples that are the first at or after a multiple of 1/`rate` [s], shape (frames,).
+    """Return the indices of the samples to show: the first at or after each multiple of 1/`rate`, shape (frames,).
 
     Parameters
     ----------

@@ -268,17 +268,17 @@ class LogWriter:
 
     def _check_order(self, time: Array) -> None:
         """Raise LogError unless sample times (k,) [s] are finite, strictly increasing and later than those before."""
-        if not_finite := np.flatnonzero(~np.isfinite(time)).tolist():
+        if invalid := np.flatnonzero(~np.isfinite(time)).tolist():
             raise LogError(
-                f"the sample time at index {not_finite[0]} is {time[not_finite[0]]:g}: pass finite times in seconds"
+                f"the sample time at index {invalid[0]} is {time[invalid[0]]:g}: pass finite times in seconds"
             )
         if time.size and (time[0] < 0.0 or time[0] <= self._last_time):
-            earliest = "of at least 0 s" if self._last_time < 0.0 else f"later than {self._last_time:g} s"
-            raise LogError(f"the first sample time, {time[0]:g} s, is too early: pass times {earliest}")
-        if not_later := np.flatnonzero(np.diff(time) <= 0.0).tolist():
+            condition = "of at least 0 s" if self._last_time < 0.0 else f"later than {self._last_time:g} s"
+            raise LogError(f"the first sample time, {time[0]:g} s, is too early: pass times {condition}")
+        if unordered := np.flatnonzero(np.diff(time) <= 0.0).tolist():
             raise LogError(
-                f"the sample time at index {not_later[0] + 1}, {time[not_later[0] + 1]:g} s, is not later than the "
-                f"time before it, {time[not_later[0]]:g} s: pass strictly increasing times"
+                f"the sample time at index {unordered[0] + 1}, {time[unordered[0] + 1]:g} s, is not later than the "
+                f"time before it, {time[unordered[0]]:g} s: pass strictly increasing times"
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
@@ -408,7 +408,7 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
 
 
 def _column_groups(groups: Groups) -> list[ColumnGroup]:
-    """Convert topics with their columns to column groups, in order.
+    """Convert logged topics with their columns and units to column groups, in order.
 
     Raises
     ------

@@ -103,10 +103,10 @@ def published_torques(reducer: "Reducer") -> "list[Published]":
 
 
 def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
-    """Return the conclusions of the first paper that evaluates the runs of a comparison; empty if none does.
+    """Return the conclusions that the first paper with such an evaluation draws from the runs of a comparison.
 
-    `trials` are the runs with their measures. `varied` maps each variation of a parameter to the runs that were
-    repeated with it.
+    They are empty if no paper evaluates runs. `trials` are the runs with their measures. `varied` maps each variation
+    of a parameter to the runs that were repeated with it.
     """
     for _, judgement in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
         if judgement:
@@ -129,14 +129,14 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
 
 
 def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
-    """Call `ask` for every paper; yield the papers, each with its result, for which the result is not None.
+    """Call a function for every paper; yield each paper with its result, unless the result is None.
 
     A paper that fails is skipped with a warning.
     """
     for paper in papers():
-        answer = _call_paper(paper.key, "passed over", partial(ask, paper))
-        if answer is not None:
-            yield paper, answer
+        result = _call_paper(paper.key, "passed over", partial(ask, paper))
+        if result is not None:
+            yield paper, result
 
 
 def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) -> Answer | None:

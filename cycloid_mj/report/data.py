@@ -59,7 +59,7 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Return the curves of a run over its n samples, shape (n,) each, in the units of `SIGNALS`: name -> values.
+    """Return the curves of a run over its n samples in the units of `SIGNALS`, as a mapping from name to values (n,).
 
     They are those of the figures that apply to the run. Names are keys of `SIGNALS`; the name of a closed form is that
     of its signal with ``_theory`` appended.

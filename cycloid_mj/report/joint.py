@@ -143,12 +143,12 @@ def _friction_table(reduced: ReducedJoint) -> TextTable:
     driving, friction with the output driving, and damping.
     """
     rows = []
-    for share in FRICTION_LOADS:
-        torque, speed = share * reduced.rated_torque, reduced.rated_speed
-        torques = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
+    for load_share in FRICTION_LOADS:
+        torque, speed = load_share * reduced.rated_torque, reduced.rated_speed
+        torques = (reduced.ratio * reduced.friction.torque(torque, speed, is_driving) for is_driving in (True, False))
         rows.append(
             (
-                f"correct at {share:.0%} of the nominal torque",
+                f"correct at {load_share:.0%} of the nominal torque",
                 *(f"{torque_at_joint:.4g}" for torque_at_joint in torques),
                 f"{reduced.no_load_damping_at_output:.3g}",
             )
@@ -165,8 +165,8 @@ def _efficiency_table(reduced: ReducedJoint) -> Table:
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
     for speed in friction.speeds:
-        for is_driving, word in ((True, "driving"), (False, "driven")):
-            header.append(f"{word}, {speed / RPM:.0f} rpm [%]")
+        for is_driving, direction in ((True, "driving"), (False, "driven")):
+            header.append(f"{direction}, {speed / RPM:.0f} rpm [%]")
             for row in rows:
                 row.append(100.0 * friction.efficiency(row[0], speed, reduced.ratio, is_driving))
     return Table("Efficiency", tuple(header), tuple(map(tuple, rows)))

@@ -30,7 +30,7 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
-    """Return the outlines of the mechanism [mm] and its motion over one crank turn as JSON values.
+    """Return the outlines of a mechanism [mm] and its motion over one crank turn, for an animation, as JSON values.
 
     `samples` are the samples of a run that are shown, with forces. ``usual`` is the largest of `MAGNIFICATIONS` at
     which the pins are drawn inside their holes, and ``widest`` is the widest gap [mm]. ``frames`` has the keys of
@@ -49,11 +49,12 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
 
 
 def _outlines_json(reducer: Reducer) -> dict[str, Any]:
-    """Return the outlines of the parts as JSON values: lengths in mm, in the frame of the reducer axis or of the part.
+    """Return the outlines of all parts of a mechanism for its animation as JSON values [mm].
 
-    ``angles`` are the angles of the ring's pins or lobes [rad], clockwise from +y. ``others`` has the outline of each
-    disc but the first, and its ``phase`` on the crank [rad], counter-clockwise. ``magnifications`` has the radii of the
-    parts at each possible magnification of the clearances, ``times``. ``wall`` is the inner radius of the housing.
+    Outlines are in the frame of the reducer axis, or of the part itself. ``angles`` are the angles of the ring's pins
+    or lobes [rad], clockwise from +y. ``others`` has the outline of each disc but the first, and its ``phase`` on the
+    crank [rad], counter-clockwise. ``magnifications`` has the radii of the parts at each possible magnification of the
+    clearances, ``times``. ``wall`` is the inner radius of the housing.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear

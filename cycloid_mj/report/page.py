@@ -47,8 +47,8 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             unmet=list(_unmet(reviewed)),
             numbers=_main_values,
             animated=any(mechanisms),
-            magnified=min((shown["usual"] for shown in mechanisms if shown), default=1),
-            widest=[1e3 * shown["widest"] if shown else None for shown in mechanisms],
+            magnified=min((mechanism["usual"] for mechanism in mechanisms if mechanism), default=1),
+            widest=[1e3 * mechanism["widest"] if mechanism else None for mechanism in mechanisms],
             tables=tables,
             figures=figures(reviewed),
             bands=[spectrum["band"] for spectrum in spectra.values() if spectrum],
@@ -70,7 +70,7 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 
 
 def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield the main quantities of a run as pairs of name and text with unit.
+    """Yield the main results of a run as pairs of name and text with unit.
 
     They are efficiency, transmission and speed errors of output and disc, largest contact force, number of contacts,
     and backlash and stiffness in static equilibrium. The last two are omitted if there is no equilibrium. The text of

@@ -15,7 +15,7 @@ STYLES = {
 
 
 def rating_page(rating: Rating) -> str:
-    """Return a rating as one HTML page: items, the weakest first, and assumptions."""
+    """Return a rating as one HTML page with its items, the weakest first, and its assumptions."""
     states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
     table = rating.table()
     return (

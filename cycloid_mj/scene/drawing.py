@@ -149,14 +149,14 @@ class Drawing(MeshDrawing):
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the largest factor by which clearances can be magnified in a drawing.
+    """Compute the largest factor by which the clearances of a reducer can be magnified in a drawing.
 
     Magnified clearances make the drawn parts smaller. Each part keeps at least `DRAWING.min_radius_share` of its
     radius.
     """
     design = reducer.design
-    slack = 1.0 - DRAWING.min_radius_share
-    return 1.0 + slack * min(
+    max_reduction = 1.0 - DRAWING.min_radius_share
+    return 1.0 + max_reduction * min(
         design.ring.pin_radius / tooth_clearance(reducer),
         design.gear.bore_radius / design.clearance.cam,
         design.output.pin_radius / design.clearance.output,
@@ -178,10 +178,10 @@ def widest_gap(reducer: Reducer, gaps: Separations) -> float:
 
 
 def fitting_magnification(reducer: Reducer, max_gap: float, choices: Sequence[float]) -> float:
-    """Return the largest of `choices` at which all gaps can be drawn; if all are too large, the smallest of them.
+    """Return the largest of some magnifications at which all gaps can be drawn; if all are too large, the smallest.
 
-    The widest gap, `max_gap` [m], is drawn at most `DRAWING.max_gap_share` of any radius wide, because pins would
-    appear outside their holes otherwise.
+    `choices` are the magnifications. The widest gap, `max_gap` [m], is drawn at most `DRAWING.max_gap_share` of any
+    radius wide, because pins would appear outside their holes otherwise.
     """
     design = reducer.design
     min_radius = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
@@ -232,7 +232,7 @@ def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
 
 
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at the n samples of a log.
+    """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at n samples of a log.
 
     `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc.
     """
@@ -290,7 +290,7 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 
 
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
-    """Compute the drawn poses of all parts at n times, with the `gaps` magnified along the ideal normals.
+    """Compute the poses of all parts at n times for a drawing with the `gaps` magnified along the ideal normals.
 
     Raises the UsageError of `drawn_radii`.
     """
@@ -311,7 +311,7 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 
 
 def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -> MeshDrawing:
-    """Compute the drawn poses of disc and ring at n times, with the `gaps` magnified along the ideal normals."""
+    """Compute the poses of disc and ring at n times for a drawing with the `gaps` magnified along the ideal normals."""
     opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
     ring = ring_places(reducer) + opening
     return MeshDrawing(
@@ -358,18 +358,18 @@ def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Arr
         Pin centres [m], shape (n, mates, 2).
     """
     max_increment = 0.5 / centres.shape[1]
-    point = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
-    t = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
+    points = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
+    phases = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
     for _ in range(DRAWING.newton_steps):
-        tangent, second_derivative = profile.trochoid_derivatives(cycloid, t)
-        difference = profile.trochoid(cycloid, t) - point
+        tangent, second_derivative = profile.trochoid_derivatives(cycloid, phases)
+        difference = profile.trochoid(cycloid, phases) - points
         speed_squared = np.einsum("nik,nik->ni", tangent, tangent)
         curvature = speed_squared + np.einsum("nik,nik->ni", difference, second_derivative)
         increment = np.einsum("nik,nik->ni", difference, tangent) / np.maximum(
             curvature, DRAWING.min_curvature * speed_squared
         )
-        t = t - np.clip(increment, -max_increment, max_increment)
-    return np.einsum("nik,nik->ni", point - profile.trochoid(cycloid, t), profile.normals(cycloid, t))
+        phases = phases - np.clip(increment, -max_increment, max_increment)
+    return np.einsum("nik,nik->ni", points - profile.trochoid(cycloid, phases), profile.normals(cycloid, phases))
 
 
 def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:

@@ -101,7 +101,7 @@ def contact_forces(
     drawing: Drawing | RvDrawing | None = None,
     kinds: Container[str] = names.KINDS.values(),
 ) -> ContactForces:
-    """Compute force and point of action of those mating pairs whose force has columns.
+    """Compute force and point of action of mating pairs at the n samples of a log, for pairs with force columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are force and moment about the origin of the loaded
     body, which determine the line of action. The point of action is the contact point without friction, shifted onto
@@ -119,7 +119,7 @@ def contact_forces(
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)
-    measured_geometry = _inner_parts_measured(reducer, poses_by_part)
+    measured_geometry = _measured_inner_parts(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
     wrench_columns = [columns[names.column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["output_angle"].size
@@ -184,7 +184,7 @@ def _ideal_rv_forces(reducer: RvReducer, columns: Mapping[str, Array], disc: int
     member = reducer.member
     crank = member.against_ring(columns[f"{reducer.INPUT}_angle"])
     torque = (-1.0 if member.turns_ring else 1.0) * member.share * columns["load_torque"][:, np.newaxis]
-    forward, backward = (ideal_rv_loads(reducer.stage, sense, crank).pins[:, disc] for sense in (1.0, -1.0))
+    forward, backward = (ideal_rv_loads(reducer.stage, direction, crank).pins[:, disc] for direction in (1.0, -1.0))
     return np.abs(torque) * np.where(torque > 0.0, forward, backward)
 
 
@@ -207,8 +207,8 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
     torque = max(abs(design.load.torque) / gear.discs, inertia_force * gear.eccentricity * design.lobes)
     cam_force = torque / (gear.eccentricity * design.lobes)
     ring_force, pin_force = 4 * cam_force / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
-    on_ring = dict.fromkeys(("pin_gear", "tooth", "pin_socket", "pin_sleeve"), ring_force)
-    return {**on_ring, "cam": cam_force, "output": pin_force}
+    ring_forces = dict.fromkeys(("pin_gear", "tooth", "pin_socket", "pin_sleeve"), ring_force)
+    return {**ring_forces, "cam": cam_force, "output": pin_force}
 
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
@@ -254,8 +254,11 @@ class _InnerParts:
         return points
 
 
-def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
-    """Return the inner parts at the measured poses of the bodies, by the name of the body."""
+def _measured_inner_parts(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
+    """Return centres and radii of the inner parts of all pairs (pins, cams, needles) at the poses of a log.
+
+    `by_part` has the pose of each part by its name: x [m], y [m] and angle [rad], shape (n, 3).
+    """
     nominal = ring_places(reducer)
     ring = transform(by_part[names.HOUSING][:, np.newaxis], nominal)
     if names.pin(1) in by_part:
@@ -273,23 +276,31 @@ def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerPa
 
 
 def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Radii) -> _InnerParts:
-    """Return the inner parts of a reducer with a central crank, from centres (n, N, 2), (n, D, 2), (n, k, 2) [m]."""
+    """Return centres and radii of the inner parts of all pairs (pins, cams) of a reducer with a central crank.
+
+    `ring` (n, N, 2), `cam_centres` (n, D, 2) and `pins` (n, k, 2) are the centres of ring pins, cams and output pins
+    [m].
+    """
     count, discs, _ = cam_centres.shape
     pins_of_discs = np.broadcast_to(pins[:, np.newaxis], (count, discs, *pins.shape[1:]))
-    others = {"cam": cam_centres[:, :, np.newaxis], "output": pins_of_discs}
+    by_kind = {"cam": cam_centres[:, :, np.newaxis], "output": pins_of_discs}
     return _InnerParts(
-        ring, others, _ring_radii(radii.pin, radii.sleeve_bore) | {"cam": radii.cam, "output": radii.output_pin}
+        ring, by_kind, _ring_radii(radii.pin, radii.sleeve_bore) | {"cam": radii.cam, "output": radii.output_pin}
     )
 
 
 def _rv_inner_parts(reducer: RvReducer, by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
-    """Return the inner parts of an RV reducer; the force of a planet is at the pitch point on the line to the sun."""
+    """Return centres and radii of the inner parts of all pairs (pins, needles) of an RV reducer.
+
+    `by_part` has the poses by name, shape (n, 3), and `ring` (n, N, 2) the centres of the ring pins [m]. The force of a
+    planet acts at the pitch point on the line to the sun.
+    """
     cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([by_part[name] for name in cranks], axis=1)
     bearings = [
         reducer.mechanism.mating(names.CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)
     ]
-    eccentrics = np.stack([transform(crank_poses, place) for place in bearings], axis=1)
+    eccentrics = np.stack([transform(crank_poses, crank_place) for crank_place in bearings], axis=1)
     pitch_points = _pitch_points(reducer, by_part[names.SUN], crank_poses)
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
@@ -306,15 +317,18 @@ def _pitch_points(reducer: RvReducer, sun: Array, cranks: Array) -> Array:
     return centre + planet.sun_teeth / (planet.sun_teeth + planet.planet_teeth) * (cranks[..., :2] - centre)
 
 
-def _drawn_rv_parts(reducer: RvReducer, drawn: RvDrawing) -> _InnerParts:
-    """Return the inner parts of a drawn RV reducer; pairs of all discs have the places of those of the drawn disc."""
-    eccentrics = np.repeat(drawn.eccentrics[:, np.newaxis], reducer.design.gear.discs, axis=1)
-    pitch_points = _pitch_points(reducer, drawn.sun, drawn.cranks)
-    radii = _ring_radii(drawn.radii.pin, drawn.radii.sleeve_bore)
+def _drawn_rv_parts(reducer: RvReducer, drawing: RvDrawing) -> _InnerParts:
+    """Return centres and radii of the inner parts of all pairs (pins, needles) of an RV reducer as drawn.
+
+    The pairs of all discs have the positions of those of the drawn disc.
+    """
+    eccentrics = np.repeat(drawing.eccentrics[:, np.newaxis], reducer.design.gear.discs, axis=1)
+    pitch_points = _pitch_points(reducer, drawing.sun, drawing.cranks)
+    radii = _ring_radii(drawing.radii.pin, drawing.radii.sleeve_bore)
     return _InnerParts(
-        drawn.ring,
+        drawing.ring,
         {names.CRANK_BEARING: eccentrics, names.PLANET_MESH: pitch_points[:, np.newaxis]},
-        radii | {names.CRANK_BEARING: drawn.eccentric_radius, names.PLANET_MESH: 0.0},
+        radii | {names.CRANK_BEARING: drawing.eccentric_radius, names.PLANET_MESH: 0.0},
     )
 
 

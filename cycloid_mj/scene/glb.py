@@ -72,8 +72,8 @@ class _File:
         index.
         """
         is_index = kind == "SCALAR"
-        view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
-        self._sections["bufferViews"].append(view | {"target": _INDICES if is_index else _VERTICES})
+        buffer_view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
+        self._sections["bufferViews"].append(buffer_view | {"target": _INDICES if is_index else _VERTICES})
         self._buffer += values.tobytes()
         limits = values.reshape(len(values), -1)
         self._sections["accessors"].append(

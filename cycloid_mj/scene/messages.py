@@ -142,7 +142,7 @@ class Scene:
         poses_by_part = poses(self.reducer, columns)
         pose = np.stack(list(poses_by_part.values()), axis=1)
         rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
-        stamps = np.rint(1e9 * time).astype(np.int64).tolist()
+        nanoseconds = np.rint(1e9 * time).astype(np.int64).tolist()
         forces = shown_forces(self.reducer, columns)
         arrows = self._arrows(forces)
         rows_by_kind = {
@@ -150,10 +150,10 @@ class Scene:
             for kind in dict.fromkeys(forces.kinds)
         }
         for row in rows:
-            yield FRAMES, stamps[row], self._transforms(list(poses_by_part), pose[row], stamps[row])
-            yield FORCES, stamps[row], self._forces(rows_by_kind, arrows[row], stamps[row])
+            yield FRAMES, nanoseconds[row], self._transforms(list(poses_by_part), pose[row], nanoseconds[row])
+            yield FORCES, nanoseconds[row], self._forces(rows_by_kind, arrows[row], nanoseconds[row])
 
-    def _transforms(self, parts: list[str], poses: Array, stamp: int) -> bytes:
+    def _transforms(self, parts: list[str], poses: Array, nanoseconds: int) -> bytes:
         """Encode the transforms of parts at a time stamp [ns]: translation, and rotation about z as a quaternion.
 
         `poses` (parts, 3) has x [m], y [m] and angle [rad] of each part.
@@ -162,12 +162,12 @@ class Scene:
         values = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()
         for part, (x, y, sine, cosine) in zip(parts, values, strict=True):
             transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
-            transform.timestamp.FromNanoseconds(stamp)
+            transform.timestamp.FromNanoseconds(nanoseconds)
             transform.translation.x, transform.translation.y = x, y
             transform.rotation.z, transform.rotation.w = sine, cosine
         return bytes(message.SerializeToString(deterministic=True))
 
-    def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, stamp: int) -> bytes:
+    def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, nanoseconds: int) -> bytes:
         """Encode the arrows of all forces at a time stamp [ns]: an entity for each kind of pair, an arrow per force.
 
         `arrows` (k, 7) are those of `_arrows` at this time, and `rows_by_kind` has the row indices of each kind of
@@ -176,7 +176,7 @@ class Scene:
         message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
         for kind, rows in rows_by_kind.items():
             entity = message.entities.add(frame_id=ROOT, id=kind)
-            entity.timestamp.FromNanoseconds(stamp)
+            entity.timestamp.FromNanoseconds(nanoseconds)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
             for x, y, z, sine, cosine, shaft, head in arrows[rows].tolist():
                 if not shaft + head > 0.0:

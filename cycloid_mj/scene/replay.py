@@ -33,7 +33,7 @@ _SKY = {"rgb1": [1.0, 1.0, 1.0], "rgb2": [0.86, 0.9, 0.94], "width": 64, "height
 
 
 def replay_model(run: Run) -> Any:
-    """Compile the model of a run, with a light background.
+    """Return the MuJoCo model of a run, compiled anew from the XML in its log, with a light background.
 
     Raises
     ------

@@ -63,7 +63,7 @@ def largest_rv_magnification(reducer: RvReducer) -> float:
 def draw_rv_poses(
     reducer: RvReducer, columns: Mapping[str, Array], disc: int = 0, magnification: float = 1.0
 ) -> RvDrawing:
-    """Compute the drawn poses of all parts at the n samples of a log, with the gaps magnified.
+    """Compute the poses of all parts of an RV reducer at n samples of a log, for a drawing with magnified gaps.
 
     Parameters
     ----------

@@ -61,8 +61,8 @@ def run_on_cluster(
         for future in completed_futures:
             index = index_of.pop(future)
             if future.status == "finished":
-                theirs, result = future.result()
-                require_same_versions(theirs, f"a worker of {scheduler}")
+                worker_versions, result = future.result()
+                require_same_versions(worker_versions, f"a worker of {scheduler}")
             elif future.status == "error" and isinstance(future.exception(), KilledWorker):
                 cause = "every worker of the cluster that computed it died"
                 if on_lost is None:

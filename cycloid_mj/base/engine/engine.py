@@ -110,7 +110,7 @@ class Engine:
     def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
         """Apply a function to each item in parallel; return the results in the order of the items.
 
-        `progress` is called with the number of items done and of all items.
+        `progress` is called with the number of finished items and the number of all items.
         """
         items = list(items)
         results: dict[int, R] = {}

@@ -42,7 +42,7 @@ class _ResultsAbandoned(Exception):
 
 
 def forward_results(results: Generator[R, None, None]) -> Iterator[R]:
-    """Yield the results of a `joblib.Parallel` as they arrive, without a warning if the caller stops early.
+    """Yield the results of a ``joblib.Parallel`` as they arrive, without joblib's warning if the caller stops early.
 
     The generator of joblib warns of unfinished work when it is closed, for example because a loop over it was
     interrupted.

@@ -23,7 +23,7 @@ def versions() -> Versions:
 
 
 def require_same_versions(worker_versions: Versions, worker: str) -> None:
-    """Raise RunError if the package versions of a worker are not those of this process."""
+    """Raise RunError, naming the `worker`, if it has other versions of the packages than this process."""
     local_versions, worker_versions_by_name = dict(versions()), dict(worker_versions)
     differing = [
         f"{name} is {worker_versions_by_name.get(name, 'missing')} there and {local_versions.get(name, 'missing')} here"

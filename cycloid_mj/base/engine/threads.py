@@ -33,8 +33,8 @@ def run_in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> 
 
     with ThreadPoolExecutor(workers) as pool:
         try:
-            for done in as_completed([pool.submit(do, index, item) for index, item in enumerate(items)]):
-                yield done.result()
+            for future in as_completed([pool.submit(do, index, item) for index, item in enumerate(items)]):
+                yield future.result()
         finally:
             stop_requested.set()
             pool.shutdown(cancel_futures=True)
