@@ -70,7 +70,7 @@ class Answer(Presented):
 
     @property
     def refusal(self) -> str:
-        """The reason why the requirement is not feasible, and feasible remedies."""
+        """Return the reason why the requirement is not feasible, with feasible remedies, as a sentence."""
         torque = f"{self.requirement.torque:g} N m"
         options = ", or ".join(remedy.words for remedy in self.remedies)
         remedy = (

@@ -100,39 +100,45 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
         The points whose drives have parts in stock and thick enough walls, shape (m, `DIMENSIONS`), and a record array
         of their m drives with the fields `SIZES`, in SI units.
     """
-    teeth, discs, free = requirement.ratio + 1, requirement.discs or 1, requirement.custom
-    u = points.T
+    teeth, discs, is_custom = requirement.ratio + 1, requirement.discs or 1, requirement.custom
+    coords = points.T
     rings = _rings(requirement)
     if not (rings and len(points)):
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
-    chosen = _choose(u[1], len(rings))
-    pin, outer, wall, widest = np.array(rings)[chosen].T
-    most = outer - wall - pin
-    steps = np.floor(np.maximum(u[0] - 0.5, 0.0) * 10.0)  # the largest circle, or a preferred number below (R40, ISO 3)
-    preferred = 10.0 ** ((np.floor(40.0 * np.log10(most)) - steps + 1.0) / 40.0)
-    circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, most), most))
-    eccentricity = _round_down(_between(u[2], SHORT_WIDTHS) * circle / teeth)
+    chosen = _choose(coords[1], len(rings))
+    pin, outer, wall, max_width = np.array(rings)[chosen].T
+    max_circle = outer - wall - pin
+    # the largest circle, or a preferred number below (R40, ISO 3)
+    steps = np.floor(np.maximum(coords[0] - 0.5, 0.0) * 10.0)
+    preferred = 10.0 ** ((np.floor(40.0 * np.log10(max_circle)) - steps + 1.0) / 40.0)
+    circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, max_circle), max_circle))
+    eccentricity = _round_down(_between(coords[2], SHORT_WIDTHS) * circle / teeth)
     gap = _gap(requirement)
-    width = np.minimum(np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle, MAX_WIDTH)
-    stack = width if free else _reach_of_pins(pin, width)
+    width = np.minimum(np.exp(np.interp(coords[3], (0.0, 1.0), np.log(WIDTHS))) * circle, MAX_WIDTH)
+    stack = width if is_custom else _round_to_pin_lengths(pin, width)
     face = (_round_down(stack) - (discs - 1) * gap) / discs
     root = circle - eccentricity - pin - requirement.usual_clearance
-    bore, cam, cam_dynamic, cam_static, fits = _cam_bearings(u[4], root, face, free)
-    limit = np.minimum(0.85 * bore, cam) - eccentricity
-    least = _least_shaft(requirement)
-    shaft, bearing, shaft_dynamic, shaft_static, turns = _shaft_bearings(u[5], least, limit, discs > 1, free)
-    count, middle, band = OUTPUT_PINS[_choose(u[6], len(OUTPUT_PINS))], 0.5 * (bore + root), root - bore - 0.03 * circle
-    largest = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
-    stud = _round_down(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
-    disc = DISC_SHARE * requirement.diameter / 2.0
-    core, needle_dynamic, disc_thickness, carries = _cores(
-        u[8], stud, face, discs * face + (discs - 1) * gap, disc, free
+    bore, cam, cam_dynamic, cam_static, has_cam = _cam_bearings(coords[4], root, face, is_custom)
+    max_shaft = np.minimum(0.85 * bore, cam) - eccentricity
+    min_shaft = _least_shaft(requirement)
+    shaft, bearing, shaft_dynamic, shaft_static, has_shaft = _shaft_bearings(
+        coords[5], min_shaft, max_shaft, discs > 1, is_custom
     )
-    valid = fits & turns & carries & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
+    count = OUTPUT_PINS[_choose(coords[6], len(OUTPUT_PINS))]
+    middle, band = 0.5 * (bore + root), root - bore - 0.03 * circle
+    max_hole = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
+    stud = _round_down(_between(coords[7], (0.4, 1.0)) * max_hole - eccentricity)
+    thickness = DISC_SHARE * requirement.diameter / 2.0
+    core, needle_dynamic, disc_thickness, has_core = _cores(
+        coords[8], stud, face, discs * face + (discs - 1) * gap, thickness, is_custom
+    )
+    valid = (
+        has_cam & has_shaft & has_core & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
+    )
     columns = [outer, circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic]
     columns += [shaft_static, count.astype(float), _round_down(middle), stud, core, needle_dynamic, disc_thickness]
     sizes = np.rec.fromarrays(columns, dtype=SIZES_DTYPE)
-    valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= widest)
+    valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= max_width)
     # the wall between sockets, as the check "neighbouring_pins"
     valid &= pin + requirement.usual_clearance < (math.sin(math.pi / teeth) - 0.5 * TEETH.min_wall_share) * circle
     return points[valid], sizes[valid]
@@ -177,25 +183,26 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
         and its largest width. A ring with the outer radius of the drive has its screws in the wall, and the screws in
         stock limit its width. A smaller ring has its screws outside, and its width is not limited (inf).
     """
-    room = math.sin(math.pi / (ratio + 1))
-    low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
+    half_pitch_sine = math.sin(math.pi / (ratio + 1))
+    low, high = (share * half_pitch_sine / (1.0 + share * half_pitch_sine) * outer for share in PIN_ROOM)
     sizes = np.geomspace(low, high, 24) if custom else (0.5 * size for size in stock.pin_diameters())
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
     rings = []
     for pin in fitting[:: max(len(fitting) // 24, 1)]:
-        inner, least = outer, pin / (1.0 - WALL_SHARES[0])  # at the least radius, the pin circle has no radius
+        # at the smallest outer radius, the pin circle has no radius
+        ring_outer, min_outer = outer, pin / (1.0 - WALL_SHARES[0])
         for _ in range(3):  # a fixed point: the screws depend on the radius
-            if inner > least:
-                radius = _cover_radius(ratio, inner, pin, WALL_SHARES[0] * inner, 1.0, material, custom)
-                inner -= max(radius - outer, 0.0)
-        if inner > least:
-            rings.append((pin, float(_round_down(np.array(inner))), WALL_SHARES[0] * inner, math.inf))
-        widest = 0.0
+            if ring_outer > min_outer:
+                radius = _cover_radius(ratio, ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0, material, custom)
+                ring_outer -= max(radius - outer, 0.0)
+        if ring_outer > min_outer:
+            rings.append((pin, float(_round_down(np.array(ring_outer))), WALL_SHARES[0] * ring_outer, math.inf))
+        max_width = 0.0
         for wall in (share * outer for share in WALL_SHARES):
             circle = outer - wall - pin
             for width in (min(share * circle, MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
-                if width > widest and _cover_radius(ratio, outer, pin, wall, width, material, custom) == outer:
-                    widest = width
+                if width > max_width and _cover_radius(ratio, outer, pin, wall, width, material, custom) == outer:
+                    max_width = width
                     rings.append((pin, outer, wall, width))
                     break
     return tuple(rings)
@@ -237,30 +244,30 @@ def clamping(wall: float) -> dict[str, object]:
     return {"support": "bolts", "bolt_radius": round(0.5 * screw.head, 9)} if screw else {"support": "rim"}
 
 
-def _reach_of_pins(pin: Array, width: Array) -> Array:
+def _round_to_pin_lengths(pin: Array, width: Array) -> Array:
     """Round n widths [m] to the nearest lengths of pins in stock, shape (n,), where there is a length nearby.
 
     `pin` (n,) [m] are the radii of the pins, and `width` (n,) the widths. Other widths are unchanged.
     """
-    reach = _round_down(width)
+    lengths = _round_down(width)
     for size in np.unique(pin).tolist():
         rows = np.flatnonzero(pin == size)
-        reach[rows] = stock.stock_pin_lengths(2.0 * size, reach[rows])
-    return reach
+        lengths[rows] = stock.stock_pin_lengths(2.0 * size, lengths[rows])
+    return lengths
 
 
-def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
+def _cam_bearings(choice: Array, root: Array, face: Array, is_custom: bool) -> tuple[Array, Array, Array, Array, Mask]:
     """Choose the bearing of the cam for each of n candidates.
 
     Its outer radius is 0.25 to 0.7 of the root radius of the disc, and it is no wider than the disc.
 
     Parameters
     ----------
-    share
+    choice
         Position of the choice in the list of suitable bearings, from 0 (first) to 1 (last), shape (n,).
     root, face
         Root radius and width of the disc [m], shape (n,) each.
-    free
+    is_custom
         Whether bearings of any size are allowed, not only those in stock.
 
     Returns
@@ -269,8 +276,8 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
         Outer and inner radius of a bearing [m]; dynamic and static rating [N] of the bearings that fit side by side in
         a disc; and whether there is a suitable bearing; shape (n,) each.
     """
-    if free:
-        bore = _round_down(_between(share, (0.25, 0.65)) * root)
+    if is_custom:
+        bore = _round_down(_between(choice, (0.25, 0.65)) * root)
         positive = np.maximum(bore, ROUNDING)  # a disc without room for a bore is not valid
         size = positive * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
         dynamic, static = (
@@ -279,19 +286,19 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
         )
         return bore, bore, dynamic, static, bore > 0.0
     table = stock.needle_bearings()
-    bores, outsides, widths, dynamics, statics = (
+    bores, outer, widths, dynamics, statics = (
         np.array([getattr(item, key) for item in table]) for key in ("bore", "outside", "width", "dynamic", "static")
     )
     index = _choose_fitting(
-        share,
-        (outsides >= 0.5 * root[:, None]) & (outsides <= 1.4 * root[:, None]) & (widths <= face[:, None] * (1 + 1e-9)),
+        choice,
+        (outer >= 0.5 * root[:, None]) & (outer <= 1.4 * root[:, None]) & (widths <= face[:, None] * (1 + 1e-9)),
     )
-    beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
+    count = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
     return (
-        np.round(0.5 * outsides[index], 9),
+        np.round(0.5 * outer[index], 9),
         0.5 * bores[index],
-        beside ** (7.0 / 9.0) * dynamics[index],
-        beside * statics[index],
+        count ** (7.0 / 9.0) * dynamics[index],
+        count * statics[index],
         index >= 0,
     )
 
@@ -311,64 +318,64 @@ def _least_shaft(requirement: Requirement) -> float:
 
 
 def _shaft_bearings(
-    share: Array, least: float, limit: Array, bar: bool, free: bool
+    choice: Array, min_radius: float, max_radius: Array, needs_bar: bool, is_custom: bool
 ) -> tuple[Array, Array, Array, Array, Mask]:
-    """Choose a bearing of the shaft for each of n candidates; a small `share` chooses a thick shaft.
+    """Choose a bearing of the shaft for each of n candidates; a small `choice` selects a thick shaft.
 
     Parameters
     ----------
-    share
+    choice
         Position of the choice in the list of suitable bearings, from 0 (first) to 1 (last), shape (n,).
-    least
+    min_radius
         Smallest radius of the shaft [m].
-    limit
+    max_radius
         Largest radius of the shaft [m], shape (n,).
-    bar
+    needs_bar
         Whether the shaft must be a ground bar in stock.
-    free
+    is_custom
         Whether bearings of any size are allowed, not only those in stock.
 
     Returns
     -------
     tuple
-        Radius of the shaft [m]; width of the bearing [m], 0 if `free`; its dynamic and static rating [N]; and whether
-        there is a suitable bearing; shape (n,) each.
+        Radius of the shaft [m]; width of the bearing [m], 0 if `is_custom`; its dynamic and static rating [N]; and
+        whether there is a suitable bearing; shape (n,) each.
     """
-    if free:
-        radius = _round_down(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
+    if is_custom:
+        radius = _round_down(_between(choice, (1.0, 0.6)) * np.maximum(max_radius, ROUNDING))
         size = np.maximum(0.4 * radius, ROUNDING)
         dynamic, static = (
             np.vectorize(rate)(14.0, size, np.maximum(radius, ROUNDING), 2.0 * np.maximum(radius, ROUNDING) + size)
             for rate in (rolling.dynamic_capacity, rolling.static_capacity)
         )
-        return radius, np.zeros_like(radius), dynamic, static, radius > least
+        return radius, np.zeros_like(radius), dynamic, static, radius > min_radius
     bars = set(stock.bar_diameters())
-    table = [item for item in reversed(stock.needle_bearings()) if not bar or item.bore in bars]
+    table = [item for item in reversed(stock.needle_bearings()) if not needs_bar or item.bore in bars]
     table.sort(key=lambda item: (-item.bore, item.width))
     bores, widths, dynamics, statics = (
         np.array([getattr(item, key) for item in table]) for key in ("bore", "width", "dynamic", "static")
     )
-    lowest = np.maximum(1.2 * limit[:, None], 2.0 * least)
-    fitting = (bores <= 2.0 * limit[:, None] * (1.0 + 1e-9)) & (bores >= lowest)
-    index = _choose_fitting(share, fitting)
+    min_bores = np.maximum(1.2 * max_radius[:, None], 2.0 * min_radius)
+    fitting = (bores <= 2.0 * max_radius[:, None] * (1.0 + 1e-9)) & (bores >= min_bores)
+    index = _choose_fitting(choice, fitting)
     return np.round(0.5 * bores[index], 9), widths[index], dynamics[index], statics[index], index >= 0
 
 
 def _cores(
-    share: Array, stud: Array, face: Array, stack: Array, usual: float, free: bool
+    choice: Array, roller_radius: Array, face: Array, stack: Array, usual_thickness: float, is_custom: bool
 ) -> tuple[Array, Array, Array, Mask]:
     """Choose the cores of output pins for each of n candidates: dowels in needle bearings, or in plain sleeves.
 
     Parameters
     ----------
-    share
+    choice
         Choice from 0 to 1, shape (n,): one of the suitable needle bearings below 0.5, a plain sleeve from 0.5.
-    stud, face, stack
+    roller_radius, face, stack
         Outer radius of the rollers, width of a disc, and width of all discs together [m], shape (n,) each.
-    usual
+    usual_thickness
         Usual thickness of the output discs [m]. To suit the length of a dowel in stock, they may be up to 1.5 times
         thicker or thinner.
-    free
+    is_custom
         Whether dowels of any size are allowed, not only those in stock.
 
     Returns
@@ -378,38 +385,38 @@ def _cores(
         and whether there is a dowel of suitable radius and length; shape (n,) each.
     """
     dowels = np.array(stock.dowel_diameters()) / 2.0
-    fitting = dowels <= CORE_SHARE * stud[:, None]
-    plain = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
-    plain = _round_down(CORE_SHARE * np.maximum(stud, 0.0)) if free else plain
+    fitting = dowels <= CORE_SHARE * roller_radius[:, None]
+    plain_core = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
+    plain_core = _round_down(CORE_SHARE * np.maximum(roller_radius, 0.0)) if is_custom else plain_core
     cups = [item for item in stock.needle_bearings() if item.bore / 2.0 in set(dowels.tolist())]
-    bores, outsides, widths, dynamics = (
+    bores, outer, widths, dynamics = (
         np.array([getattr(item, key) for item in cups]) for key in ("bore", "outside", "width", "dynamic")
     )
     index = _choose_fitting(
-        np.minimum(2.0 * share, 1.0),
-        (ROLLER_SHARE * outsides <= 2.0 * stud[:, None])
-        & (1.6 * outsides >= 2.0 * stud[:, None])
+        np.minimum(2.0 * choice, 1.0),
+        (ROLLER_SHARE * outer <= 2.0 * roller_radius[:, None])
+        & (1.6 * outer >= 2.0 * roller_radius[:, None])
         & (widths <= face[:, None] * (1.0 + 1e-9)),
     )
-    needles = (index >= 0) & (share < 0.5)
-    beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
-    core = np.round(np.where(needles, 0.5 * bores[index], plain), 9)
-    between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
-    reaches = core > 0.0
-    for size in () if free else np.unique(core[core > 0.0]).tolist():
+    has_needles = (index >= 0) & (choice < 0.5)
+    count = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
+    core = np.round(np.where(has_needles, 0.5 * bores[index], plain_core), 9)
+    inner_length, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual_thickness)))
+    has_dowel = core > 0.0
+    for size in () if is_custom else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
-        reach = stock.stock_pin_lengths(2.0 * size, between[rows] + 2.0 * usual, max_count=1)
-        thickness = np.round(0.5 * (reach - between[rows]), 9)
-        near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
-        in_stock = [stock.is_dowel(2.0 * size, length) for length in reach.tolist()]
-        disc[rows], reaches[rows] = thickness, near & in_stock
-    return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, reaches
+        lengths = stock.stock_pin_lengths(2.0 * size, inner_length[rows] + 2.0 * usual_thickness, max_count=1)
+        thickness = np.round(0.5 * (lengths - inner_length[rows]), 9)
+        is_usual = (usual_thickness / 1.5 <= thickness) & (thickness <= 1.5 * usual_thickness)
+        in_stock = [stock.is_dowel(2.0 * size, length) for length in lengths.tolist()]
+        disc[rows], has_dowel[rows] = thickness, is_usual & in_stock
+    return np.asarray(core, float), np.where(has_needles, count ** (7.0 / 9.0) * dynamics[index], 0.0), disc, has_dowel
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
-    """Build the drive of a candidate, loaded by a torque [N m]; return None if it cannot be built or assembled.
+    """Build the drive of a candidate for an output torque [N m]; return None if it cannot be built or assembled.
 
-    A metal drive gets preloaded output bearings if they fit.
+    `sizes` are the dimensions of the candidate. A metal drive gets preloaded output bearings if they fit.
     """
     try:
         reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
@@ -464,7 +471,7 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
     """
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
-    at_pin, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
+    pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
     needles = size["needle_dynamic"] > 0.0
     wall = size["outer"] - size["circle"] - size["pin"]
     return {
@@ -502,9 +509,9 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
             "mounting": "straddle",
         },
         "housing": {"outer_radius": file(size["outer"]), **({} if requirement.custom else clamping(wall))},
-        "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
+        "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), pin_clearance)
         | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
-        "tolerance": tolerances(requirement, discs, at_pin),
+        "tolerance": tolerances(requirement, discs, pin_clearance),
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
         **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},
@@ -524,10 +531,10 @@ def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[
 
     `torque` is the output torque [N m]; if it is 0, ``drive`` has neither torque nor power.
     """
-    needed = {"torque": torque / requirement.ratio} if torque else {}
+    motor_torque = {"torque": torque / requirement.ratio} if torque else {}
     power = {"power": POWER_RESERVE * requirement.speed * torque / requirement.ratio} if torque else {}
     return {
-        "drive": {**needed, **power, "speed": requirement.speed},
+        "drive": {**motor_torque, **power, "speed": requirement.speed},
         "service": {
             "life": requirement.life,
             "duty_share": requirement.duty_share,
@@ -543,9 +550,9 @@ def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[s
     The standard deviations are `TOLERANCE_SHARE` of the `clearance` [m]. If the requirement has a fit, it is used
     instead for the keys `FIT_TOLERANCES`. `discs` is the number of discs.
     """
-    usual = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
+    default = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
     keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]
-    return {**dict.fromkeys(keys, usual), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or usual)}
+    return {**dict.fromkeys(keys, default), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or default)}
 
 
 def _with_shaft_length(reducer: Reducer) -> Reducer:

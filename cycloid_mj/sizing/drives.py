@@ -36,20 +36,20 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
     `on_progress` is called with an answer that has the first drive. If there is none, it is called with the refusal
     when its largest torque is known, and again after each remedy that is added to it.
     """
-    solution, refused, pool = solve(requirement)
+    solution, answer, pool = solve(requirement)
     if solution:
-        first = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
-        on_progress(Answer(requirement, (first,)))
-        return Answer(solution.requirement, (first, *_other_drives(solution, solution.best)))
-    longer, refused = refused.remedies, replace(refused, remedies=())  # listed after what is easier to change
-    on_progress(refused)
-    for remedy in remedies(requirement, refused.most, pool, longer):
-        refused = replace(refused, remedies=(*refused.remedies, remedy))
-        on_progress(refused)
-    return refused
+        first_drive = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
+        on_progress(Answer(requirement, (first_drive,)))
+        return Answer(solution.requirement, (first_drive, *_other_drives(solution, solution.best)))
+    longer_changes, answer = answer.remedies, replace(answer, remedies=())  # listed after what is easier to change
+    on_progress(answer)
+    for remedy in remedies(requirement, answer.most, pool, longer_changes):
+        answer = replace(answer, remedies=(*answer.remedies, remedy))
+        on_progress(answer)
+    return answer
 
 
-def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
+def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they are clearly better than the lightest.
 
     Both may be the same drive, which is then yielded once.
@@ -58,32 +58,32 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
     ----------
     solution
         Result of the search, with its rated candidates.
-    first
+    lightest
         The lightest drive.
     """
     pool, requirement = solution.pool, solution.requirement
     study_factors = pool.study_factors["other"]
-    strong = [
+    strong_rows = [
         row
         for row, rated in pool.rated.items()
-        if rated and rated.figures["mass"] > first.figures["mass"]
+        if rated and rated.figures["mass"] > lightest.figures["mass"]
         if study_factors[row] * rated.capacity >= requirement.torque and rated.figures["length"] <= requirement.length
     ]
     merits: list[tuple[str, Callable[[Rated | None], float]]] = [
         ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),
         ("longest life", lambda rated: rated.life if rated else 0.0),
     ]
-    found: dict[Rated, str] = {}
+    titles: dict[Rated, str] = {}
     for title, merit in merits:
-        least = MIN_DIFFERENCE * merit(first)
-        row = max(strong, key=lambda row: merit(pool.rated[row]), default=None)
-        other = pool.rated[row] if row is not None else None
-        if row is not None and other and not other.passed and merit(other) > least:
-            other = pool.study(row)
-        if other and other.passed and merit(other) > least:
-            found[other] = f"{found[other]} and {title}" if other in found else title
-    for other, title in found.items():
-        yield _sized_drive(solution, other, title.partition(" and ")[0], WHY[title])
+        min_merit = MIN_DIFFERENCE * merit(lightest)
+        row = max(strong_rows, key=lambda row: merit(pool.rated[row]), default=None)
+        drive = pool.rated[row] if row is not None else None
+        if row is not None and drive and not drive.passed and merit(drive) > min_merit:
+            drive = pool.study(row)
+        if drive and drive.passed and merit(drive) > min_merit:
+            titles[drive] = f"{titles[drive]} and {title}" if drive in titles else title
+    for drive, title in titles.items():
+        yield _sized_drive(solution, drive, title.partition(" and ")[0], WHY[title])
 
 
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
@@ -112,7 +112,7 @@ def _figures(rated: Rated) -> dict[str, float]:
     (continuous, _), (momentary, _) = rated_and_momentary_torque(
         rated.items.values(), design.rated_torque, design.service.life
     )
-    at_torque = reducer.but(load={"torque": design.rated_torque})
+    loaded_reducer = reducer.but(load={"torque": design.rated_torque})
     return {
         "ratio": design.reduction,
         "outer_diameter_mm": 2e3 * design.housing.outer_radius,
@@ -124,7 +124,7 @@ def _figures(rated: Rated) -> dict[str, float]:
         "momentary_torque_nm": momentary,
         "life_h": rated.life,
         "temperature_c": rated.items["temperature"].value,
-        "stiffness_nm_per_arcmin": figure("stiffness_nm_per_arcmin").value(at_torque),
+        "stiffness_nm_per_arcmin": figure("stiffness_nm_per_arcmin").value(loaded_reducer),
         **{key: value for key, value in rated.study.items() if key != "turning_percent"},
     }
 

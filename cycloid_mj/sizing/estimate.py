@@ -73,13 +73,16 @@ def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
         loads = _Loads.of(requirement, sizes, design, torque)
-        limits = {**_surfaces(requirement, sizes, design, loads), **_bearings(requirement, sizes, loads)}
-        limits |= _pins(sizes, design, loads, requirement.discs or 1)
+        limits = {
+            **_surface_torque_limits(requirement, sizes, design, loads),
+            **_bearing_torque_limits(requirement, sizes, loads),
+        }
+        limits |= _pin_torque_limits(sizes, design, loads, requirement.discs or 1)
         limits["temperature"] = _thermal_torque_limit(requirement, sizes, design, loads)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
     play = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
-    figures = {"mass": _mass(requirement, sizes, design), "length": _length(requirement, sizes)}
+    figures = {"mass": _estimate_mass(requirement, sizes, design), "length": _length(requirement, sizes)}
     return {**limits, **figures, "backlash": 2.0 * play / ARCMINUTE}
 
 
@@ -130,13 +133,17 @@ class _Loads:
 
     @classmethod
     def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
-        """Share the torque between the discs, and that of the critical disc between teeth and between output pins."""
+        """Compute the loads on the critical disc of n candidates at an output torque [N m], shape (n,).
+
+        The discs share the torque; the critical disc shares its part between teeth, and between output pins, as
+        springs.
+        """
         teeth, discs = requirement.ratio + 1, requirement.discs or 1
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
         circle, pin, ecc = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
         k1 = ecc * teeth / circle
-        reach = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
-        arm = ecc * requirement.ratio * np.sin(angle) / reach
+        distance = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
+        arm = ecc * requirement.ratio * np.sin(angle) / distance
         arm_out = sizes.circle_out[:, None] * np.sin(angle)
         series = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
@@ -146,31 +153,31 @@ class _Loads:
         bending = bending / _stack(requirement, sizes) ** 3
         weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
-        of_teeth = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
-        of_pins = arm_out, weights[1], 1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)), design.clearance.output
-        torsional = [share_torque(*springs, torque / discs)[1] for springs in (of_teeth, of_pins)]
+        tooth_springs = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
+        pin_springs = arm_out, weights[1], 1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)), design.clearance.output
+        torsional = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]
         lead = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
-        share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead / torque, 1.0)
+        disc_share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead / torque, 1.0)
         error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
-        force, pressed = (share_torque(*springs, share * torque)[0] for springs in (of_teeth, of_pins))
-        peak = protruding_forces(*of_teeth, share * torque, CRITICAL * error)
-        pin_peak = protruding_forces(*of_pins, share * torque, CRITICAL * deviation)
-        bend = circle * reach**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
-        curvature = np.maximum(1.0 / pin + 1.0 / (bend - pin), 1e-3)
-        tangential = weights[0] * (force * np.sin(angle) / reach).sum(axis=1)
-        radial = weights[0] * (force * (np.cos(angle) - k1) / reach).sum(axis=1)
-        pin_sum = weights[1] * pressed.sum(axis=1)
+        force, pin_force = (share_torque(*springs, disc_share * torque)[0] for springs in (tooth_springs, pin_springs))
+        peak = protruding_forces(*tooth_springs, disc_share * torque, CRITICAL * error)
+        pin_peak = protruding_forces(*pin_springs, disc_share * torque, CRITICAL * deviation)
+        path_radius = circle * distance**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
+        curvature = np.maximum(1.0 / pin + 1.0 / (path_radius - pin), 1e-3)
+        tangential = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
+        radial = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
+        pin_sum = weights[1] * pin_force.sum(axis=1)
         speed = requirement.speed / requirement.ratio
         return cls(
             torque,
-            share,
+            disc_share,
             peak.max(axis=1),
             np.sqrt((peak * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
             pin_peak.max(axis=1),
             pin_sum,
             np.hypot(tangential, np.abs(radial) + pin_sum),
-            weights[0] * (force * np.abs(circle * reach - pin)).sum(axis=1) * speed / share,
-            np.min(np.where(bend > 0.0, bend - pin - play, np.inf), axis=1) > 0.0,
+            weights[0] * (force * np.abs(circle * distance - pin)).sum(axis=1) * speed / disc_share,
+            np.min(np.where(path_radius > 0.0, path_radius - pin - play, np.inf), axis=1) > 0.0,
             play,
             arm.max(axis=1),
         )
@@ -181,30 +188,30 @@ def _modulus(design: Design, kind: str) -> float:
     return contact_modulus(first.youngs_modulus, first.poisson, second.youngs_modulus, second.poisson)
 
 
-def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
+def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] that tooth and output pin pressures allow, by item, shape (n,) each.
 
     The limit is pitting of steel or permanent set of a plastic, and yield at twice the torque.
     """
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
-    output = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
-    half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / output]) / (math.pi * sizes.face)
+    pin_pressure = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
+    half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / pin_pressure]) / (math.pi * sizes.face)
     travel = np.stack([(sizes.circle - sizes.pin) / requirement.ratio, hole])  # of the contact per radian of the crank
     loaded_shares = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
     limits = {}
-    for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", output)):
+    for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", pin_pressure)):
         partners = design.partners(kind)
         strength = min(part.surface_strength for part in partners)
         if any(part.is_plastic for part in partners):
             loaded_hours = requirement.life * np.minimum(loaded_shares[kind], 1.0)
-            allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded_hours**SET_POWER, f"{kind}_set"
+            allowed_pressure, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded_hours**SET_POWER, f"{kind}_set"
         else:
             factor, power = AGMA_2001.factor, AGMA_2001.power
             cycles = requirement.speed / (2.0 * math.pi) * HOUR * requirement.life
-            allowed = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
+            allowed_pressure = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"
-        limits[key] = loads.torque * (allowed / np.maximum(pressure, 1.0)) ** 2
+        limits[key] = loads.torque * (allowed_pressure / np.maximum(pressure, 1.0)) ** 2
         if design.friction.law == "film" and key.endswith("pitting"):
             limits[f"{key}_lubricated"] = LUBRICANT_FACTOR**2 * limits[key]
         if kind == "pin_gear":
@@ -213,48 +220,49 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
     return limits
 
 
-def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
+def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] that bearings of cams, shaft, output and rollers allow, by item, (n,) each.
 
     The limits are their lives, and their static ratings at twice the torque.
     """
     discs, stack = requirement.discs or 1, _stack(requirement, sizes)
     hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
-    near, far = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing, stack / 2.0 + sizes.disc + sizes.bearing / 2.0
-    shaft, far_end = loads.cam * far / (near + far), loads.cam * near / (near + far)
+    near_arm = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing
+    far_arm = stack / 2.0 + sizes.disc + sizes.bearing / 2.0
+    near_load, far_load = loads.cam * far_arm / (near_arm + far_arm), loads.cam * near_arm / (near_arm + far_arm)
     if discs > 1:
-        shaft = far_end = loads.cam * (stack - sizes.face) / (near + far)
-    room = sizes.circle + sizes.pin
+        near_load = far_load = loads.cam * (stack - sizes.face) / (near_arm + far_arm)
+    max_outside = sizes.circle + sizes.pin
     hubs = stock.thin_ball_bearings()
     wall = max(RULES.min_wall, RULES.wall_share * requirement.diameter / 2.0)
-    rim = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
+    min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
     index = np.minimum(
-        np.searchsorted([bearing.outside for bearing in hubs], 2.0 * room, side="right") - 1,
-        np.searchsorted([bearing.bore for bearing in hubs], 2.0 * rim, side="right") - 1,
+        np.searchsorted([bearing.outside for bearing in hubs], 2.0 * max_outside, side="right") - 1,
+        np.searchsorted([bearing.bore for bearing in hubs], 2.0 * min_bore, side="right") - 1,
     )
-    dynamic, width, static, bore, outside = (
+    dynamic, width, static, bore, diameter = (
         np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(index, 0)]
         for key in ("dynamic", "width", "static", "bore", "outside")
     )
-    plastic = Material(name=requirement.made_of).is_plastic
-    spacing = 1.5 * width if plastic else width + 0.5 * (bore + outside) * math.tan(stock.ANGULAR_CONTACT.angle)
+    is_plastic = Material(name=requirement.made_of).is_plastic
+    spacing = 1.5 * width if is_plastic else width + 0.5 * (bore + diameter) * math.tan(stock.ANGULAR_CONTACT.angle)
     lever = stack / 2.0 + sizes.disc + width / 2.0
     if discs == 1:
-        inner, outer = loads.pin_sum * (lever + spacing) / spacing, loads.pin_sum * lever / spacing
+        inner_load, outer_load = loads.pin_sum * (lever + spacing) / spacing, loads.pin_sum * lever / spacing
     else:
-        inner = outer = loads.pin_sum * (stack - sizes.face) / spacing
-    hub = np.hypot(inner, shaft)
+        inner_load = outer_load = loads.pin_sum * (stack - sizes.face) / spacing
+    hub_load = np.hypot(inner_load, near_load)
     roller, ball = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
     spins = np.maximum(sizes.eccentricity / np.maximum(sizes.stud, 1e-6), 1e-6)
     limits = {
         "cam_bearing": sizes.cam_dynamic / hours**roller / loads.cam,
         "cam_bearing_static": sizes.cam_static / (2.0 * loads.cam),
-        "shaft_bearing_near": sizes.shaft_dynamic / hours**roller / shaft,
-        "shaft_bearing_near_static": sizes.shaft_static / (2.0 * shaft),
-        "output_bearing_inner": dynamic / (hours / requirement.ratio) ** ball / hub,
-        "output_bearing_inner_static": static / (2.0 * hub),
-        "output_bearing_outer": dynamic / (hours / requirement.ratio) ** ball / np.maximum(outer, 1e-6),
-        "shaft_bearing_far": sizes.shaft_dynamic / hours**roller / np.maximum(far_end, 1e-6),
+        "shaft_bearing_near": sizes.shaft_dynamic / hours**roller / near_load,
+        "shaft_bearing_near_static": sizes.shaft_static / (2.0 * near_load),
+        "output_bearing_inner": dynamic / (hours / requirement.ratio) ** ball / hub_load,
+        "output_bearing_inner_static": static / (2.0 * hub_load),
+        "output_bearing_outer": dynamic / (hours / requirement.ratio) ** ball / np.maximum(outer_load, 1e-6),
+        "shaft_bearing_far": sizes.shaft_dynamic / hours**roller / np.maximum(far_load, 1e-6),
         "output_rollers": np.where(
             sizes.needle_dynamic > 0.0, sizes.needle_dynamic / (hours * spins) ** roller / (0.5 * loads.pin), 1e9
         ),
@@ -267,7 +275,7 @@ def _stack(requirement: Requirement, sizes: Sizes) -> Array:
     return discs * sizes.face + (discs - 1) * 0.02 * requirement.diameter
 
 
-def _pins(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
+def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
     """Compute the output torques [N m] that output pins and the walls between holes allow, by item, shape (n,) each.
 
     The pins are beams clamped at both ends: limits are fatigue, and yield at twice the torque. `discs` is the number of
@@ -304,20 +312,22 @@ def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design
     """
     reducer = Reducer(design)
     friction, speed = design.friction, requirement.speed
-    plain = (friction.boundary if design.has_film else friction.output) * sizes.core / np.maximum(sizes.stud, 1e-6)
-    rolls = np.where(sizes.needle_dynamic > 0.0, friction.output_rolling, plain)
-    of_cam = ASSUMED.roller_load_factor if design.has_film else friction.cam_rolling
-    of_pins = rolls * loads.pin_sum * sizes.eccentricity + of_cam * loads.cam * sizes.bore
-    lost = design.mesh_friction * loads.tooth_loss + of_pins / loads.disc_share * speed
+    plain_friction = (
+        (friction.boundary if design.has_film else friction.output) * sizes.core / np.maximum(sizes.stud, 1e-6)
+    )
+    pin_friction = np.where(sizes.needle_dynamic > 0.0, friction.output_rolling, plain_friction)
+    cam_friction = ASSUMED.roller_load_factor if design.has_film else friction.cam_rolling
+    friction_moment = pin_friction * loads.pin_sum * sizes.eccentricity + cam_friction * loads.cam * sizes.bore
+    loss = design.mesh_friction * loads.tooth_loss + friction_moment / loads.disc_share * speed
     if design.has_film:
         cams = cam_mean_diameter(reducer) / design.gear.bore_radius * sizes.bore
         drag = idle_torque_of(reducer, RollerBearings("cam", design.gear.discs, 1.0, speed)) * cams**3
-        lost = lost + speed * (drag + seal_torque(2.0 * sizes.shaft))
+        loss = loss + speed * (drag + seal_torque(2.0 * sizes.shaft))
     radius, service = requirement.diameter / 2.0, design.service
     area = 2.0 * math.pi * radius * (radius + _length(requirement, sizes))
-    allowed = min(limit.temperature for limit in heat_limits(reducer)) - service.ambient_temperature
+    max_rise = min(limit.temperature for limit in heat_limits(reducer)) - service.ambient_temperature
     return np.asarray(
-        loads.torque * allowed * service.film_coefficient * area / np.maximum(service.duty_share * lost, 1e-12)
+        loads.torque * max_rise * service.film_coefficient * area / np.maximum(service.duty_share * loss, 1e-12)
     )
 
 
@@ -327,12 +337,15 @@ def _length(requirement: Requirement, sizes: Sizes) -> Array:
     return np.asarray(LENGTH @ np.stack(np.broadcast_arrays(*parts)))
 
 
-def _mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
-    """Estimate the mass by its regression on the masses of ring, discs, cams, covers and output discs."""
-    radius, inner, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
+def _estimate_mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
+    """Estimate the mass of n candidates [kg], shape (n,), by its regression on the masses of five parts.
+
+    These are ring, discs, cams, covers and output discs.
+    """
+    radius, inner_radius, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
     ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))
-    light = MATERIALS[LIGHT_METAL].density
-    covers = (light if ring > 2.0 * light else ring) * radius**2 * (_length(requirement, sizes) - stack)
-    bodies = ring * (sizes.outer**2 - inner**2) * stack, disc * (inner**2 - sizes.bore**2) * stack
+    light_density = MATERIALS[LIGHT_METAL].density
+    covers = (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(requirement, sizes) - stack)
+    bodies = ring * (sizes.outer**2 - inner_radius**2) * stack, disc * (inner_radius**2 - sizes.bore**2) * stack
     parts = *bodies, shaft * sizes.bore**2 * stack, covers, 2.0 * output * sizes.circle_out**2 * sizes.disc
     return np.asarray(math.pi * (MASS @ np.stack(parts)))

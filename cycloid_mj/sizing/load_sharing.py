@@ -8,14 +8,14 @@ from cycloid_mj.base.compiling import cacheable, njit
 
 @njit(cache=cacheable(), error_model="numpy")
 def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array) -> tuple[Array, Array]:
-    """Compute the forces of m springs of each of n candidates that balance a torque by a common rotation.
+    """Compute the forces of m springs with clearance that balance a torque by a common rotation, for n candidates.
 
     Parameters
     ----------
     arms
         Lever arms of the springs [m], shape (n, m).
     weights
-        Number of springs that each of them stands for, shape (n,).
+        Number of springs that each of them represents, shape (n,).
     stiffness
         Stiffness of a spring [N/m], shape (n,).
     clearance
@@ -30,8 +30,8 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
     """
     forces, torsional = np.empty_like(arms), np.empty_like(torque)
     for row in range(len(arms)):
-        turn, squares = _solve_rotation(arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0)
-        forces[row] = stiffness[row] * np.maximum(turn * arms[row] - clearance, 0.0)
+        rotation, squares = _solve_rotation(arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0)
+        forces[row] = stiffness[row] * np.maximum(rotation * arms[row] - clearance, 0.0)
         torsional[row] = stiffness[row] * squares
     return forces, torsional
 
@@ -40,16 +40,16 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
 def protruding_forces(
     arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array, error: float
 ) -> Array:
-    """Compute the force of each spring [N], shape (n, m), if it alone protrudes into its clearance by an `error` [m].
+    """Compute the force of each of m springs [N], shape (n, m), if its clearance alone is reduced by an `error` [m].
 
     The other arguments are those of `share_torque`.
     """
-    forces, less = np.empty_like(arms), clearance - error
+    forces, reduced_clearance = np.empty_like(arms), clearance - error
     for row in range(len(arms)):
         for column in range(arms.shape[1]):
             arm, load = arms[row, column], torque[row] / stiffness[row]
-            turn, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, less)
-            forces[row, column] = stiffness[row] * max(turn * arm - less, 0.0)
+            rotation, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, reduced_clearance)
+            forces[row, column] = stiffness[row] * max(rotation * arm - reduced_clearance, 0.0)
     return forces
 
 
@@ -57,23 +57,24 @@ def protruding_forces(
 def _solve_rotation(
     arms: Array, weight: float, clearance: float, load: float, extra_arm: float, extra_clearance: float
 ) -> tuple[float, float]:
-    """Solve for the rotation [rad] at which springs of unit stiffness have a moment `load` [m2] in all.
+    """Solve for the common rotation [rad] at which springs with clearance balance a moment.
 
-    Besides the springs with `arms` (m,), there is one with `extra_arm` and a clearance of its own (none if the arm is
-    0). The moment is a convex, piecewise linear function of the rotation, so that Newton's method, started with all
-    springs closed, decreases to the solution. The second result is the sum of the squared arms of closed springs [m2].
+    The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs at each of
+    `arms` (m,) [m], and one spring with `extra_arm` and a clearance of its own (none if the arm is 0). The moment is a
+    convex, piecewise linear function of the rotation, so that Newton's method, started with all springs closed,
+    decreases to the solution. The second result is the sum of the squared arms of closed springs [m2].
     """
-    turn, squares = np.inf, 0.0
+    rotation, squares = np.inf, 0.0
     while True:
         moment, squares = load, 1e-30
         for arm in arms:
-            if turn * arm > clearance:
+            if rotation * arm > clearance:
                 moment += weight * arm * clearance
                 squares += weight * arm * arm
-        if turn * extra_arm > extra_clearance:
+        if rotation * extra_arm > extra_clearance:
             moment += extra_arm * extra_clearance
             squares += extra_arm * extra_arm
         solution = moment / squares
-        if not solution < turn * (1.0 - 1e-12):
-            return turn, squares
-        turn = solution
+        if not solution < rotation * (1.0 - 1e-12):
+            return rotation, squares
+        rotation = solution

@@ -54,9 +54,9 @@ class Objective:
         if not np.isfinite(best):
             return np.asarray(probability)
         deviation = DEVIATIONS[self.key] * scale
-        share = (self.merit(figures) - best) / deviation
-        density = np.exp(-0.5 * share**2) / np.sqrt(2.0 * np.pi)
-        return np.asarray(probability * deviation * (share * ndtr(share) + density))
+        normalized = (self.merit(figures) - best) / deviation
+        density = np.exp(-0.5 * normalized**2) / np.sqrt(2.0 * np.pi)
+        return np.asarray(probability * deviation * (normalized * ndtr(normalized) + density))
 
 
 def _sign(key: str) -> float:

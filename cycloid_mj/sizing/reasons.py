@@ -41,21 +41,21 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
     """
     design = reducer.design
     ring, gear, output, housing = design.ring, design.gear, design.output, design.housing
-    found, bought = "by the search", "" if requirement.custom else ", in stock"
+    by_search, bought = "by the search", "" if requirement.custom else ", in stock"
     wall = 1.0 - (ring.pin_circle_radius + ring.pin_radius) / housing.outer_radius
     yield from REASONS.items()
     yield "ring.teeth", f"ratio {design.lobes} plus one"
-    yield "ring.pin_circle_radius", f"{found}; leaves a wall of {wall:.0%} of the outer radius"
-    yield "ring.pin_radius", f"{found}{bought}"
+    yield "ring.pin_circle_radius", f"{by_search}; leaves a wall of {wall:.0%} of the outer radius"
+    yield "ring.pin_radius", f"{by_search}{bought}"
     k1 = gear.eccentricity * ring.teeth / ring.pin_circle_radius
-    yield "gear.eccentricity", f"{found}; K1 = c N / E = {k1:.3g}"
+    yield "gear.eccentricity", f"{by_search}; K1 = c N / E = {k1:.3g}"
     length = "" if requirement.custom else ", as long as pins in stock"
-    yield "gear.face_width", f"{found}{length}; at the required torque {weakest} fails first"
-    yield "gear.bore_radius", f"{found}{bought and ', for a bearing in stock'}"
+    yield "gear.face_width", f"{by_search}{length}; at the required torque {weakest} fails first"
+    yield "gear.bore_radius", f"{by_search}{bought and ', for a bearing in stock'}"
     if gear.discs > 1:
         yield "gear.discs", "required; they balance each other" if requirement.discs else "one disc is not enough"
     parts = "identical parts" if are_discs_identical(gear.discs, output.pins, design.lobes) else "different parts"
-    yield "output.pins", found if gear.discs == 1 else f"{found}; the discs are {parts}"
+    yield "output.pins", by_search if gear.discs == 1 else f"{by_search}; the discs are {parts}"
     if output.main_bearings == "angular_contact":
         yield "output.main_bearings", "several times the tilting moment and stiffness of deep groove bearings"
     if not output.has_needles:
@@ -63,13 +63,16 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
     else:
         yield "output.roller_bearing", "drawn cup needle bearings in the rollers, on hardened dowels: less loss"
         yield "bearing.output_dynamic_capacity", "of the drawn cup needle bearing in the roller"
-    yield "shaft.radius", f"{found}{bought}, with space for its bearing within the cam"
+    yield "shaft.radius", f"{by_search}{bought}, with space for its bearing within the cam"
     screw = None if housing.support == "rim" else stock.bolt_under(2.0 * housing.bolt_radius)
     yield "housing.support", f"the wall behind the teeth has {'' if screw else 'no '}space for heads of screws in stock"
     if screw:
         yield "housing.bolt_radius", f"half the head of {screw.designation}"
-    inside = 2.0 * housing.outer_radius < requirement.diameter - 1e-6
-    yield "housing.outer_radius", "covers with screws outside of it have the required size" if inside else "required"
+    is_inset = 2.0 * housing.outer_radius < requirement.diameter - 1e-6
+    yield (
+        "housing.outer_radius",
+        "covers with screws outside of it have the required size" if is_inset else "required",
+    )
     yield from _process_reasons(requirement, design)
 
 
@@ -87,9 +90,13 @@ def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple
     if requirement.usual_clearance < limits.finest:
         clearance += "; parts are measured and matched, pins of one group (ISO 3096)"
     reasons |= dict.fromkeys((f"clearance.{pair}" for pair in type(design.clearance).model_fields), clearance)
-    usual = f"usual for {requirement.process}: six standard deviations are {6.0 * TOLERANCE_SHARE:.0%} of the clearance"
-    reasons |= dict.fromkeys((f"tolerance.{key}" for key in (*POSITIONS, "cam_position")), usual)
-    reasons |= dict.fromkeys((f"tolerance.{zone}" for zone in FIT_TOLERANCES), "required" if requirement.fit else usual)
+    default = (
+        f"usual for {requirement.process}: six standard deviations are {6.0 * TOLERANCE_SHARE:.0%} of the clearance"
+    )
+    reasons |= dict.fromkeys((f"tolerance.{key}" for key in (*POSITIONS, "cam_position")), default)
+    reasons |= dict.fromkeys(
+        (f"tolerance.{zone}" for zone in FIT_TOLERANCES), "required" if requirement.fit else default
+    )
     for table in ("material", *(f"{part}_material" for part in PARTS)):
         if material := getattr(design, table):
             numbers = [f"{table}.{key}" for key in type(material).model_fields if key != "name"]

@@ -36,25 +36,35 @@ Changes = Sequence[FeasibleChange]
 
 
 def remedies(
-    requirement: Requirement, most: float, pool: Pool | None, longer: Changes = ()
+    requirement: Requirement, max_torque: float, pool: Pool | None, length_changes: Changes = ()
 ) -> Iterator[FeasibleChange]:
-    """Yield single changes that make a requirement feasible; where there are none, combined changes.
+    """Yield single changes of a requirement that make it feasible; where there are none, combined changes.
 
-    `most` is the largest torque that was found for it [N m], in a `pool` whose ratings predict by how much a change
-    increases this torque. `longer` are feasible changes of the length.
+    Parameters
+    ----------
+    requirement
+        A requirement that no drive meets.
+    max_torque
+        Largest torque of the drives that meet its other limits [N m].
+    pool
+        Candidates whose ratings predict by how much a change increases this torque; None if there are none.
+    length_changes
+        Feasible changes of the length.
     """
     if not pool:  # no drive of this size exists: that of the next larger size predicts others
-        larger = (change.requirement for change in _diameters(requirement)[3::4])
-        found = (pool_of(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
-        pool = next(filter(None, found), None)
+        larger = (change.requirement for change in _larger_diameters(requirement)[3::4])
+        pools = (pool_of(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
+        pool = next(filter(None, pools), None)
     if not pool:
         return
-    search = _RemedySearch(requirement, most, pool)
+    search = _RemedySearch(requirement, max_torque, pool)
     single = itertools.chain(
-        itertools.chain.from_iterable(map(search.smallest, _single_changes(requirement))), iter(longer)
+        itertools.chain.from_iterable(map(search.smallest, _single_changes(requirement))), iter(length_changes)
     )
     count = 0
-    for remedy in itertools.chain(itertools.islice(single, MAX_REMEDIES - 1), search.smallest(_diameters(requirement))):
+    for remedy in itertools.chain(
+        itertools.islice(single, MAX_REMEDIES - 1), search.smallest(_larger_diameters(requirement))
+    ):
         count += 1
         yield remedy
     if count < MAX_REMEDIES:
@@ -62,8 +72,8 @@ def remedies(
             count += 1
             yield remedy
     if not count:
-        combined = itertools.chain.from_iterable(map(search.smallest, _combined(requirement)))
-        yield from (_shortened(remedy, requirement.length) for remedy in itertools.islice(combined, 1))
+        combined = itertools.chain.from_iterable(map(search.smallest, _combined_changes(requirement)))
+        yield from (_shorten_remedy(remedy, requirement.length) for remedy in itertools.islice(combined, 1))
 
 
 class _RemedySearch:
@@ -86,11 +96,12 @@ class _RemedySearch:
         return any(find_drive(pool, study=False, max_ratings=SETTINGS.few_ratings) for pool in pools)
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
-        """Yield the smallest feasible change, if one is found.
+        """Yield the smallest of some changes of a requirement that makes it feasible; nothing if none is found.
 
-        It is searched by its index in `changes`. Predicted torques lead to a first index: it is doubled until the
-        torque suffices, then bisected. From there ratings decide, in steps that double (galloping search). Complete
-        searches, as for a new requirement, verify the result, again in steps that double.
+        `changes` are sorted from the smallest. The index of the result is searched in three stages. Predicted torques
+        lead to a first index: it is doubled until the torque suffices, then bisected. From there ratings decide, in
+        steps that double (galloping search). Complete searches, as for a new requirement, verify the result, again in
+        steps that double.
         """
         count = len(changes)
 
@@ -98,8 +109,8 @@ class _RemedySearch:
             requirement = changes[index].requirement
             return self.scale * self._predict(requirement) >= requirement.torque
 
-        doubled = [*(2**power - 1 for power in range(count.bit_length())), count - 1] if count else []
-        high = next((index for index in doubled if is_predicted(index)), -1)
+        doubling_indices = [*(2**power - 1 for power in range(count.bit_length())), count - 1] if count else []
+        high = next((index for index in doubling_indices if is_predicted(index)), -1)
         if high < 0:
             return
         low = (high + 1) // 2 - 1
@@ -114,30 +125,31 @@ class _RemedySearch:
                 low, probe = probe, min(probe + 2**number, high - 1)
             if high - low == 1:
                 break
-        verified = [high + 2**number - 1 for number in range(MAX_VERIFICATIONS)]
-        likely = (changes[index] for index in verified if index < count)
-        yield from itertools.islice((change for change in likely if is_feasible(change.requirement)), 1)
+        verified_indices = [high + 2**number - 1 for number in range(MAX_VERIFICATIONS)]
+        likely_changes = (changes[index] for index in verified_indices if index < count)
+        yield from itertools.islice((change for change in likely_changes if is_feasible(change.requirement)), 1)
 
 
-def _shortened(remedy: FeasibleChange, required: float) -> FeasibleChange:
-    """Return a remedy that exceeds the `required` length [m] with the smallest feasible length instead."""
+def _shorten_remedy(remedy: FeasibleChange, required: float) -> FeasibleChange:
+    """Replace the length in a remedy by the smallest feasible length, if it exceeds the `required` length [m]."""
     changed = remedy.requirement
     length = least_length(pools_of(changed)) if changed.length > required else math.inf
     if not length < changed.length:
         return remedy
-    longest, least = (LENGTH_WORDS.format(MILLIMETRES * value) for value in (changed.length, length))
-    return FeasibleChange(remedy.words.replace(longest, least), changed.but(length=length))
+    old_text, new_text = (LENGTH_WORDS.format(MILLIMETRES * value) for value in (changed.length, length))
+    return FeasibleChange(remedy.words.replace(old_text, new_text), changed.but(length=length))
 
 
-def _series(requirement: Requirement, key: str, end: float, unit: float, words: str) -> Changes:
-    """List changes of the value `key` of a requirement in a geometric series by `STEP` up to `end` (in SI).
+def _change_series(requirement: Requirement, key: str, end: float, unit: float, text_format: str) -> Changes:
+    """List changes of one value of a requirement in a geometric series by the factor `STEP`, the smallest change first.
 
-    `unit` is the unit of the message in SI, and `words` its format, such as "{:.4g} rpm".
+    `key` is the value that changes, up to `end` (in SI). `unit` is the unit of the message in SI, and `text_format` the
+    format of the message, such as "{:.4g} rpm".
     """
     value, step = getattr(requirement, key), STEP if end > getattr(requirement, key) else 1.0 / STEP
     steps = max(math.floor(math.log(end / value) / math.log(step)), 0) if math.isfinite(value) else 0
-    values = dict.fromkeys(float(f"{value * step**number / unit:.3g}") for number in range(1, steps + 1))
-    return [FeasibleChange(words.format(new), requirement.but(**{key: new * unit})) for new in values]
+    values = dict.fromkeys(float(f"{value * step**exponent / unit:.3g}") for exponent in range(1, steps + 1))
+    return [FeasibleChange(text_format.format(number), requirement.but(**{key: number * unit})) for number in values]
 
 
 def _single_changes(requirement: Requirement) -> Iterator[Changes]:
@@ -147,28 +159,33 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     in this order. With a duty file, life, duty and speed do not change.
     """
     if not requirement.duty:
-        yield _series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
-        yield _series(requirement, "duty_share", MIN_SHARE, 1.0, "a duty of {:.3g} of the time")
-        yield _series(requirement, "speed", MIN_SPEED, RPM, "{:.4g} rpm")
+        yield _change_series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
+        yield _change_series(requirement, "duty_share", MIN_SHARE, 1.0, "a duty of {:.3g} of the time")
+        yield _change_series(requirement, "speed", MIN_SPEED, RPM, "{:.4g} rpm")
     cooling = {name: film for name, film in COOLING.items() if film > requirement.film}
     yield [FeasibleChange(f"cooling: {name}", requirement.but(film=film)) for name, film in cooling.items()]
     for name in PROCESSES[requirement.process].others:
         yield [FeasibleChange(name, requirement.but(material=name))] if name != requirement.made_of else []
-    more = range(max(requirement.numbers_of_discs) + 1, MAX_DISCS)
-    yield [FeasibleChange(f"{discs} discs", requirement.but(discs=discs)) for discs in more]
-    tighter = [] if requirement.fit else [*requirement.tighter_clearances]
-    words = "clearances of {:.3g} um"
-    yield [FeasibleChange(words.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in tighter]
-    yield _series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
+    disc_numbers = range(max(requirement.numbers_of_discs) + 1, MAX_DISCS)
+    yield [FeasibleChange(f"{discs} discs", requirement.but(discs=discs)) for discs in disc_numbers]
+    clearances = [] if requirement.fit else [*requirement.tighter_clearances]
+    text = "clearances of {:.3g} um"
+    yield [
+        FeasibleChange(text.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in clearances
+    ]
+    yield _change_series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
 
 
-def _diameters(requirement: Requirement) -> Changes:
-    """List larger diameters, rounded to 0.5 mm below 100 mm, and to 1 mm above."""
+def _larger_diameters(requirement: Requirement) -> Changes:
+    """List changes of a requirement to larger diameters, in steps of the factor `STEP`, the smallest first.
+
+    They are rounded to 0.5 mm below 100 mm, and to 1 mm above.
+    """
     largest = min(MAX_DIAMETER, fits.LARGEST / LARGEST_PAIR) if requirement.fit else MAX_DIAMETER
     steps = math.floor(math.log(largest / requirement.diameter) / math.log(STEP))
-    exact = (requirement.diameter * STEP**number for number in range(1, steps + 1))
-    rounded = dict.fromkeys(round(value, 3) if value >= 0.1 else round(2.0 * value, 3) / 2.0 for value in exact)
-    larger = (value for value in rounded if value > requirement.diameter)
+    values = (requirement.diameter * STEP**number for number in range(1, steps + 1))
+    diameters = dict.fromkeys(round(value, 3) if value >= 0.1 else round(2.0 * value, 3) / 2.0 for value in values)
+    larger = (value for value in diameters if value > requirement.diameter)
     return [FeasibleChange(f"{MILLIMETRES * value:g} mm", requirement.but(diameter=value)) for value in larger]
 
 
@@ -181,8 +198,8 @@ def _processes(requirement: Requirement) -> Changes:
     return [FeasibleChange(words.format(process), usual.but(process=process)) for process in stronger] + free
 
 
-def _combined(requirement: Requirement) -> Iterator[Changes]:
-    """Yield larger diameters for each combination of a process, a length and a crank speed.
+def _combined_changes(requirement: Requirement) -> Iterator[Changes]:
+    """Yield combined changes of a requirement: a process, a length and a crank speed, with a series of diameters.
 
     The process is the one that allows the largest torque, with sizes in stock, then free ones; or that of the
     requirement. The length is the required one, or twice the diameter. The speed is the required one, a quarter, or a
@@ -190,21 +207,21 @@ def _combined(requirement: Requirement) -> Iterator[Changes]:
     """
     kinds = [(process, requirement.custom) for process in PROCESSES[requirement.process].stronger[-1:]]
     kinds += [(process, True) for process, _ in kinds]
-    for process, custom in dict.fromkeys([*kinds, (requirement.process, requirement.custom)]):
-        words = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
-        words += ["free sizes of pins and bearings"] if custom != requirement.custom else []
+    for process, is_custom in dict.fromkeys([*kinds, (requirement.process, requirement.custom)]):
+        texts = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
+        texts += ["free sizes of pins and bearings"] if is_custom != requirement.custom else []
         base = (
-            requirement.but(process=process, custom=custom, material="", clearance=0.0, fit="")
-            if words
+            requirement.but(process=process, custom=is_custom, material="", clearance=0.0, fit="")
+            if texts
             else requirement
         )
         for length in dict.fromkeys((requirement.length, max(requirement.length, 2.0 * requirement.diameter))):
-            free = [LENGTH_WORDS.format(MILLIMETRES * length)] if length > requirement.length else []
-            for slower in (1.0, 4.0, 16.0):
-                speed = max(float(f"{base.speed / slower / RPM:.3g}") * RPM, MIN_SPEED)
+            length_text = [LENGTH_WORDS.format(MILLIMETRES * length)] if length > requirement.length else []
+            for slowdown in (1.0, 4.0, 16.0):
+                speed = max(float(f"{base.speed / slowdown / RPM:.3g}") * RPM, MIN_SPEED)
                 changed = base.but(speed=speed, length=length)
-                rpm = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
+                speed_text = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
                 yield [
-                    FeasibleChange(" and ".join([*words, *rpm, *free, larger.words]), larger.requirement)
-                    for larger in _diameters(changed)
+                    FeasibleChange(" and ".join([*texts, *speed_text, *length_text, larger.words]), larger.requirement)
+                    for larger in _larger_diameters(changed)
                 ]

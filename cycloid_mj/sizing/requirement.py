@@ -95,7 +95,7 @@ def required(
         )
     limits = PROCESSES[process]
     speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
-    share, points = _duty(duty, limits.duty_share)
+    share, points = _parse_duty(duty, limits.duty_share)
     return (kind or Requirement)(
         ratio=ratio,
         diameter=1e-3 * diameter_mm,
@@ -112,21 +112,21 @@ def required(
         custom=custom,
         duty=points,
         duty_share=share,
-        film=_film(cooling),
+        film=_film_coefficient(cooling),
         ambient=ambient_c,
         motor=motor,
         changes=changes,
     )
 
 
-def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:
+def _parse_duty(duty: str | float | None, usual_share: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:
     """Return the share of the time under load [1], and the points of a duty cycle.
 
     Parameters
     ----------
     duty
         The share, the path of a CSV file with a duty cycle, or None for the usual share.
-    usual
+    usual_share
         The usual share [1].
 
     Returns
@@ -136,7 +136,7 @@ def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[fl
         crank speed [rad/s] and the share of the time. Without a file, there are no points.
     """
     if duty is None:
-        return usual, ()
+        return usual_share, ()
     try:
         return float(duty), ()
     except ValueError:
@@ -145,7 +145,7 @@ def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[fl
     return 1.0, tuple((point.torque / largest, point.speed, point.share) for point in points)
 
 
-def _film(cooling: str | float) -> float:
+def _film_coefficient(cooling: str | float) -> float:
     """Return the heat transfer coefficient [W/(m2 K)] of `cooling`: a key of `COOLING`, or the coefficient itself."""
     if cooling in COOLING:
         return COOLING[str(cooling)]
@@ -232,23 +232,23 @@ class Requirement:
     STAGES: ClassVar[str] = "a single stage"
 
     def __post_init__(self) -> None:
-        """Check the ranges of all values.
+        """Raise UsageError if a value of the requirement is out of range, or a count is not a whole number.
 
         Raises
         ------
         UsageError
             A value is out of range, or not a whole number.
         """
-        for what, number in (("ratio", self.ratio), ("number of discs", self.discs)):
+        for name, number in (("ratio", self.ratio), ("number of discs", self.discs)):
             if number != round(number):
                 raise UsageError(
-                    f"the {what} is {number}, but must be a whole number: choose {math.floor(number)} or "
+                    f"the {name} is {number}, but must be a whole number: choose {math.floor(number)} or "
                     f"{math.ceil(number)}"
                 )
-        least, most = self.RATIOS
-        if not least <= self.ratio <= most:
+        min_ratio, max_ratio = self.RATIOS
+        if not min_ratio <= self.ratio <= max_ratio:
             raise UsageError(
-                f"the ratio is {self.ratio}, which is out of range: choose a ratio from {least} to {most} "
+                f"the ratio is {self.ratio}, which is out of range: choose a ratio from {min_ratio} to {max_ratio} "
                 f"for {self.STAGES}{self._two_stages()}"
             )
         if not 0 <= self.discs <= MAX_DISCS:
@@ -293,12 +293,12 @@ class Requirement:
                 "determines the clearances between the parts: remove one of the two"
             )
         try:
-            tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
+            min_clearance, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
         except ValueError as error:
             raise UsageError(
                 f"the fit {self.fit!r} is not valid: {error}. Choose a clearance fit, such as H7/g6"
             ) from None
-        if tightest < 0.0:
+        if min_clearance < 0.0:
             raise UsageError(
                 f"the fit {self.fit} is an interference fit, but the parts must move: choose a clearance fit, such as "
                 "H7/g6"
@@ -322,18 +322,18 @@ class Requirement:
 
     @property
     def kind(self) -> Self:
-        """The requirement without all values that do not influence the sizes of candidates; it is the key of a cache.
+        """Return the requirement with defaults for all that does not influence the sizes of candidates, as a cache key.
 
-        These values are replaced by infinite limits and by the usual conditions of the process.
+        Limits become infinite, and conditions those that are usual for the process.
         """
-        usual = PROCESSES[self.process]
+        process = PROCESSES[self.process]
         return self.but(
             torque=1.0,
             length=math.inf,
             backlash=self.backlash if self.backlash == math.inf else 1.0,
-            life=usual.life_h,
-            speed=usual.speed_rpm * RPM,
-            duty_share=usual.duty_share,
+            life=process.life_h,
+            speed=process.speed_rpm * RPM,
+            duty_share=process.duty_share,
             duty=(),
             film=COOLING["still"],
             ambient=20.0,
@@ -371,8 +371,8 @@ class Requirement:
         Such clearances are finer than the usual accuracy of the process. They need parts that are measured and matched,
         such as pins sorted into groups by ISO 3096.
         """
-        matched = PROCESSES[self.process].matched
-        count = math.floor(math.log(matched / self.usual_clearance) / math.log(FINER) + 1e-9)
+        min_clearance = PROCESSES[self.process].matched
+        count = math.floor(math.log(min_clearance / self.usual_clearance) / math.log(FINER) + 1e-9)
         return (significant(self.usual_clearance * FINER**step) for step in range(1, count + 1))
 
     def clearance_at(self, size: float) -> float:

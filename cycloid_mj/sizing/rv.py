@@ -130,7 +130,7 @@ class Candidate:
     @cached_property
     def estimate(self) -> float:
         """Estimated torque for which crank bearings and pins last [N m], with ideal sharing of the load."""
-        return _estimate(self.reducer, self.requirement)
+        return _estimate_torque(self.reducer, self.requirement)
 
     @cached_property
     def length(self) -> float:
@@ -150,22 +150,22 @@ class RatedRv:
 
 
 def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find the shortest RV reducer that meets a requirement, and the longest-lived of the rated candidates.
+    """Find the shortest RV reducer that meets a requirement, and the longest-lived of the candidates that were rated.
 
-    If no reducer meets the requirement, the answer has the largest feasible torque, and remedies. `on_progress` is
-    called with it before the remedies are known.
+    If no reducer meets the requirement, the answer has the largest feasible torque, and changes of the requirement that
+    make it feasible. `on_progress` is called with the answer before these changes are known.
     """
     pool = list(candidates(requirement))
     if not pool:
         ratio, size = requirement.ratio, MILLIMETRES * requirement.diameter
         return Answer(requirement, (), 0.0, f"no planets and discs with a ratio of {ratio} fit into {size:g} mm")
-    best, strongest = _search(requirement, pool)
+    best, strongest = _search_shortest(requirement, pool)
     if best is None:
-        most = float(f"{strongest.torque:.3g}") if strongest else 0.0
+        max_torque = float(f"{strongest.torque:.3g}") if strongest else 0.0
         limit = strongest.weakest.name if strongest else "no candidate passes its checks"
-        refused = Answer(requirement, (), most, limit)
-        on_progress(refused)
-        return replace(refused, remedies=tuple(_remedies(requirement, strongest)))
+        answer = Answer(requirement, (), max_torque, limit)
+        on_progress(answer)
+        return replace(answer, remedies=tuple(_remedies(requirement, strongest)))
     drives = [_sized_drive(requirement, best, "lightest", "shortest of the candidates that pass, hence the lightest")]
     if strongest and strongest.rating.shortest_life > 1.5 * best.rating.shortest_life:
         drives.append(_sized_drive(requirement, strongest, "longest life", "longest life of the rated candidates"))
@@ -181,7 +181,7 @@ def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
         for trochoid in SHARES.trochoids
         for bore in SHARES.bores
         for width in SHARES.widths
-        if (candidate := _candidate(requirement, cranks, (sun, planet, ring), trochoid, bore, width))
+        if (candidate := _lay_out_candidate(requirement, cranks, (sun, planet, ring), trochoid, bore, width))
         and candidate.length <= requirement.length
     ]
     yield from sorted(pool, key=lambda item: item.length)
@@ -203,13 +203,14 @@ def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
                 break
 
 
-def _candidate(
+def _lay_out_candidate(
     requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
 ) -> Candidate | None:
-    """Return the candidate with the numbers of teeth `teeth` (sun, planet, ring); None if its parts do not fit.
+    """Return the candidate with some numbers of teeth and proportions; None if its parts do not fit.
 
-    `trochoid` is the trochoid ratio K1 = c N/E, with eccentricity c, N ring pins and radius E of the pin circle. `bore`
-    and `width` are the radius of the crank bores and the width of a disc, divided by E; see `RvShares`.
+    `teeth` are the numbers of teeth of sun, planet and ring. `trochoid` is the trochoid ratio K1 = c N/E, with
+    eccentricity c, N ring pins and radius E of the pin circle. `bore` and `width` are the radius of the crank bores and
+    the width of a disc, divided by E; see `RvShares`.
     """
     sun, planet, ring = teeth
     circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
@@ -270,7 +271,7 @@ def _nearest_pin(radius: float) -> float:
     return min((0.5 * diameter for diameter in stock.dowel_diameters()), key=lambda size: abs(size - radius))
 
 
-def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
+def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
     """Estimate the output torque [N m] at which crank bearings and pins last the required life.
 
     The lives are those of ISO 281 for the bearings and of AGMA 2001-D04 for the pins.
@@ -278,40 +279,40 @@ def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
     crank = np.linspace(0.0, reducer.crank_turn, ESTIMATE_ANGLES, endpoint=False)
     loads = ideal_rv_loads(reducer.stage, reducer.share, crank)
     forces = loads.bearings.reshape(crank.size, -1), flange_forces(reducer, loads.cranks)
-    turns = requirement.life * HOUR * reducer.crank_speed / (2.0 * math.pi)
+    crank_turns = requirement.life * HOUR * reducer.crank_speed / (2.0 * math.pi)
     bearings = (
-        rollers.dynamic * (1e6 / turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
+        rollers.dynamic * (1e6 / crank_turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
         for rollers, force in zip(crank_bearing_rollers(reducer), forces, strict=True)
     )
     kind = reducer.design.tooth_pair
     curvature = mesh_gaps(reducer, crank).relative_curvature
     pressure = float(reducer.contacts[kind].pressure(loads.pins.reshape(crank.size, -1), curvature).max())
-    allowed = min(pitting_limit(material)[0] for material in reducer.design.partners(kind))
-    return min(*bearings, (AGMA_2001.factor * allowed * turns**-AGMA_2001.power / pressure) ** 2)
+    allowed_pressure = min(pitting_limit(material)[0] for material in reducer.design.partners(kind))
+    return min(*bearings, (AGMA_2001.factor * allowed_pressure * crank_turns**-AGMA_2001.power / pressure) ** 2)
 
 
-def _search(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
+def _search_shortest(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
     """Rate candidates until the shortest that carries the torque is found; return it (or None), and the strongest.
 
     `pool` is sorted by length, and at most `MAX_RATINGS` of its candidates are rated. The ratio of rated and estimated
     torque corrects the estimates of the others. The strongest has the largest torque of the rated candidates.
     """
-    strongest, bias, left = None, 1.0, list(pool)
+    strongest, correction, remaining = None, 1.0, list(pool)
     for _ in range(MAX_RATINGS):
-        likely = next((item for item in left if bias * item.estimate >= requirement.torque), None)
-        tried = likely or max(left, key=lambda item: item.estimate, default=None)
-        if tried is None:
+        promising = next((item for item in remaining if correction * item.estimate >= requirement.torque), None)
+        candidate = promising or max(remaining, key=lambda item: item.estimate, default=None)
+        if candidate is None:
             break
-        left.remove(tried)
-        rated = rate_candidate(requirement, tried)
+        remaining.remove(candidate)
+        rated = rate_candidate(requirement, candidate)
         if rated is None:
             continue
         strongest = rated if strongest is None or rated.torque > strongest.torque else strongest
         if rated.torque >= requirement.torque:
             return rated, strongest
-        if likely is None:
+        if promising is None:
             break
-        bias = min(bias, rated.torque / tried.estimate)
+        correction = min(correction, rated.torque / candidate.estimate)
     return None, strongest
 
 
@@ -327,8 +328,8 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
     items = [item for item in rating.items.values() if item.decisive]
     limits = [(_torque_limit(item, torque, rating.life), item) for item in items if not is_momentary(item.key)]
     momentary = min(2.0 * _torque_limit(item, torque, rating.life) for item in items if is_momentary(item.key))
-    least, weakest = min(limits, key=lambda pair: pair[0])
-    return RatedRv(candidate, rating, min(least, momentary), momentary, weakest)
+    min_limit, weakest_item = min(limits, key=lambda pair: pair[0])
+    return RatedRv(candidate, rating, min(min_limit, momentary), momentary, weakest_item)
 
 
 def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
@@ -344,7 +345,7 @@ def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
 
 
 def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
-    """Yield changes that make a requirement feasible, each if rating verifies it.
+    """Yield changes that make a requirement feasible, each verified by a search.
 
     They are a shorter life; where heat limits the torque, a smaller share of the time under load, and better cooling;
     and a larger diameter. `strongest` is the strongest drive that was rated for the requirement, if any.
@@ -354,18 +355,18 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
         if shorter.life < requirement.life and _is_feasible(shorter):
             yield FeasibleChange(f"a life of {shorter.life:g} h", shorter)
     if strongest and strongest.weakest.kind is ItemKind.HEAT:
-        less_duty = (
+        duty_changes = (
             (f"a duty of {share:g} of the time", requirement.but(duty_share=share))
             for share in reversed(SETTINGS.duty_shares)
             if share < requirement.duty_share and not requirement.duty
         )
-        more_cooling = (
+        cooling_changes = (
             (f"cooling: {name}", requirement.but(film=film))
             for name, film in COOLING.items()
             if film > requirement.film
         )
-        for changes in (less_duty, more_cooling):
-            feasible = (FeasibleChange(words, changed) for words, changed in changes if _is_feasible(changed))
+        for changes in (duty_changes, cooling_changes):
+            feasible = (FeasibleChange(text, changed) for text, changed in changes if _is_feasible(changed))
             yield from itertools.islice(feasible, 1)
     factor = GROWTH
     if strongest:
@@ -380,7 +381,7 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
 
 def _is_feasible(requirement: RvRequirement) -> bool:
     """Return whether the search finds a drive that meets a requirement."""
-    return _search(requirement, list(candidates(requirement)))[0] is not None
+    return _search_shortest(requirement, list(candidates(requirement)))[0] is not None
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:

@@ -159,10 +159,20 @@ def rate_drive(
 ) -> Rated | None:
     """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
 
-    The tooth forces are the governing ones of parts within the tolerances, as in `rate`, or with `sample` those of the
-    tolerance sample with this index, without emergency stops and joints of metal drives. They are computed at `poses`
-    crank angles of a turn. The result has torque limits by item [N m], mass [kg], length [m] and, if the requirement
-    limits it, backlash [arcmin]. It is None if the drive has no equilibrium, all samples jam, or a part does not fit.
+    The result has torque limits by item [N m], mass [kg], length [m] and, if the requirement limits it, backlash
+    [arcmin]. It is None if the drive has no equilibrium, all samples jam, or a part does not fit.
+
+    Parameters
+    ----------
+    requirement
+        Conditions of the rating.
+    reducer, torque
+        The drive, and its output torque [N m].
+    sample
+        Index of the tolerance sample that determines the tooth forces; emergency stops and joints of metal drives are
+        then left out. By default, the tooth forces are the governing ones within the tolerances, as in `rate`.
+    poses
+        Number of crank angles of a turn at which tooth forces are computed.
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
@@ -205,16 +215,16 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, sample
     Rated or None
         The rated drive; None if the candidate cannot be built, or has no equilibrium.
     """
-    most = requirement.torque
-    reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
+    max_torque = requirement.torque
+    reducer, rated = build_drive(requirement, sizes, min(torque, max_torque)), None
     if not reducer:
         return None
     sample = find_critical_sample(reducer, samples)
     for _ in range(SETTINGS.iterations):
-        load = min(torque, most)
+        load = min(torque, max_torque)
         drive = rate_drive(requirement, reducer, load, sample, SETTINGS.poses)
         rated, torque = drive or rated, drive.capacity if drive else UNSOUND * load
-        if drive and (load == most <= torque or abs(math.log(torque / load)) < SETTINGS.consistency):
+        if drive and (load == max_torque <= torque or abs(math.log(torque / load)) < SETTINGS.consistency):
             break
     return rated
 
@@ -231,11 +241,11 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
         jams, backlash = samples.jams, samples.backlash
     else:
         jams, backlash = np.zeros(1, bool), np.array([figure("backlash_arcmin").value(reducer)])
-    good = ~jams & (backlash <= requirement.backlash)
-    keys = {"backlash_arcmin": 50.0} | {f"backlash_p{share:02.0f}_arcmin": share for share in (5.0, 95.0, 99.0)}
+    is_good = ~jams & (backlash <= requirement.backlash)
+    keys = {"backlash_arcmin": 50.0} | {f"backlash_p{rank:02.0f}_arcmin": rank for rank in (5.0, 95.0, 99.0)}
     percentiles = dict(zip(keys, np.percentile(backlash[~jams], [*keys.values()]).tolist(), strict=True))
-    shares = {"turning_percent": 100.0 * float((~jams).mean()), "yield_percent": 100.0 * float(good.mean())}
-    return shares | percentiles
+    percentages = {"turning_percent": 100.0 * float((~jams).mean()), "yield_percent": 100.0 * float(is_good.mean())}
+    return percentages | percentiles
 
 
 @dataclass(eq=False)
@@ -272,14 +282,14 @@ class Pool:
 
     @property
     def strong_part(self) -> Self:
-        """The candidates with the largest estimated torques as a pool of their own, without their ratings.
+        """Return the candidates with the largest estimated torques as a new pool without ratings.
 
         For each of the torques of `_capacities`, these are the `SETTINGS.strong` best of all candidates, and the
         `SETTINGS.strong` best of those within the limits of length and backlash.
         """
         figures = self.corrected
-        within = strongest(self.requirement).excess(figures) <= 0.0
-        ranks = [np.argsort(-torque * share) for torque in _capacities(figures) for share in (1.0, within)]
+        is_within = strongest(self.requirement).excess(figures) <= 0.0
+        ranks = [np.argsort(-torque * weights) for torque in _capacities(figures) for weights in (1.0, is_within)]
         rows = np.unique(np.concatenate([rank[: SETTINGS.strong] for rank in ranks]))
         sizes = self.sizes[rows].view(np.recarray)
         return replace(
@@ -293,19 +303,22 @@ class Pool:
 
     @property
     def corrected(self) -> Estimate:
-        """The estimates with the capacity, corrected by the ratings nearby, and to those of a tolerance study."""
+        """Return the estimates of all candidates, corrected by the ratings of similar ones, with the key ``capacity``.
+
+        They also include the expected effect of a tolerance study (`study_factors`).
+        """
         records = [*self.corrections.values()]
         values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
         factors = dict(zip(self.guess, np.exp(_interpolate(self.points, self.corrections, values)).T, strict=True))
-        studied = self.study_factors
-        figures = {key: studied.get(key, 1.0) * factors[key] * guess for key, guess in self.guess.items()}
+        factors_of_study = self.study_factors
+        figures = {key: factors_of_study.get(key, 1.0) * factors[key] * guess for key, guess in self.guess.items()}
         return add_capacity(figures)
 
     @property
     def study_factors(self) -> Mapping[str, Array]:
-        """Expected ratios of torque limits and backlash by a tolerance study to those by one sample, by key.
+        """Return the expected ratios of figures by a tolerance study to figures by one sample, by key, shape (n,) each.
 
-        Figures that a study does not change are left out.
+        Figures are torque limits and backlash; those that a study does not change are left out.
         """
         values = np.reshape([*self.biases.values()], (-1, 2))
         torque, backlash = np.exp(_interpolate(self.points, self.biases, values)).T
@@ -318,15 +331,15 @@ class Pool:
         return float(np.max(figures["capacity"] * (strongest(self.requirement).excess(figures) <= 0.0)))
 
     def lightest(self) -> Rated | None:
-        """Return the most efficient of the drives whose mass is close to the lowest, after its tolerance study.
+        """Return the drive with the lowest losses of those close to the lowest mass, after its tolerance study.
 
         It is None if no drive passes.
         """
-        first = self.best(lightest(self.requirement))
-        if not first:
+        lightest_drive = self.best(lightest(self.requirement))
+        if not lightest_drive:
             return None
-        mass = (1.0 + SETTINGS.mass_tolerance) * first.figures["mass"]
-        return self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings) or first
+        max_mass = (1.0 + SETTINGS.mass_tolerance) * lightest_drive.figures["mass"]
+        return self.best(most_efficient(self.requirement, max_mass), max_ratings=SETTINGS.few_ratings) or lightest_drive
 
     def best(
         self,
@@ -336,7 +349,7 @@ class Pool:
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
     ) -> Rated | None:
-        """Return the best drive by an objective, or the first whose figure reaches `goal`; None if there is none.
+        """Search for the best drive by an objective, or the first whose figure reaches `goal`; return None without one.
 
         The candidate with the largest expected improvement is rated, again and again, until no improvement is expected
         or `max_ratings` candidates are rated (efficient global optimization: Jones, Schonlau and Welch, J. Global
@@ -344,15 +357,15 @@ class Pool:
         With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
         within all limits of the objective.
         """
-        aim = objective.merit({objective.key: goal})
+        target_merit = objective.merit({objective.key: goal})
         ratings, studies = 0.0, 0
         while True:
             figures, scale = self._known_figures()
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
             best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
-            if not best >= aim and ratings < max_ratings:
-                cost = self._improve(objective, figures, scale, row, best)
+            if not best >= target_merit and ratings < max_ratings:
+                cost = self._search_step(objective, figures, scale, row, best)
                 if cost is not None:
                     ratings += cost
                     continue
@@ -368,13 +381,13 @@ class Pool:
             studies += 1
             self.study(row)
 
-    def _improve(
+    def _search_step(
         self, objective: Objective, figures: Estimate, scale: Array, row: int | None, best: float
     ) -> float | None:
-        """Rate the most promising candidate, or add the neighbours of the best rated one, whichever comes first.
+        """Do one step of the search of `best`: rate the most promising candidate, or add neighbours of the best one.
 
-        Neighbours come first if the best one is within all limits, else last. Without any rated candidate, the one that
-        exceeds the limits least is rated even if it is unlikely to be within them.
+        Neighbours come first if the best candidate is within all limits, else last. Without any rated candidate, the
+        one that exceeds the limits least is rated even if it is unlikely to be within them.
 
         Parameters
         ----------
@@ -390,18 +403,18 @@ class Pool:
         float or None
             The cost in ratings, 0 for neighbours; None if no improvement is expected.
         """
-        within = math.isfinite(best)
-        if row is not None and within and self._extend(row):
+        is_within = math.isfinite(best)
+        if row is not None and is_within and self._add_neighbours(row):
             return 0.0
-        gains = objective.expected_improvement(figures, scale, best)
+        improvements = objective.expected_improvement(figures, scale, best)
         if row is None and SETTINGS.build_share * len(self.rated) < SETTINGS.few_ratings:
-            gains = 1.0 / (1.0 + objective.excess(figures))
-        gains[list(self.rated)] = 0.0
-        new = int(np.argmax(gains))
-        if gains[new] > (SETTINGS.min_improvement if within else SETTINGS.min_probability):
-            torque = max(float(figures["capacity"][new]), 1e-3 * self.requirement.torque)
-            return 1.0 if self._rate(new, torque) else SETTINGS.build_share
-        return 0.0 if row is not None and self._extend(row) else None
+            improvements = 1.0 / (1.0 + objective.excess(figures))
+        improvements[list(self.rated)] = 0.0
+        candidate = int(np.argmax(improvements))
+        if improvements[candidate] > (SETTINGS.min_improvement if is_within else SETTINGS.min_probability):
+            torque = max(float(figures["capacity"][candidate]), 1e-3 * self.requirement.torque)
+            return 1.0 if self._rate(candidate, torque) else SETTINGS.build_share
+        return 0.0 if row is not None and self._add_neighbours(row) else None
 
     def nearest(self, objective: Objective) -> Rated | None:
         """Return the best rated drive by an objective, or the one that exceeds its limits least; None without any."""
@@ -418,21 +431,21 @@ class Pool:
         return min(rows, key=lambda index: (excesses[index], -merits[index]), default=None)
 
     def _rate(self, row: int, torque: float) -> bool:
-        """Rate the candidate `row` and store the result; return whether it could be rated.
+        """Rate the candidate with the index `row` and store the result; return whether it could be rated.
 
         `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated figures are
         stored in `corrections`.
         """
         self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque, self.samples)
-        true = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
+        rated_figures = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
         self.corrections[tuple(self.points[row])] = {
             key: float(np.log(np.clip(value / max(self.guess[key][row], 1e-9), 0.05, 20.0)))
-            for key, value in true.items()
+            for key, value in rated_figures.items()
         }
         return drive is not None
 
     def study(self, row: int) -> Rated | None:
-        """Rate the candidate `row` with its tolerance study, and store and return the result.
+        """Rate the candidate with the index `row` by a tolerance study; store and return the result.
 
         The torque is the required one, or the largest that the candidate is expected to carry. If a study shows that
         such a torque was too large, it is repeated once at a torque by a secant step with the slope 1/3: when the
@@ -447,16 +460,16 @@ class Pool:
         if drive.study:
             expected = _secant_torque(drive)
         torque = required if expected >= required else floor_digits(SETTINGS.study_share * expected)
-        full = self._study_at(drive.reducer, torque)
-        if full and torque < required <= full.capacity:
-            full = self._study_at(drive.reducer, required)
-        elif full and full.capacity < torque < required:
-            full = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(full)))
-        if full and not drive.study:
-            backlash = full.figures["backlash"] / drive.figures.get("backlash", full.figures["backlash"])
-            self.biases[tuple(self.points[row])] = math.log(full.capacity / drive.capacity), math.log(backlash)
-        self.rated[row] = full
-        return full
+        studied = self._study_at(drive.reducer, torque)
+        if studied and torque < required <= studied.capacity:
+            studied = self._study_at(drive.reducer, required)
+        elif studied and studied.capacity < torque < required:
+            studied = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(studied)))
+        if studied and not drive.study:
+            backlash = studied.figures["backlash"] / drive.figures.get("backlash", studied.figures["backlash"])
+            self.biases[tuple(self.points[row])] = math.log(studied.capacity / drive.capacity), math.log(backlash)
+        self.rated[row] = studied
+        return studied
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
         """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last."""
@@ -471,25 +484,25 @@ class Pool:
         and enough samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
         `SETTINGS.min_yield`).
         """
-        full = rate_drive(self.requirement, reducer, torque)
-        study = tolerance_study(self.requirement, full.reducer) if full else {}
-        if not full or study["turning_percent"] < SETTINGS.min_yield:
+        drive = rate_drive(self.requirement, reducer, torque)
+        study = tolerance_study(self.requirement, drive.reducer) if drive else {}
+        if not drive or study["turning_percent"] < SETTINGS.min_yield:
             return None
-        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
+        passed = drive.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
         return replace(
-            full, figures={**full.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
+            drive, figures={**drive.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
         )
 
     def _known_figures(self) -> tuple[Estimate, Array]:
-        """Return the figures of all n candidates, and the errors of their estimates as shares of `DEVIATIONS`, (n,).
+        """Return the figures of all n candidates, and the scale of their errors, shape (n,).
 
-        The figures are those of ratings, corrected by `study_factors`, or estimates. The errors decrease with the
-        distance to the nearest rated candidate.
+        The figures are those of ratings, corrected by `study_factors`, or estimates. Their standard deviations are
+        `DEVIATIONS` times the scale, which decreases with the distance to the nearest rated candidate.
         """
-        figures, studied = self.corrected, self.study_factors
+        figures, study_factors = self.corrected, self.study_factors
         for row, drive in self.rated.items():
             for key, value in drive.known(self.guess).items() if drive else dict.fromkeys(self.guess, math.nan).items():
-                factor = studied[key][row] if key in studied and not (drive and drive.study) else 1.0
+                factor = study_factors[key][row] if key in study_factors and not (drive and drive.study) else 1.0
                 figures[key][row] = value * factor
         scale = np.full(len(self.points), SETTINGS.first_error)
         if self.corrections:
@@ -497,11 +510,11 @@ class Pool:
             scale = np.clip(distance / SETTINGS.reach, SETTINGS.least_error, 1.0)
         return add_capacity(figures), scale
 
-    def _extend(self, index: int) -> bool:
+    def _add_neighbours(self, index: int) -> bool:
         """Add the neighbours of a candidate to the pool, for a local search; each differs from it in a single variable.
 
-        `index` is the index of the candidate. Neighbours that are in the pool already are not added. The result is
-        False if its neighbours were added before.
+        `index` is the index of the candidate. Neighbours that are in the pool already are not added. Returns False if
+        the neighbours of this candidate were added before.
         """
         if index in self.extended:
             return False
@@ -509,14 +522,14 @@ class Pool:
         steps = np.concatenate([sign * np.geomspace(*SETTINGS.neighbours) for sign in (-1.0, 1.0)])
         changes = (np.eye(DIMENSIONS)[:, np.newaxis] * steps[:, np.newaxis]).reshape(-1, DIMENSIONS)
         points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
-        _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
-        new = first[first >= len(self.sizes)] - len(self.sizes)
-        if len(new):
-            added = sizes[new].view(np.recarray)
-            guess = estimate(self.requirement, added, design_of(self.requirement, self.sizes[0]))
+        _, first_rows = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
+        new_rows = first_rows[first_rows >= len(self.sizes)] - len(self.sizes)
+        if len(new_rows):
+            new_sizes = sizes[new_rows].view(np.recarray)
+            guess = estimate(self.requirement, new_sizes, design_of(self.requirement, self.sizes[0]))
             self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
-            self.points = np.concatenate([self.points, points[new]])
-            self.sizes = np.concatenate([self.sizes, added]).view(np.recarray)
+            self.points = np.concatenate([self.points, points[new_rows]])
+            self.sizes = np.concatenate([self.sizes, new_sizes]).view(np.recarray)
         return True
 
 
@@ -527,8 +540,8 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
     from all known points, the result approaches the median of the known values and two zeros (factors of 1), which
     limits the influence of a single exceptional candidate.
     """
-    places = np.reshape(list(known), (-1, DIMENSIONS))
-    weight = 1.0 / (cdist(points, places, "sqeuclidean") + 1e-9) ** 2
+    known_points = np.reshape(list(known), (-1, DIMENSIONS))
+    weight = 1.0 / (cdist(points, known_points, "sqeuclidean") + 1e-9) ** 2
     weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.reach**-4
     middle = np.median(np.concatenate([np.zeros((2, values.shape[1])), values]), axis=0)
     return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
@@ -549,9 +562,9 @@ def floor_digits(value: float) -> float:
 
 
 def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None:
-    """Return the pool of the elites for a requirement, under its conditions; None if no drive can be built.
+    """Return a pool of good, diverse candidates for a requirement (its elites); None if no drive can be built.
 
-    It shares the corrections of the pool `source`, if there is one.
+    It shares the corrections of estimates with the pool `source`, if there is one.
     """
     pool = Pool.of(requirement, _find_elites(requirement.kind))
     if not pool:
@@ -562,9 +575,10 @@ def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None
 
 @lru_cache(maxsize=32)
 def _find_likely_critical_samples(kind: Requirement) -> tuple[int, ...]:
-    """Find the numbers of the tolerance samples that are likely critical for the drives of a `Requirement.kind`.
+    """Return the numbers of the tolerance samples that are likely critical for drives of a `Requirement.kind`.
 
-    They are found from some of these drives; they are empty if these have no tolerances or cannot be built.
+    In a critical sample, the deviations of the parts cause the governing tooth forces. The samples are found from some
+    of these drives. The result is empty if these have no tolerances or cannot be built.
     """
     _, sizes = decode(kind, _find_elites(kind))
     torque = capacity(_estimate(kind, sizes))
@@ -596,10 +610,10 @@ def _find_elites(kind: Requirement) -> Array:
     points, sizes = decode(kind, _sequence(SETTINGS.start))
     for _ in range(SETTINGS.generations):
         parents = points[_elites(_estimate(kind, sizes))]
-        chosen, others = random.integers(len(parents), size=(2, SETTINGS.children))
-        along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
-        about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
-        children = parents[chosen] + about + along * (parents[others] - parents[chosen])
+        parent_rows, partners = random.integers(len(parents), size=(2, SETTINGS.children))
+        line_steps = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
+        random_steps = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
+        children = parents[parent_rows] + random_steps + line_steps * (parents[partners] - parents[parent_rows])
         points, sizes = decode(kind, np.concatenate([parents, np.clip(children, 0.0, 1.0 - 1e-9)]))
     return points[_elites(_estimate(kind, sizes))]
 
@@ -609,13 +623,13 @@ def _elites(guess: Estimate) -> Integers:
 
     `guess` are the estimates of all candidates. There are elites for each of the torques of `_capacities`.
     """
-    chosen = []
+    elite_rows = []
     for torque in _capacities(guess):
-        strong = np.flatnonzero(torque > SETTINGS.weakest * torque.max())
-        order = strong[np.argsort(guess["mass"][strong], kind="stable")]
+        strong_rows = np.flatnonzero(torque > SETTINGS.weakest * torque.max())
+        order = strong_rows[np.argsort(guess["mass"][strong_rows], kind="stable")]
         cell = np.floor(SETTINGS.cells * np.log(np.stack([torque[order], guess["length"][order]], axis=1)))
-        chosen.append(order[np.unique(cell, axis=0, return_index=True)[1]])
-    return np.unique(np.concatenate(chosen))
+        elite_rows.append(order[np.unique(cell, axis=0, return_index=True)[1]])
+    return np.unique(np.concatenate(elite_rows))
 
 
 def _capacities(guess: Estimate) -> list[Array]:

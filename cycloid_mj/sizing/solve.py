@@ -45,20 +45,20 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     """
     failed: list[Pool] = []
     for pool in pools_of(requirement):
-        if found := find_drive(pool, study=True):
-            return Trial(pool, pool.lightest() or found), Answer(pool.requirement, ()), None
+        if drive_found := find_drive(pool, study=True):
+            return Trial(pool, pool.lightest() or drive_found), Answer(pool.requirement, ()), None
         failed.append(pool)
     if not failed:
-        return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
-    longer = _longer(requirement, failed)
+        return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
+    length_changes = _longer(requirement, failed)
     pool = max(failed, key=_rated_merit)
     drive = pool.best(strongest(pool.requirement))
     if not drive:
-        return None, Answer(requirement, (), 0.0, _limit(pool), longer), pool
+        return None, Answer(requirement, (), 0.0, _describe_torque_limit(pool), length_changes), pool
     drive = pool.nearer_to_capacity(drive)
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
-    return None, Answer(requirement, (), drive.torque, _limit(pool), longer), pool
+    return None, Answer(requirement, (), drive.torque, _describe_torque_limit(pool), length_changes), pool
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
@@ -69,18 +69,18 @@ def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) 
     which is found at one limit is found at all larger ones.
     """
     requirement = pool.requirement
-    torque, free = requirement.torque, requirement.but(length=math.inf)
-    drive = pool.best(strongest(free, torque), torque, study=study, max_ratings=max_ratings)
+    torque, without_length_limit = requirement.torque, requirement.but(length=math.inf)
+    drive = pool.best(strongest(without_length_limit, torque), torque, study=study, max_ratings=max_ratings)
     if drive and drive.figures["length"] > requirement.length:
         drive = pool.best(shortest(requirement), requirement.length, study=study, max_ratings=max_ratings)
     return drive if drive and drive.capacity >= torque and drive.figures["length"] <= requirement.length else None
 
 
 def _rated_merit(pool: Pool) -> float:
-    """Return the largest torque for which a candidate of a pool is rated within the limits, before its study [N m].
+    """Return a merit to compare pools: the largest torque [N m] that a candidate is rated for within the limits.
 
-    If all exceed the required length or backlash, it is minus the logarithm of the smallest excess; -inf if none can be
-    rated.
+    If all candidates exceed the required length or backlash, it is minus the logarithm of the smallest excess; -inf if
+    none can be rated. Tolerance studies are left out.
     """
     objective = strongest(pool.requirement)
     drive = pool.best(objective, study=False) or pool.nearest(objective)
@@ -137,7 +137,7 @@ def finer_requirements(requirement: Requirement) -> list[Requirement]:
     return [requirement.but(clearance=clearance, tightened=True) for clearance in requirement.finer_clearances]
 
 
-def _limit(pool: Pool) -> str:
+def _describe_torque_limit(pool: Pool) -> str:
     """Describe what limits the torque of the best drive that was rated in a pool."""
     requirement = pool.requirement
     drive = pool.nearest(strongest(requirement))
@@ -155,7 +155,7 @@ def _limit(pool: Pool) -> str:
     return drive.weakest.name
 
 
-def _no_room(requirement: Requirement) -> str:
+def _describe_infeasible_size(requirement: Requirement) -> str:
     """Describe why no drive of the required size exists: parts in stock, motor shaft, or ratio and clearance."""
     discs = requirement.numbers_of_discs[0]
     if not requirement.custom and pool_of(requirement.but(custom=True, discs=discs)):
