@@ -122,8 +122,8 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
 def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
 
-    `columns` are the figures of the samples by key, shape (samples,) each. Jammed samples are left out of the
-    histograms, and so are figures with fewer than two solved samples or in a unit not in `UNITS`.
+    `columns` are the computed quantities of the samples by key, shape (samples,) each. Jammed samples are left out of
+    the histograms, and so are quantities with fewer than two solved samples or in a unit not in `UNITS`.
     """
     jams, charts = find_jams(columns), list[dict[str, Any]]()
     for key, values in columns.items():

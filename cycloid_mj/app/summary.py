@@ -75,9 +75,9 @@ POSES = 61
 def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """Return ratio, diameter and mass for the header of the page, as JSON values.
 
-    ``verdicts`` compares ratio and diameter with `required`, the values in the start form of the app by field name.
-    Covers increase the diameter. Therefore a diameter without covers that is within its limit has no verdict; `life`
-    judges the diameter with covers.
+    The dict also has ``verdicts``, which compares ratio and diameter with `required`, the values in the start form of
+    the app by field name. Covers increase the diameter. Therefore a diameter without covers that is within its limit
+    has no verdict; `life` judges the diameter with covers.
     """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part cannot be built: the checks say which
@@ -121,12 +121,12 @@ def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures that statics computes for a valid design at its load, as JSON values.
+    """Return the data-sheet quantities that statics computes for a valid design at its load, as JSON values.
 
-    ``rows`` has name, value and note of each figure in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
+    ``rows`` has name, value and note of each quantity in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
     powers of crank and output, and of each source of friction [W]. ``verdicts`` compares the backlash with `required`,
-    the values in the start form of the app by field name; it is empty without `required`. The errors that
-    `quick_sheet` raises are not caught.
+    the values in the start form of the app by field name; it is empty without `required`. The errors that `quick_sheet`
+    raises are not caught.
     """
     design = reducer.design
     sheet = quick_sheet(reducer)

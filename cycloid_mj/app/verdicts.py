@@ -47,14 +47,14 @@ Verdicts = dict[str, dict[str, str]]
 
 
 def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdicts:
-    """Compare the figures of a drive with the requirements of the start form.
+    """Compare quantities of a drive, such as its backlash, with the requirements of the start form.
 
     Parameters
     ----------
     required
         Values in the form by field name, or None; a value that is not a positive number is no requirement.
     figures
-        Figures by their keys; a requirement whose figure is missing is not judged.
+        Quantities by their keys; a requirement whose quantity is missing is not judged.
 
     Returns
     -------

@@ -47,7 +47,7 @@ class Presented(Drawn):
         return f"{self.frame.rows} rows of {', '.join(islice(self.frame.columns, 6))}"
 
     def to_frame(self) -> Any:
-        """Return the figures as a ``DataFrame`` of pandas, or of polars; raise CycloidError if neither is installed."""
+        """Return the values as a ``DataFrame`` of pandas, or of polars; raise CycloidError if neither is installed."""
         package = next((name for name in ("pandas", "polars") if find_spec(name)), None)
         if package is None:
             raise CycloidError(

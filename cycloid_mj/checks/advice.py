@@ -57,9 +57,8 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, Check]) -> Check:
     """Try the remedies of a failed check on the design; return the check with those that work, in numbers and words.
 
-    `checks_before` are the checks of the unchanged design by name.
-
-    Each change is completed by changes of other keys that it requires.
+    Each change is completed by changes of other keys that it requires. `checks_before` are the checks of the unchanged
+    design by name.
     """
     if not check.changes:
         return check

@@ -219,7 +219,7 @@ def _backlashes(reducer: Reducer) -> Iterator[float]:
 
 
 def _check_tooth_skip(reducer: Reducer) -> Check:
-    """Check that the disc cannot skip a tooth: from stop to stop, it must turn by less than half a lobe.
+    """Check that the disc cannot skip a tooth: the total backlash must be less than half a lobe.
 
     The remedy reduces all clearances by a common factor.
     """

@@ -1307,7 +1307,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_impact_law(self) -> Self:
-        """Raise ValueError if stiffness, damping or a flexible structure is set with the contact law IMPACT."""
+        """Raise ValueError if the contact law IMPACT is combined with stiffness, damping or a flexible structure."""
         if self.contact.law != "impact":
             return self
         set_keys = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]

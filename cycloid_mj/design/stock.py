@@ -577,10 +577,10 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
-    """Round lengths [m], shape (n,), to the nearest lengths of uncut dowels with a diameter [m].
+    """Round lengths [m], shape (n,), to those of dowels in stock with a diameter [m], or of equal dowels in line.
 
-    At most `max_count` equal dowels are in line. A length is returned unchanged if the nearest length differs by more
-    than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.
+    At most `max_count` dowels are in line. A length is returned unchanged if the nearest length in stock differs by
+    more than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.
     """
     import numpy as np
 

@@ -87,7 +87,7 @@ def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
 
 
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
-    """Return a rated drive in the form shown to users, with its figures and the reason for each value.
+    """Return a rated drive in the form shown to users: with its main quantities, and the reason for each value.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
 
 
 def _figures(rated: Rated) -> dict[str, float]:
-    """Compute the figures of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value."""
+    """Compute the quantities of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value."""
     reducer, design = rated.reducer, rated.reducer.design
     (continuous, _), (momentary, _) = rated_and_momentary_torque(
         rated.items.values(), design.rated_torque, design.service.life

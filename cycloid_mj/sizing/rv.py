@@ -385,7 +385,7 @@ def _is_feasible(requirement: RvRequirement) -> bool:
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
-    """Return a rated candidate with its figures by key, and the reason for each value of its design file.
+    """Return a rated candidate with its main quantities by key, and the reason for each value of its design file.
 
     `title` is its heading, such as "lightest", and `why` a sentence on why it was chosen.
     """

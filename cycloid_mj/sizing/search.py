@@ -284,7 +284,7 @@ class Pool:
     def strong_part(self) -> Self:
         """Return the candidates with the largest estimated torques as a new pool without ratings.
 
-        For each of the torques of `_capacities`, these are the `SETTINGS.strong` best of all candidates, and the
+        For each kind of torque limit (`_capacities`), these are the `SETTINGS.strong` best of all candidates, and the
         `SETTINGS.strong` best of those within the limits of length and backlash.
         """
         figures = self.corrected
@@ -494,10 +494,12 @@ class Pool:
         )
 
     def _known_figures(self) -> tuple[Estimate, Array]:
-        """Return the figures of all n candidates, and the scale of their errors, shape (n,).
+        """Return torque limits, mass, length and backlash of all n candidates, and the scale of their errors.
 
         The figures are those of ratings, corrected by `study_factors`, or estimates. Their standard deviations are
         `DEVIATIONS` times the scale, which decreases with the distance to the nearest rated candidate.
+
+        Shapes are (n,).
         """
         figures, study_factors = self.corrected, self.study_factors
         for row, drive in self.rated.items():
@@ -597,7 +599,7 @@ def _find_elites(kind: Requirement) -> Array:
     """Find a diverse set of good candidates for a `Requirement.kind` by MAP-Elites on the estimates.
 
     MAP-Elites keeps the best candidate (elite) of each cell of torque and length. There is an archive of cells for each
-    of `_capacities`, so that the elites include good candidates for any conditions.
+    kind of torque limit (`_capacities`), so that the elites include good candidates for any conditions.
 
     Returns
     -------
@@ -621,7 +623,7 @@ def _find_elites(kind: Requirement) -> Array:
 def _elites(guess: Estimate) -> Integers:
     """Return the indices of the elites: the lightest candidate of each cell of torque and length.
 
-    `guess` are the estimates of all candidates. There are elites for each of the torques of `_capacities`.
+    `guess` are the estimates of all candidates. There are elites for each kind of torque limit (`_capacities`).
     """
     elite_rows = []
     for torque in _capacities(guess):

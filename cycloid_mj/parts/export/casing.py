@@ -348,7 +348,8 @@ def _size_motor_side(
 def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> OutputSide:
     """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
 
-    `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc. Raises DesignError if no bearing fits.
+    Returns fields of `Casing` by name. `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc.
+    Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
     is_short = design.output.main_bearing_seat == "disc"
