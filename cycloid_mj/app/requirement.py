@@ -62,7 +62,9 @@ WARM_UP_DESIGN = PRESETS["printed"].but(tolerance={"cam": "uniform 10"})
 
 
 def parse_form(form: Any) -> Requirement:
-    """Convert the start form of the page to a requirement; empty fields are left out.
+    """Convert the values of the start form of the page to a requirement; empty fields are left out.
+
+    `form` maps the names of its fields to values.
 
     Raises
     ------

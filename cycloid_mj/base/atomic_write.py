@@ -34,8 +34,8 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     CycloidError
         It cannot be written; an existing file is unchanged.
     """
-    with atomic_files([path]) as (hidden,):
-        yield hidden
+    with atomic_files([path]) as (hidden_path,):
+        yield hidden_path
 
 
 @contextmanager
@@ -62,10 +62,10 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
             with defer_signals():
                 replacements.append((_create_hidden_file(target, current), target))
         current = current if len(replacements) == 1 else current.parent
-        yield [hidden for hidden, _ in replacements]
+        yield [hidden_path for hidden_path, _ in replacements]
         with defer_signals():
-            for hidden, target in replacements:
-                os.replace(hidden, target)
+            for hidden_path, target in replacements:
+                os.replace(hidden_path, target)
                 note_output(target)
     except OSError as problem:
         raise CycloidError(
@@ -73,9 +73,9 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
         ) from problem
     finally:
         with defer_signals():
-            for hidden, _ in replacements:
+            for hidden_path, _ in replacements:
                 with suppress(OSError):
-                    hidden.unlink()
+                    hidden_path.unlink()
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:

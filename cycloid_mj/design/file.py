@@ -529,7 +529,7 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 
 
 def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) -> tuple[Any, ...]:
-    """Return a list with a value for each part: that of `sparse` under the part's number (from 1 on), or else 0.
+    """Expand a sparse list to a list with a value for each part: that of `sparse` for its number from 1 on, or else 0.
 
     The number of parts is the product of `counts`; `source` names the key in errors. If a count is out of range, the
     sparse values are returned unchanged, for the validation to report.

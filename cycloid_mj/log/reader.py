@@ -190,7 +190,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 
 def _open(path: Path) -> BinaryIO:
-    """Open a log for reading; raise LogError with similar file names if it is not a readable file."""
+    """Open a log for reading; if it is not a readable file, raise LogError, with the names of similar files."""
     if not path.exists():
         raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")
     if not path.is_file():

@@ -83,7 +83,7 @@ class GearContour:
 
 @once
 def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """Return the outline of a disc as consecutive splines, `splines` for each lobe (or for each flank if rotated)."""
+    """Return the outline of a disc's teeth as consecutive splines, `splines` for each lobe (each flank if rotated)."""
     gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
     backwards = SmoothCurve(

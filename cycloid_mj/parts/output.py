@@ -36,8 +36,8 @@ def output_part(reducer: Reducer) -> Part:
     disc = Segment("disc", rim, (), face, face + output.disc_thickness)
     start = -face if both_ends else -half_width
     pins = [Segment("pins", pin, (), start, face) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
-    eye = CircleContour(gear.bore_radius + gear.eccentricity)
-    second_disc = [Segment("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
+    opening = CircleContour(gear.bore_radius + gear.eccentricity)
+    second_disc = [Segment("second_disc", rim, (opening,), -face - output.disc_thickness, -face)] if both_ends else []
     return Part(names.OUTPUT, (disc, *pins, *second_disc), design.material_of("output").density)
 
 

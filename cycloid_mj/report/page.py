@@ -30,7 +30,7 @@ def environment() -> Environment:
 
 
 def page(reviewed: Sequence[Reviewed]) -> str:
-    """Return the report of one or more runs as one HTML page."""
+    """Return the report of one or more runs as the text of one HTML page; several runs are compared side by side."""
     data = page_data(reviewed)
     mechanisms = [run["mechanism"] for run in data["runs"]]
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}

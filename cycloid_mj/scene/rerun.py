@@ -31,29 +31,29 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     path
         File to write; replaced if it exists.
     """
-    rr = import_extra("rerun", "a recording", "rerun")
+    rerun = import_extra("rerun", "a recording", "rerun")
     poses_by_part, forces = poses(reducer, run.columns), shown_forces(reducer, run.columns)
     application = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with atomic_file(path) as temporary_path:
-        recording = rr.RecordingStream(application)
+        recording = rerun.RecordingStream(application)
         recording.save(str(temporary_path), default_blueprint=_layout(reducer, run.topics))
-        time = rr.TimeColumn(TIMELINE, duration=run.time)
-        _log_parts(rr, recording, reducer, time, poses_by_part)
-        _log_forces(rr, recording, reducer, time, forces)
+        time = rerun.TimeColumn(TIMELINE, duration=run.time)
+        _log_parts(rerun, recording, reducer, time, poses_by_part)
+        _log_forces(rerun, recording, reducer, time, forces)
         for topic, names in run.topics.items():
             for name in names:
-                values = rr.Scalars.columns(scalars=run[name])
+                values = rerun.Scalars.columns(scalars=run[name])
                 recording.send_columns(f"{SIGNALS}{topic}/{name}", indexes=[time], columns=values)
         recording.flush()
         recording.disconnect()
 
 
-def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_part: Mapping[str, Array]) -> None:
+def _log_parts(rerun: Any, recording: Any, reducer: Reducer, time: Any, poses_by_part: Mapping[str, Array]) -> None:
     """Log the meshes of the parts, and their poses at all samples; parts that do not move are logged once.
 
     Parameters
     ----------
-    rr, recording
+    rerun, recording
         The module ``rerun``, and the recording.
     time
         Rerun's time column of n samples.
@@ -64,15 +64,15 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_pa
     for part, pose in poses_by_part.items():
         entity = f"{MECHANISM}/{part}"
         for piece in pieces_by_part[part if part in pieces_by_part else family(part)]:
-            recording.log(f"{entity}/{piece.name}", _rerun_mesh(rr, piece), static=True)
+            recording.log(f"{entity}/{piece.name}", _rerun_mesh(rerun, piece), static=True)
         translation = np.column_stack([pose[:, :2], np.zeros(len(pose))])
         quaternion = np.zeros((len(pose), 4))
         quaternion[:, 2], quaternion[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
         if np.ptp(pose, axis=0).any():
-            transforms = rr.Transform3D.columns(translation=translation, quaternion=quaternion)
+            transforms = rerun.Transform3D.columns(translation=translation, quaternion=quaternion)
             recording.send_columns(entity, indexes=[time], columns=transforms)
         else:
-            recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=quaternion[0]), static=True)
+            recording.log(entity, rerun.Transform3D(translation=translation[0], quaternion=quaternion[0]), static=True)
 
 
 def _rerun_mesh(rr: Any, piece: Piece) -> Any:
@@ -87,10 +87,10 @@ def _colour_bytes(colour: Colour) -> list[int]:
     return [round(255 * part) for part in colour]
 
 
-def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
+def _log_forces(rerun: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
     """Log the force arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face.
 
-    `rr` is the module ``rerun``, `recording` the recording, and `time` its time column. The largest force of a kind
+    `rerun` is the module ``rerun``, `recording` the recording, and `time` its time column. The largest force of a kind
     over all times has an arrow of `ARROWS.length` times the pin-circle radius.
     """
     ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
@@ -101,9 +101,9 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: Co
         heights = np.broadcast_to(faces[list(forces_of_kind.discs)][:, np.newaxis], (*forces_of_kind.size.shape, 1))
         origins = np.concatenate([forces_of_kind.point, heights], axis=2) - vectors
         count, pairs = forces_of_kind.size.shape
-        arrows = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
+        arrows = rerun.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"
-        style = rr.Arrows3D.from_fields(
+        style = rerun.Arrows3D.from_fields(
             colors=[_colour_bytes(FORCE_COLOURS[kind])], radii=0.4 * ARROWS.thickness * ring_radius
         )
         recording.log(entity, style, static=True)

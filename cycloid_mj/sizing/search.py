@@ -577,10 +577,11 @@ def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None
 
 @lru_cache(maxsize=32)
 def _find_likely_critical_samples(kind: Requirement) -> tuple[int, ...]:
-    """Return the numbers of the tolerance samples that are likely critical for drives of a `Requirement.kind`.
+    """Return the numbers of the tolerance samples that are likely critical for the drives of some requirements.
 
-    In a critical sample, the deviations of the parts cause the governing tooth forces. The samples are found from some
-    of these drives. The result is empty if these have no tolerances or cannot be built.
+    They have the same `Requirement.kind`, which is passed as `kind`. In a critical sample, the deviations of the parts
+    cause the governing tooth forces. The samples are found from some of these drives. The result is empty if these have
+    no tolerances or cannot be built.
     """
     _, sizes = decode(kind, _find_elites(kind))
     torque = capacity(_estimate(kind, sizes))
@@ -596,10 +597,11 @@ def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
 
 @lru_cache(maxsize=32)
 def _find_elites(kind: Requirement) -> Array:
-    """Find a diverse set of good candidates for a `Requirement.kind` by MAP-Elites on the estimates.
+    """Find a diverse set of good candidates for the requirements with the same `Requirement.kind`, by MAP-Elites.
 
-    MAP-Elites keeps the best candidate (elite) of each cell of torque and length. There is an archive of cells for each
-    kind of torque limit (`_capacities`), so that the elites include good candidates for any conditions.
+    The estimates decide. MAP-Elites keeps the best candidate (elite) of each cell of torque and length. There is an
+    archive of cells for each kind of torque limit (`_capacities`), so that the elites include good candidates for any
+    conditions.
 
     Returns
     -------

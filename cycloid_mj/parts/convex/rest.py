@@ -58,10 +58,10 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     disc, *other_prisms = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
     for plate in other_prisms[reducer.design.output.pins :]:
-        eye, rim = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
+        inner, outer = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
         # so narrow that its inner arc is as good as straight
-        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
-        wedge = Prism(_wedge(eye, rim, math.pi / count, error), (), plate.z0, plate.z1)
+        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / inner, 0.0)))
+        wedge = Prism(_wedge(inner, outer, math.pi / count, error), (), plate.z0, plate.z1)
         output.append(Sector("output", wedge, bound, count))
     return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft, *output)
 

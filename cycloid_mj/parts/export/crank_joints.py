@@ -79,11 +79,12 @@ def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 @once
 def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
-    """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for another joint.
+    """Choose the parallel key that joins the cams of several discs to the shaft.
 
-    Its keyways fix the phases of the cams. The key is at the angle at which the walls of the
-    cams over it are thickest. It must leave a wall in the cams, and in the shaft over the motor's bore, and stay within
-    the faces of the spacer, which touch the cams but not their bearings.
+    The result is None if no key fits, or if the cams are joined to the shaft in another way. The keyways fix the phases
+    of the cams. The key is at the angle at which the walls of the cams over it are thickest. It must leave a wall in
+    the cams, and in the shaft over the motor's bore, and stay within the faces of the spacer, which touch the cams but
+    not their bearings.
     """
     design = reducer.design
     if design.has_one_piece_crank or design.shaft.cam_joint != "key":

@@ -139,7 +139,7 @@ class _Edge:
 
 
 def _covered(segments: Iterable[Segment], points: Array) -> Mask:
-    """Return which points (n, 2) [m] are inside the cross-section of at least one of several segments, (n,)."""
+    """Return a mask (n,) of the points (n, 2) [m] that are inside the cross-section of one or more segments."""
     covered = np.zeros(len(points), dtype=bool)
     for segment in segments:
         is_inside = within(points, segment.outline.polygon(VISUAL_CHORD_ERROR))

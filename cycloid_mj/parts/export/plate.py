@@ -121,12 +121,12 @@ def plates(
         A part cannot be manufactured, its mesh is not watertight, or it is larger than the bed.
     """
     parts_to_print = printed_parts(reducer, chord_error, cam_seat, sizes)
-    lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in parts_to_print.items()]
-    shapes = {name: mesh(solid) for name, _, solid, _ in lying}
+    flat_parts = [(name, part.count, *_lay_flat(part.solid)) for name, part in parts_to_print.items()]
+    shapes = {name: mesh(solid) for name, _, solid, _ in flat_parts}
     supports, unsupported_areas = _build_supports(
-        reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error
+        reducer, {name: solid for name, _, solid, _ in flat_parts}, shapes, chord_error
     )
-    copies = [(name, is_turned_over) for name, count, _, is_turned_over in lying for _ in range(count)]
+    copies = [(name, is_turned_over) for name, count, _, is_turned_over in flat_parts for _ in range(count)]
     boxes = [np.stack([shapes[name].vertices.min(axis=0), shapes[name].vertices.max(axis=0)]) for name, _ in copies]
     positions = _pack_plates([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
     numbers = sorted({number for number, _ in positions})
