@@ -60,7 +60,8 @@ def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
 def part_files(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
     """Create a zip file with all parts of a design in a file format, and the covers of the drive if they fit.
 
-    Returns a dict with one entry, the name of the zip file -> its content.
+    `options` has the motor and the printer offset. Returns a dict with one entry, the name of the zip file -> its
+    content.
     """
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
     reducer = reducer_at_reference(reducer_of(design))

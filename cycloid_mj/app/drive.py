@@ -121,7 +121,7 @@ def reducer_at_reference(reducer: Reducer) -> Reducer:
 
 
 def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
-    """Describe the drive with its covers as JSON values.
+    """Describe the drive with its covers for the motor of `options` as JSON values.
 
     Returns
     -------

@@ -32,7 +32,7 @@ MOVES = {names.SHAFT: "crank", names.OUTPUT: "output"}
 
 
 def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
-    """Return the meshes of all parts of the drive with covers, their positions and motions, as JSON values.
+    """Return the meshes of all parts of the drive with covers for the motor of `options`, and their motions, as JSON.
 
     Returns
     -------

@@ -67,7 +67,7 @@ def changed_values(design: Design) -> dict[str, Any]:
 def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
     """List (key, value of design a, value of design b) for the keys in which two designs differ, in units of the file.
 
-    Both designs are represented by the values in which they differ from their presets.
+    `values_a` and `values_b` represent the designs by the values in which they differ from their presets.
 
     Raises
     ------

@@ -89,7 +89,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
 def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
     """Compute the result of `forces` for a drive with a central crank, at crank angles against the ring [rad], (m,).
 
-    `load` is the torque on the output [N m].
+    `angles_in_ring` are these angles, `turn` is the number of the crank turn, and `load` the torque on the output [N
+    m].
     """
     design = reducer.design
     crank_angles = angles_in_ring / float(reducer.member.against_ring(1.0))

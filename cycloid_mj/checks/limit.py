@@ -164,8 +164,8 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     """Format a value and its limit, both in SI units, in a unit of the design file.
 
     Both have four digits, or more if their texts would otherwise be equal. If value and limit themselves are equal, all
-    digits are written, because a remedy that lies slightly beyond the limit must differ from it. `side` is the text
-    before the limit, such as "at most".
+    digits are written, because a remedy that lies slightly beyond the limit must differ from it. `bound` is the limit,
+    and `side` the text before it, such as "at most".
 
     Returns
     -------

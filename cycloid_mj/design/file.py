@@ -360,7 +360,7 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
 def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -> str:
     """Return a design file to extend by hand: number of teeth, pin circle and the keys in `changed`, with comments.
 
-    All other values are those of a preset, scaled to the pin circle.
+    All other values are those of the preset `preset_name`, scaled to the pin circle.
     """
     values, tables = list[str](), list[str]()
     for name, field, value in _fields(design):

@@ -244,7 +244,7 @@ def _inflate(data: bytes, compression: str) -> BinaryIO:
 def decompress(data: bytes, compression: str, size: int) -> bytes:
     """Decompress the `data` of a chunk, which states `size` bytes as its decompressed size.
 
-    No more memory is allocated than for this size.
+    `compression` is "zstd", "lz4" or "". No more memory is allocated than for this size.
 
     Raises
     ------

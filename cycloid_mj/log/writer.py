@@ -304,7 +304,10 @@ class LogWriter:
         self._file.drop()
 
     def _write_error(self, problem: OSError) -> LogError:
-        """Close the log after a failed write and return the error for the user, with the number of samples on disk."""
+        """Close the log after a failed write and return the error for the user.
+
+        The error states the `problem` and the number of samples on disk.
+        """
         if self._file.hidden:
             self._abandon()
             return LogError(

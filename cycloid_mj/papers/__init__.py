@@ -142,7 +142,8 @@ def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
 def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) -> Answer | None:
     """Call a function of a paper; return its result, or None with a warning if it raises any error.
 
-    `name` is the name of the paper. `consequence` states in the warning what happens to the paper, such as "ignored".
+    `name` is the name of the paper, and `ask_paper` the function. `consequence` states in the warning what happens to
+    the paper, such as "ignored".
     """
     try:
         with redirect_stdout(sys.stderr):  # results alone go to stdout

@@ -290,9 +290,9 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 
 
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
-    """Compute the poses of all parts at n times for a drawing with the `gaps` magnified along the ideal normals.
+    """Compute the poses of all parts at n times for a drawing with gaps magnified along the ideal normals.
 
-    Raises the UsageError of `drawn_radii`.
+    `magnification` is the factor of the `gaps`. Raises the UsageError of `drawn_radii`.
     """
     mesh, gear = magnify_mesh(reducer, gaps, magnification), gaps.gear
     holes = transform(gear[:, np.newaxis], output_centres(reducer))
@@ -311,7 +311,10 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 
 
 def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -> MeshDrawing:
-    """Compute the poses of disc and ring at n times for a drawing with the `gaps` magnified along the ideal normals."""
+    """Compute the poses of disc and ring at n times for a drawing with the `gaps` magnified along the ideal normals.
+
+    `magnification` is the factor of the gaps.
+    """
     opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
     ring = ring_places(reducer) + opening
     return MeshDrawing(

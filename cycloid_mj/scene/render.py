@@ -117,8 +117,8 @@ def render_model(
 ) -> Image:
     """Render a MuJoCo model with arrows as an image, shape (height, width, 3) of colours from 0 to 255.
 
-    `camera` is an ``MjvCamera``, `size` is width and height [pixels], and `arrows` has tail, tip, width and colour of
-    each arrow.
+    `data` is its ``MjData``, `camera` an ``MjvCamera``, `size` is width and height [pixels], and `arrows` has tail,
+    tip, width and colour of each arrow.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
 def _add_arrow(scene: Any, tail: Any, tip: Any, width: float, colour: Any) -> None:
     """Add an arrow from tail to tip [m], shape (3,), to a MuJoCo scene; do nothing if the scene is full.
 
-    `colour` is RGBA from 0 to 1.
+    `width` is that of its shaft [m], `colour` is RGBA from 0 to 1.
     """
     if scene.ngeom >= scene.maxgeom:
         return

@@ -192,6 +192,8 @@ def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Desig
     """Compute the output torques [N m] that tooth and output pin pressures allow, by item, shape (n,) each.
 
     The limit is pitting of steel or permanent set of a plastic, and yield at twice the torque.
+
+    `sizes` are the dimensions of n candidates, and `loads` their loads at some torque.
     """
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
@@ -224,6 +226,8 @@ def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads
     """Compute the output torques [N m] that bearings of cams, shaft, output and rollers allow, by item, (n,) each.
 
     The limits are their lives, and their static ratings at twice the torque.
+
+    `sizes` are the dimensions of n candidates, and `loads` their loads at some torque.
     """
     discs, stack = requirement.discs or 1, _stack(requirement, sizes)
     hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
@@ -278,8 +282,8 @@ def _stack(requirement: Requirement, sizes: Sizes) -> Array:
 def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
     """Compute the output torques [N m] that output pins and the walls between holes allow, by item, shape (n,) each.
 
-    The pins are beams clamped at both ends: limits are fatigue, and yield at twice the torque. `discs` is the number of
-    discs.
+    The pins are beams clamped at both ends: limits are fatigue, and yield at twice the torque. `sizes` are the
+    dimensions of n candidates, `loads` their loads at some torque, and `discs` is the number of discs.
     """
     material = design.material_of("output")
     span = discs * sizes.face
@@ -309,6 +313,8 @@ def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design
 
     The losses of teeth, output pins and cams are proportional to the torque; those of the seal of the crank and of the
     lubricant in the cams are constant. Convection removes them from the cylinder of the housing.
+
+    `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
     """
     reducer = Reducer(design)
     friction, speed = design.friction, requirement.speed

@@ -44,10 +44,10 @@ class Objective:
     def expected_improvement(self, figures: Mapping[str, Array | float], scale: Array, best: float) -> Array:
         """Compute the expected improvement of the merit by a rating of each candidate, shape (n,).
 
-        The errors of the estimates are normal with standard deviations of `DEVIATIONS` times `scale` (n,). The
-        improvement over the merit `best` counts only within the limits (Schonlau, Welch and Jones, Global versus local
-        search in constrained optimization of computer models, 1998). If `best` is -inf, it is the probability that all
-        limits are met.
+        `figures` are the estimates of the candidates. Their errors are normal with standard deviations of `DEVIATIONS`
+        times `scale` (n,). The improvement over the merit `best` counts only within the limits (Schonlau, Welch and
+        Jones, Global versus local search in constrained optimization of computer models, 1998). If `best` is -inf, it
+        is the probability that all limits are met.
         """
         deviations = np.reshape([DEVIATIONS[key] for key in self.limits], (-1, 1)) * scale
         probability = ndtr(_slack(self.limits, figures) / deviations).prod(axis=0)

@@ -268,9 +268,9 @@ class Requirement:
             self._check_fit()
 
     def _two_stages(self) -> str:
-        """Return advice on reaching a large ratio by two stages in series; empty if two stages do not help.
+        """Return advice on reaching a large ratio by two stages in series.
 
-        That is the case if one stage is enough, or if two are not.
+        It is empty if one stage is enough, or if two stages are not.
         """
         if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
             return ""

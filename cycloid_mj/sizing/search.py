@@ -496,10 +496,9 @@ class Pool:
     def _known_figures(self) -> tuple[Estimate, Array]:
         """Return torque limits, mass, length and backlash of all n candidates, and the scale of their errors.
 
-        The figures are those of ratings, corrected by `study_factors`, or estimates. Their standard deviations are
-        `DEVIATIONS` times the scale, which decreases with the distance to the nearest rated candidate.
-
-        Shapes are (n,).
+        All have the shape (n,). The values are those of ratings, corrected by `study_factors`, or estimates. The
+        standard deviations of estimates are `DEVIATIONS` times the scale, which decreases with the distance to the
+        nearest rated candidate.
         """
         figures, study_factors = self.corrected, self.study_factors
         for row, drive in self.rated.items():

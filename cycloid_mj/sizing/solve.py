@@ -64,9 +64,9 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool that carries the required torque within the limits; None if there is none.
 
-    With `study`, it must pass its tolerance study; otherwise its rating is sufficient. If the length is limited, the
-    shortest drive is searched until one is short enough. The limit does not enter the search otherwise, so that a drive
-    which is found at one limit is found at all larger ones.
+    With `study`, it must pass its tolerance study; otherwise its rating is sufficient. At most `max_ratings` candidates
+    are rated. If the length is limited, the shortest drive is searched until one is short enough. The limit does not
+    enter the search otherwise, so that a drive which is found at one limit is found at all larger ones.
     """
     requirement = pool.requirement
     torque, without_length_limit = requirement.torque, requirement.but(length=math.inf)

@@ -281,7 +281,10 @@ def describe_ring_teeth(design: Design, datum: str) -> str:
 
 
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
-    """Yield the notes on roughness, edges and general tolerances of the part `name`, by its material and process."""
+    """Yield the notes on roughness, edges and general tolerances of the part `name`, by its material and process.
+
+    `is_printed_part` is whether it is printed from a plastic.
+    """
     if is_printed_part:
         yield PRINTED
     else:

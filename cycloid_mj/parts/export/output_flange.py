@@ -21,7 +21,10 @@ from cycloid_mj.reducer import Reducer
 def choose_flange_pattern(
     reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float
 ) -> tuple[float, int]:
-    """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
+    """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes.
+
+    `bolt` is the screw, `hub` the bearing around the hub, and `wall` [m] the minimum wall.
+    """
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = hub_shoulders(hub)[0]
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
@@ -35,6 +38,8 @@ def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) 
     """Choose screw, circle radius [m] and number of the flange screws between the output pins in an output disc.
 
     It is the thickest screw that leaves walls around the holes of screws and pins, in each or in every second gap.
+
+    `hub` is the bearing around the disc, and `wall` [m] the minimum wall.
 
     Raises
     ------

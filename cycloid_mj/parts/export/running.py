@@ -104,8 +104,8 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
 def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) -> bool:
     """Return whether two parts are close to each other by design, so that their distance is not a running gap.
 
-    These are parts that overlap along z by design, and rolling elements next to the shoulder of a ring. `axial` and
-    `radial` are the distances of the annuli [m], negative where they overlap.
+    These are parts that overlap along z by design, and rolling elements next to the shoulder of a ring. `annulus` and
+    `other` are what the parts sweep; `axial` and `radial` are their distances [m], negative where they overlap.
     """
     families = {names.family(annulus.part), names.family(other.part)}
     if ROLLING_ELEMENTS in families and (
