@@ -97,21 +97,21 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
-    """Compute the back ends of the slices of a disc over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
+    """Compute the inner ends of the convex slices behind the flanks of a disc, over one pitch, clockwise, (n, 2) [m].
 
-    The back ends are `depth` [m] below the flank. Chords of the flank between them deviate by at most `chord_error`
-    [m].
+    Valley 1 is in the middle. The ends are `depth` [m] below the flank. Chords of the flank between them deviate by at
+    most `chord_error` [m].
     """
     gear, offset = reducer.gear_profile, reducer.profile_offset
     return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Compute the back ends of the slices of the internal gear over one pitch about lobe 1, clockwise, (n, 2) [m].
+    """Compute the outer ends of the convex slices behind the flanks of an internal gear, over one pitch, (n, 2) [m].
 
-    The back ends are `depth` [m] below the flank. `nodes` are their phases [rad] on the second envelope
-    (`envelope.Sigma`), from its junction with the arc of the lobe to pi, the middle of the root. By default these are
-    phases at which chords deviate by at most `chord_error` [m] from the flank.
+    Lobe 1 is in the middle, and the order is clockwise. The ends are `depth` [m] below the flank. `nodes` are their
+    phases [rad] on the second envelope (`envelope.Sigma`), from its junction with the arc of the lobe to pi, the middle
+    of the root. By default these are phases at which chords deviate by at most `chord_error` [m] from the flank.
     """
     gear = reducer.tooth_profile
     left_points = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
