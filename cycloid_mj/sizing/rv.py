@@ -292,10 +292,11 @@ def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
 
 
 def _search_shortest(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
-    """Rate candidates until the shortest that carries the torque is found; return it (or None), and the strongest.
+    """Rate candidates, the shortest first, until one carries the required torque; return it or None, and the strongest.
 
-    `pool` is sorted by length, and at most `MAX_RATINGS` of its candidates are rated. The ratio of rated and estimated
-    torque corrects the estimates of the others. The strongest has the largest torque of the rated candidates.
+    `pool` is sorted by length, and at most `MAX_RATINGS` of its candidates are rated. Candidates are skipped whose
+    estimated torque is too small; the ratios of rated and estimated torques correct these estimates. The strongest has
+    the largest torque of the rated candidates.
     """
     strongest, correction, remaining = None, 1.0, list(pool)
     for _ in range(MAX_RATINGS):

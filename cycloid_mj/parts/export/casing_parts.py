@@ -149,9 +149,9 @@ def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segme
 
 
 def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: Sequence[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a shaft, cam or spacer with keyways and axial clearances; a shaft starts at its bearing.
+    """Adapt the segments of a shaft, cam or spacer to a drive: keyways, axial clearances, and the start of a shaft.
 
-    `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
+    Yields the segments along z. `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
     """
     if family == names.SHAFT:
         segments = (*_cut_groove(sizes, replace(segments[0], z0=sizes.journal)), *segments[1:])
