@@ -82,6 +82,9 @@ BEARING_SPACER = "bearing_spacer"
 KEY = "key"
 """The key of the cams on the shaft of several discs."""
 
+CAM_SCREW = "cam_screw"
+"""Screws across the slots of clamped cams."""
+
 SECOND_OUTPUT = "output_2"
 """The output disc on the motor side, if both ends of the output pins are supported."""
 

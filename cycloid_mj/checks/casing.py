@@ -10,6 +10,9 @@ from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import is_drawn
 
+FREE_CAM_JOINTS = "key", "one_piece"
+"""Joints of the cams that do not require a drive with covers."""
+
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the check that the complete drive, with covers, bearings and screws, can be assembled and turns freely.
@@ -23,15 +26,16 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     sizes, reason = casing_or_none(reducer)
     if sizes is None:
         shaft = design.shaft
-        is_requested = shaft.bore_radius or shaft.cam_joint == "shrink" or shaft.retaining_rings or shaft.seal_ring
+        has_parts = shaft.bore_radius or shaft.retaining_rings or shaft.seal_ring
+        is_requested = has_parts or shaft.cam_joint not in FREE_CAM_JOINTS
         if is_requested or design.output.main_bearing_seat != "hub":
             yield Check(
                 name="joints",
                 passed=False,
                 got="not possible",
                 limit="possible",
-                why="a through bore, shrunk cams, retaining rings, a seal ring or bearings around the output disc need "
-                "covers that fit",
+                why="a through bore, shrunk, splined or clamped cams, retaining rings, a seal ring or bearings around "
+                "the output disc need covers that fit",
                 remedy=reason,
                 severity="warning",
                 key="drive with covers",

@@ -310,10 +310,10 @@ class Shaft(Section):
         "overhang",
         "overhang: both bearings before the counterweight; straddle: one of them in the hub of the output",
     )
-    cam_joint: Literal["key", "shrink", "one_piece"] = choice(
+    cam_joint: Literal["key", "shrink", "spline", "clamp", "one_piece"] = choice(
         "key",
-        "joint of the cams of several discs to the shaft: key, or adhesive if none fits; shrink, heated cams; "
-        "one_piece, a ground crank for two discs",
+        "joint of the cams of several discs to the shaft: key, or adhesive if none fits; shrink, heated cams; spline, "
+        "by ISO 14; clamp, slotted cams with screws; one_piece, a ground crank for two discs",
     )
     bearing_width: float = quantity(
         0.0, "width of each bearing; 0: the shaft's radius, or less on a short journal", u.MILLIMETRE, ge=0.0, le=5000.0

@@ -103,6 +103,15 @@ _KEY_LENGTHS = (
 )
 """Lengths of DIN 6885-1 [mm]."""
 
+_SPLINES = """
+6 11 14 3    6 13 16 3.5  6 16 20 4    6 18 22 5    6 21 25 5    6 23 26 6    6 23 28 6     6 26 30 6     6 26 32 6
+6 28 32 7    6 28 34 7    8 32 36 6    8 32 38 6    8 36 40 7    8 36 42 7    8 42 46 8     8 42 48 8     8 46 50 9
+8 46 54 9    8 52 58 10   8 52 60 10   8 56 62 10   8 56 65 10   8 62 68 12   8 62 72 12    10 72 78 12   10 72 82 12
+10 82 88 12  10 82 92 12  10 92 98 14  10 92 102 14 10 102 108 16 10 102 112 16 10 112 120 18 10 112 125 18
+"""
+"""ISO 14:1982, straight-sided splines of the light and the medium series: number of splines, minor diameter, major
+diameter, width of a spline; as in roymech.co.uk."""
+
 _DRAWN_CUPS = """
 3 6.5 6 0.925 0.6   4 8 8 1.54 1.07   5 9 9 2.2 1.79   6 10 8 1.98 1.54   6 10 9 2.65 2.4   7 11 9 2.85 2.75
 8 12 8 2.55 2.4   8 12 10 3.5 3.65   9 13 10 4 4.3   9 13 12 5 5.9   10 14 10 4.1 4.7   10 14 12 5.1 6.3
@@ -332,6 +341,17 @@ class Roller:
     def used_length(self) -> float:
         """Length in the drive [m]."""
         return self.cut or self.length
+
+
+@dataclass(frozen=True)
+class StockSpline:
+    """A straight-sided spline: designation, number of splines, minor and major diameter, width of a spline [m]."""
+
+    designation: str
+    count: int
+    minor: float
+    major: float
+    width: float
 
 
 @dataclass(frozen=True)
@@ -574,6 +594,17 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
                 sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], shaft_depth, hub_depth))
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
+
+
+def splines_around(shaft: float) -> tuple[StockSpline, ...]:
+    """List the straight-sided splines (ISO 14) over whose shaft diameter [m] their hubs pass, the smallest first."""
+    rows = _rows(_SPLINES, 4)
+    fitting = (
+        StockSpline(f"ISO 14 - {count:g} x {minor:g} x {major:g}", int(count), *_si(minor, major, width))
+        for count, minor, major, width in rows
+        if minor * MM > shaft - ROUNDING
+    )
+    return tuple(sorted(fitting, key=lambda spline: (spline.major, -spline.minor)))
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":

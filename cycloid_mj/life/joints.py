@@ -20,6 +20,8 @@ from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
 from cycloid_mj.parts.export.bearings import output_pin_fit, sleeve_pin_depth, sleeve_pin_fit
+from cycloid_mj.parts.export.cam_clamp import CamClamp, cam_clamp
+from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing, casing
 from cycloid_mj.parts.export.casing_rules import (
     core_radius,
@@ -139,7 +141,12 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill of materials."""
-    return {
+    clamp = cam_clamp(reducer)
+    clamped = {}
+    if clamp:
+        thread = _clamp_thread(clamp)
+        clamped[names.CAM_SCREW] = thread.tightening_torque(_clamp_preload(reducer, clamp)[0], _mean_head(thread))
+    return clamped | {
         part.item: screwed_joint.tightening_torque
         for screwed_joint in screwed_joints(reducer)
         for part in screwed_joint.joint.bought
@@ -418,7 +425,7 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the glued, keyed or shrunk joints of the crank: the motor's shaft in its bore, and cams on the shaft.
+    """Rate the joints of the crank: the motor's shaft glued into its bore, and cams on the shaft.
 
     `torques` are those on crank, carrier and ring at the peak torque.
     """
@@ -434,6 +441,10 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             yield _rate_key(reducer, joint, torques.crank, shaft)
         elif shrunk and joint.kind is JointKind.PRESSED and names.SHAFT in joint.parts:
             yield _rate_shrunk_cams(joint.name, torques.crank, shrunk)
+        elif joint.kind is JointKind.SPLINED:
+            yield _rate_splined_cams(reducer, joint, torques.crank)
+        elif joint.kind is JointKind.CLAMPED:
+            yield _rate_clamped_cams(reducer, joint, torques.crank)
         elif joint.kind is JointKind.GLUED and names.SHAFT in joint.parts:
             yield _rate_glued_shaft("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
 
@@ -457,6 +468,64 @@ def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
         "grind it smaller by as much; assumed: one cam carries the whole torque"
     )
     return replace(item, note=note)
+
+
+def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
+    """Return the item of cams on a spline under a torque [N m] on one of them, limited by its flanks (Roloff/Matek)."""
+    spline = cam_spline(reducer)
+    assert spline is not None
+    hub = strength.StraightSpline(spline.count, spline.minor, spline.major, joint.length)
+    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
+    return torque_item(
+        "joint_cams",
+        f"{joint.name}, splined",
+        torque,
+        hub.torque(softest),
+        "p = 2 T/(d_m h l 0.75 n) <= R_e (Roloff/Matek 12.8)",
+        f"{spline.designation}, h = {1e3 * hub.flank_height:.3g} mm, {1e3 * joint.length:.3g} mm long, R_e "
+        f"{1e-6 * softest:.4g} MPa; assumed: one cam carries the whole torque",
+    )
+
+
+def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
+    """Return the item of cams that screws clamp on the shaft: the torque [N m] on one of them against slip."""
+    clamp = cam_clamp(reducer)
+    assert clamp is not None
+    preload, weakest = _clamp_preload(reducer, clamp)
+    clearance = 0.5 * sum(fits.clearances(fit_code(joint.fit), joint.diameter))
+    force, hub = clamp.count * preload, clamp.hub
+    lost_share = hub.closing_moment(clearance) / (force * hub.screw_arm)
+    tightening = _clamp_thread(clamp).tightening_torque(preload, _mean_head(_clamp_thread(clamp)))
+    return torque_item(
+        "joint_cams",
+        f"{joint.name}, clamped, slip",
+        torque,
+        hub.torque(force, clearance),
+        "T = mu d (F l1 - M)/l2 (Roloff/Matek 12.3.4), F = 0.7 R_p A_s (VDI 2230)",
+        f"{clamp.count} x {clamp.bolt.designation} 8.8 in each cam, {1e-3 * preload:.3g} kN each by {weakest}; l1 = "
+        f"{1e3 * hub.screw_arm:.3g} mm, l2 = {1e3 * hub.shaft_arm:.3g} mm; M = E I c/(2 l2^2) closes the mean "
+        f"clearance c of {1e6 * clearance:.2g} um and takes {100.0 * lost_share:.2g} % of F; friction "
+        f"{JOINTS.interface_friction:g} on two lines (assumed); tighten with {tightening:.3g} N m; assumed: one cam "
+        "carries the whole torque",
+    )
+
+
+def _clamp_thread(clamp: CamClamp) -> strength.Thread:
+    return strength.Thread(clamp.bolt.thread, stock.pitch(clamp.bolt.thread))
+
+
+def _clamp_preload(reducer: Reducer, clamp: CamClamp) -> tuple[float, str]:
+    """Return the preload of a clamping screw [N], the least that screw, thread or face allow, and which it is."""
+    thread, material = _clamp_thread(clamp), reducer.design.material_of(names.SHAFT)
+    nominal = clamp.bolt.thread
+    shear = JOINTS.metal_shear * material.tensile_strength
+    face = strength.head_pressure(1.0, stock.head_bearing(nominal), stock.bolt_hole(nominal))
+    limits = (
+        (thread.usual_preload(strength.PROOF_STRESS[USUAL_CLASS]), "the screw"),
+        (thread.stripping_force(clamp.engaged_length, shear), "its thread in the cam"),
+        (material.tensile_strength / face, "the face under its head"),
+    )
+    return min(limits)
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:

@@ -1,16 +1,24 @@
-"""Choice of the rolling bearing in stock for the cams; outside `parts.export`, which takes 50 ms to import."""
+"""Bearing in stock for the cams, and radius of the cams; outside `parts.export`, which takes 50 ms to import."""
+
+import math
 
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.reducer import Reducer
 
 MAX_RINGED = 2
-"""Largest number of bearings with inner rings side by side on a soft cam, which does not load more evenly (assumed)."""
+"""Largest number of bearings with inner rings side by side on a cam, which does not load more evenly (assumed)."""
 
 
 def needs_rings(reducer: Reducer) -> bool:
     """Return whether the bearings of the crank need inner rings: needles would wear a crank of plastic."""
     return reducer.design.material_of(names.SHAFT).is_plastic
+
+
+def needs_ringed_cam(reducer: Reducer) -> bool:
+    """Return whether the bearings of the cams need inner rings: on a cam of plastic, or on one that is slotted."""
+    design = reducer.design
+    return needs_rings(reducer) or (design.shaft.cam_joint == "clamp" and not design.has_one_piece_crank)
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
@@ -26,8 +34,39 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     min_bore = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
     fitting = [
         bearing
-        for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_rings(reducer))
+        for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_ringed_cam(reducer))
         if bearing.bore > min_bore or (design.has_one_piece_crank and bearing.bore == min_bore)
     ]
     chosen = stock.side_by_side(fitting, gear.face_width) if gear.bearing == "rolling" else None
-    return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_rings(reducer) else chosen
+    return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_ringed_cam(reducer) else chosen
+
+
+def cam_seat(reducer: Reducer) -> float:
+    """Return the bore radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides there.
+
+    If no stock bearing fits, ``contact.cam_rollers`` rollers that touch each other run directly in the bore of the
+    disc, and the result is the radius inside the rollers. This radius must exceed eccentricity plus shaft radius, so
+    that there is a cam around the shaft. Otherwise the rollers are thinner, and the result is the mean of that sum and
+    the bore radius of the disc.
+    """
+    gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
+    if stock_bearing:
+        return round(0.5 * stock_bearing[0].bore, 9)
+    ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
+    raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
+    thinnest = gear.eccentricity + reducer.design.shaft.radius
+    if gear.bearing != "rolling" or thinnest >= gear.bore_radius:
+        return gear.bore_radius
+    return raceway if raceway > thinnest else 0.5 * (thinnest + gear.bore_radius)
+
+
+def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
+    """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat`.
+
+    By default, `seat` is `cam_seat`. In a stock bearing, the cam is smaller than the seat by the cam clearance, but not
+    smaller than eccentricity plus shaft radius; if the seat itself is smaller than this sum, the cam is as large as the
+    seat. Without a stock bearing, the cam is as large as the seat, because the bore of the disc includes the clearance.
+    """
+    design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
+    flush = design.gear.eccentricity + design.shaft.radius
+    return max(seat - design.clearance.cam, min(seat, flush)) if cam_bearing(reducer) else seat

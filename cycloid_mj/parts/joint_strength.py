@@ -33,6 +33,8 @@ class JointStrengthSettings:
     pin_roughness: float = 2e-6
     hole_roughness: float = 4e-6
     """Mean depths Rz of ground pins and reamed holes [m] (ISO 8734 has Ra 0.8 um at most; Rz assumed)."""
+    spline_share: float = 0.75
+    """Share of the flanks of a spline that carry, with a hub centred on the minor diameter (Roloff/Matek 12.8)."""
     wall_ratio: float = 2.0
     """Outside diameter of the wall around a pressed-in pin over that of the pin (assumed)."""
     shrink_difference: float = 278.5
@@ -219,6 +221,85 @@ def shrink_difference(diameter: float, interference: float, expansion: float) ->
     `diameter` and the largest `interference` are in [m], the linear `expansion` in [1/K].
     """
     return (interference + 1e-3 * diameter) / (expansion * diameter)
+
+
+@dataclass(frozen=True)
+class StraightSpline:
+    """A straight-sided spline of ISO 14 in a hub: number of splines, diameters and length of the hub [m].
+
+    Attributes
+    ----------
+    count
+        Number of splines.
+    minor, major
+        Minor diameter, on which the hub is centred, and major diameter.
+    length
+        Length of the hub.
+    """
+
+    count: int
+    minor: float
+    major: float
+    length: float
+
+    @property
+    def flank_height(self) -> float:
+        """Height of the flanks that carry, without chamfers: 0.4 (D - d) [m] (Roloff/Matek, table 12-3)."""
+        return 0.4 * (self.major - self.minor)
+
+    def pressure(self, torque: float) -> float:
+        """Compute the pressure on the flanks [Pa] of a torque [N m]; three quarters of the flanks carry.
+
+        p = 2 T/(d_m h l 0.75 n), d_m = (D + d)/2, for a hub that is centred on the minor diameter (Roloff/Matek 12.8).
+        """
+        mean = 0.5 * (self.major + self.minor)
+        return 2.0 * torque / (mean * self.flank_height * self.length * JOINTS.spline_share * self.count)
+
+    def torque(self, yield_strength: float) -> float:
+        """Compute the torque [N m] at which the flanks of the weakest part yield [Pa]."""
+        return yield_strength / self.pressure(1.0)
+
+
+@dataclass(frozen=True)
+class SlottedHub:
+    """A hub with one slot that screws across the slot clamp on a shaft, as a lever about its closed side.
+
+    Attributes
+    ----------
+    diameter
+        Diameter of the shaft [m].
+    screw_arm, shaft_arm
+        Distances of the screws and of the shaft's axis from the middle of the wall opposite to the slot [m].
+    wall, width
+        Thickness of this wall, and width of the hub along the axis [m].
+    youngs_modulus
+        Young's modulus of the hub [Pa].
+    """
+
+    diameter: float
+    screw_arm: float
+    shaft_arm: float
+    wall: float
+    width: float
+    youngs_modulus: float
+
+    def closing_moment(self, clearance: float) -> float:
+        """Compute the moment in the wall [N m] that closes a clearance in diameter [m].
+
+        An open ring of the mean radius R of the wall bends until its curvature suits the smaller radius R - c/2:
+        M = E I c/(2 R^2).
+        """
+        stiffness = self.youngs_modulus * self.width * self.wall**3 / 12.0
+        return stiffness * max(clearance, 0.0) / (2.0 * self.shaft_arm**2)
+
+    def torque(self, force: float, clearance: float = 0.0, friction: float = JOINTS.interface_friction) -> float:
+        """Compute the torque [N m] at which the hub slips, at the force of all screws [N] and a clearance [m].
+
+        The halves press on the shaft along two opposite lines, each with the force N = (F l1 - M)/l2: T = mu N d
+        (Roloff/Matek 12.3.4). An even pressure would transmit pi/2 times as much.
+        """
+        normal_force = max(force * self.screw_arm - self.closing_moment(clearance), 0.0) / self.shaft_arm
+        return friction * normal_force * self.diameter
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.item import ItemKind
 from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
 from cycloid_mj.life.rated import momentary_torque
-from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.cam_bearing import cam_radius
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.parts.export.order import assembly_order
@@ -147,3 +147,28 @@ def test_shrunk_cams_are_rated_by_the_thinnest_wall_of_a_cam() -> None:
     assert item.limit == pytest.approx(0.15 * pressure * math.pi * 18e-3**2 * design.gear.face_width / 2.0)
     with pytest.raises(DesignError, match="creeps in a shrink fit"):
         casing(reducer.but(shaft_material={"name": "PETG"}))
+
+
+def test_splined_cams_are_rated_by_their_flanks() -> None:
+    """6 x 16 x 20: h = 1.6 mm, d_m = 18 mm, n = 6, the length of one cam."""
+    design = resolve("twodisc", {"shaft.cam_joint": "spline", "shaft.radius_mm": 8.0})
+    item = rate(design).items["joint_cams"]
+    strength = design.material_of("shaft").yield_strength
+    assert item.kind == "joint"
+    assert item.limit == pytest.approx(0.5 * strength * 18e-3 * 1.6e-3 * design.gear.face_width * 0.75 * 6)
+
+
+def test_clamped_cams_are_rated_by_the_preload_of_their_screws() -> None:
+    """Two M2 of 8.8: F = 2 x 0.7 x 640 MPa x 2.073 mm2 = 1.857 kN; N = (F l1 - M)/l2; T = 0.15 N d."""
+    changes = {"shaft.cam_joint": "clamp", "shaft.radius_mm": 5.0, "gear.bore_radius_mm": 18.5}
+    design = resolve("twodisc", changes)
+    reducer = Reducer(design)
+    item = rate(design).items["joint_cams"]
+    assert (item.kind, item.value) == ("joint", pytest.approx(2.0 * design.rated_torque / design.reduction))
+    wall = cam_radius(reducer) - design.gear.eccentricity - 5e-3
+    shaft_arm = 5e-3 + 0.5 * wall
+    screw_arm = shaft_arm + 5e-3 + 0.5 * 2.4e-3 + 0.5e-3  # clearance hole of 2.4 mm, 0.5 mm of wall to the bore
+    moment = 210e9 * design.gear.face_width * wall**3 / 12.0 * 12e-6 / (2.0 * shaft_arm**2)  # H7/h6: 0 to 24 um
+    normal = (2.0 * 0.7 * 640e6 * 2.073e-6 * screw_arm - moment) / shaft_arm
+    assert item.limit == pytest.approx(0.15 * normal * 10e-3, rel=2e-3)
+    assert "tighten with 0.336 N m" in item.note

@@ -8,6 +8,8 @@ from cycloid_mj.parts.joint_strength import (
     PROOF_STRESS,
     ParallelKey,
     PressFit,
+    SlottedHub,
+    StraightSpline,
     Thread,
     clamped_pin_pressure,
     dowel_force,
@@ -158,3 +160,22 @@ def test_dowels_inserts_and_bent_pins() -> None:
     assert pull_out_force(4e-3, 5.7e-3, 26e6) == pytest.approx(1862.0, rel=1e-3)
     # Roloff/Matek 9.19: F (6 h + 4 s)/(d s^2) = 400 x (90 + 48)/(8 x 144) MPa
     assert clamped_pin_pressure(400.0, 400.0 * 15e-3, 8e-3, 12e-3) == pytest.approx(47.92e6, rel=1e-3)
+
+
+def test_flanks_of_a_spline_by_hand() -> None:
+    """8 x 46 x 50, 60 mm, 500 N m: h = 0.4 x 4 = 1.6 mm, p = 2 x 500 000/(48 x 1.6 x 60 x 0.75 x 8) = 36.17 MPa."""
+    spline = StraightSpline(8, 46e-3, 50e-3, 60e-3)
+    assert spline.pressure(500.0) == pytest.approx(36.17e6, rel=1e-3)
+    assert spline.torque(36.17e6) == pytest.approx(500.0, rel=1e-3)
+
+
+def test_slotted_hub_slips_as_computed_by_hand() -> None:
+    """Shaft of 20 mm, l1 = 32 mm, l2 = 12 mm, wall 4 x 15 mm, 5 kN: N = 5 x 32/12 = 13.33 kN, T = 0.15 N d = 40 N m.
+
+    A clearance of 20 um takes M = 210 000 x 15 x 4^3/12 x 0.02/(2 x 12^2) = 1167 N mm, so that T falls by 0.29 N m.
+    """
+    hub = SlottedHub(20e-3, 32e-3, 12e-3, 4e-3, 15e-3, 210e9)
+    assert hub.torque(5e3) == pytest.approx(40.0, rel=1e-9)
+    assert hub.closing_moment(20e-6) == pytest.approx(1.1667, rel=1e-3)
+    assert hub.torque(5e3, 20e-6) == pytest.approx(40.0 - 0.15 * 1.1667 / 12e-3 * 20e-3, rel=1e-4)
+    assert hub.torque(10.0, 20e-6) == 0.0, "screws that do not close the hub transmit nothing"

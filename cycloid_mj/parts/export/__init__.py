@@ -33,7 +33,7 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all, measure_rings
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.edges import broken_edges
-from cycloid_mj.parts.export.joints import drive_joints
+from cycloid_mj.parts.export.joints import cross_holes_of, drive_joints
 from cycloid_mj.parts.export.motor_mount import Motor
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
@@ -235,7 +235,11 @@ def drive_files(
         }
     drawn = assembly_parts(reducer, sizes)
     return {
-        f"{name}.step": step_part(name, sections[name], edges=broken_edges(reducer, sizes, drawn[name]))
+        f"{name}.step": step_part(
+            *(name, sections[name]),
+            edges=broken_edges(reducer, sizes, drawn[name]),
+            bores=cross_holes_of(reducer, sizes, name),
+        )
         for name in parts_by_name
     }
 

@@ -6,14 +6,15 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import Part, PartSection, attached_parts, output_centres
-from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.bearings import cam_radius, cam_seat, pin_pieces
+from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius, cam_seat
+from cycloid_mj.parts.export.bearings import pin_pieces
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_parts import place_casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
 )
 from cycloid_mj.parts.export.edges import broken_edges
+from cycloid_mj.parts.export.joints import cross_holes_of
 from cycloid_mj.parts.export.placement import place_discs, place_ring_pins, place_rotated, ring_pin_centres
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
 from cycloid_mj.parts.export.round_part import cut_holes, tube
@@ -41,6 +42,7 @@ COLOURS: Mapping[str, Colour] = {
     names.RETAINER: (0.7, 0.7, 0.65, 1.0),
     names.FLANGE: (0.35, 0.55, 0.4, 1.0),
     **dict.fromkeys((names.SCREW, names.FLANGE_SCREW, names.RETAINER_SCREW), (0.2, 0.2, 0.22, 1.0)),
+    names.CAM_SCREW: (0.2, 0.2, 0.22, 1.0),
     names.FLANGE_WASHER: (0.7, 0.7, 0.72, 1.0),
     names.FLANGE_DOWEL: (0.7, 0.7, 0.72, 1.0),
     names.MOTOR_SCREW: (0.2, 0.2, 0.22, 1.0),
@@ -142,7 +144,8 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}
     edges = {name: broken_edges(reducer, sizes, part) for name, part in parts.items()} if sizes else {}
-    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes), edges)
+    bores = {name: cross_holes_of(reducer, sizes, name) for name in parts} if sizes else {}
+    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes), edges, bores)
 
 
 def assembly_sections(

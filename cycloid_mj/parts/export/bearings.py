@@ -1,11 +1,9 @@
 """Choice of rolling bearings in stock for the shaft, and the fits of bearings and dowels."""
 
-import math
-
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.parts import lay_out_parts, sleeve_core_radius
-from cycloid_mj.parts.cam_bearing import cam_bearing, needs_rings
+from cycloid_mj.parts.cam_bearing import needs_ringed_cam, needs_rings
 from cycloid_mj.parts.export.casing import (
     bearing_width_of,
 )
@@ -49,25 +47,6 @@ SHAFT_BEARINGS = 2
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
     """Return the bearing in stock for both seats of the shaft; None if none has its size."""
     return stock_shaft_bearing(reducer, bearing_width_of(reducer))
-
-
-def cam_seat(reducer: Reducer) -> float:
-    """Return the bore radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides there.
-
-    If no stock bearing fits, ``contact.cam_rollers`` rollers that touch each other run directly in the bore of the
-    disc, and the result is the radius inside the rollers. This radius must exceed eccentricity plus shaft radius, so
-    that there is a cam around the shaft. Otherwise the rollers are thinner, and the result is the mean of that sum and
-    the bore radius of the disc.
-    """
-    gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
-    if stock_bearing:
-        return round(0.5 * stock_bearing[0].bore, 9)
-    ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
-    raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
-    thinnest = gear.eccentricity + reducer.design.shaft.radius
-    if gear.bearing != "rolling" or thinnest >= gear.bore_radius:
-        return gear.bore_radius
-    return raceway if raceway > thinnest else 0.5 * (thinnest + gear.bore_radius)
 
 
 def roller_bore(reducer: Reducer) -> float:
@@ -164,18 +143,6 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     return (stock_pin.count, stock_pin.used_length) if stock_pin else (1, width)
 
 
-def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
-    """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat`.
-
-    By default, `seat` is `cam_seat`. In a stock bearing, the cam is smaller than the seat by the cam clearance, but not
-    smaller than eccentricity plus shaft radius; if the seat itself is smaller than this sum, the cam is as large as the
-    seat. Without a stock bearing, the cam is as large as the seat, because the bore of the disc includes the clearance.
-    """
-    design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
-    flush = design.gear.eccentricity + design.shaft.radius
-    return max(seat - design.clearance.cam, min(seat, flush)) if cam_bearing(reducer) else seat
-
-
 def hub_bearing_fit(bearing: stock.StockBearing) -> str:
     """Return the fit of the bearings of the output."""
     if bearing.has_crossed_rollers:
@@ -201,6 +168,8 @@ def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str
     """
     if not stock.has_inner_ring(bearing):
         return f"{cup_fit(reducer, part)} outside, h5 under the needles"
+    if part == names.GEAR and needs_ringed_cam(reducer) and not needs_rings(reducer):
+        return "H7 outside, h5 on the slotted cam"
     if needs_rings(reducer):
         return "H7 outside, light press fit on the printed crank"
     return f"H7 outside, {'j5' if bearing.bore <= LIGHT_BORE else 'k5'} on the crank"

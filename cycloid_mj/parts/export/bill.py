@@ -17,6 +17,7 @@ from cycloid_mj.design import Material, stock
 from cycloid_mj.parts import Part, mass_properties, sleeve_core_radius
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_seat as full_cam_seat
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import (
@@ -36,13 +37,12 @@ from cycloid_mj.parts.export.bearings import (
     shaft_seal,
     sleeve_pin_length,
 )
-from cycloid_mj.parts.export.bearings import (
-    cam_seat as full_cam_seat,
-)
+from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.casing import Casing, bearing_width_of, seat_radius
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
+    is_crank_manufactured,
     is_plastic,
     is_printed,
 )
@@ -229,8 +229,17 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None)
         material = _material_name(part_material(reducer, name, sizes))
         drawn_part = assembled_parts.get(name, part.drawn)
         mass = part.count * mass_properties(drawn_part.solid(EXPORT_CHORD_ERROR)).mass
+        mass -= drawn_part.density * _drilled_volume(reducer, name) if sizes else 0.0
         size, fit = _extent(drawn_part) + bore_text, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
+
+
+def _drilled_volume(reducer: Reducer, part: str) -> float:
+    """Compute the volume [m3] that the holes of clamping screws remove from a cam, which its solid does not have."""
+    clamp = cam_clamp(reducer)
+    if clamp is None or names.family(part) != names.CAM:
+        return 0.0
+    return clamp.count * clamp.removed_volume(reducer)
 
 
 def _describe_machining(joints: Iterable[Joint], part: str) -> str:
@@ -311,7 +320,7 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
         length = output_pin_length(reducer)
         size, material = (output.root_radius, length), design.material_of(names.OUTPUT)
         yield _pin_line(names.OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
-    if not (design.has_one_piece_crank or is_printed(reducer, names.SHAFT)):
+    if not is_crank_manufactured(reducer):
         yield _shaft_line(reducer, sizes)
 
 

@@ -19,6 +19,8 @@ from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
 from cycloid_mj.parts.export.bearing_retainer import Retainer, retainer_of
+from cycloid_mj.parts.export.cam_clamp import cam_clamp
+from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     axial_play,
@@ -253,7 +255,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     ------
     DesignError
         Motor flange, output bearing, crank or screws do not fit, a hollow shaft ends before the hub, or cams of a
-        plastic are to be shrunk on.
+    plastic are to be shrunk on, or no spline or screw fits them.
     """
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
@@ -266,10 +268,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
             "a shaft with a through bore needs a bearing in the hub, which seals its far end: set "
             'shaft.mounting = "straddle", or shaft.bore_radius_mm = 0'
         )
-    if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
-        raise DesignError(
-            'a plastic creeps in a shrink fit: set shaft.cam_joint = "key", or choose a metal (shaft_material.name)'
-        )
+    _require_cam_joint(reducer)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     return Casing(
@@ -289,6 +288,17 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         **vars(_size_motor_side(reducer, motor, screws, dowel, outer, rim)),
         **vars(_size_output_side(reducer, screws, seat, rim)),
     )
+
+
+def _require_cam_joint(reducer: Reducer) -> None:
+    """Raise DesignError if the joint of the cams that a design requests is not possible."""
+    design = reducer.design
+    if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
+        raise DesignError(
+            'a plastic creeps in a shrink fit: set shaft.cam_joint = "key", or choose a metal (shaft_material.name)'
+        )
+    cam_spline(reducer)
+    cam_clamp(reducer)
 
 
 def _size_motor_side(

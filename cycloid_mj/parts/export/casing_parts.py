@@ -4,11 +4,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import Part, Segment, lay_out_parts
+from cycloid_mj.parts import Part, Segment, crank_segments, lay_out_parts
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.contour import CircleContour
+from cycloid_mj.parts.contour import CircleContour, TurnedContour
 from cycloid_mj.parts.export.bearings import pin_pieces, ring_pin_radius, roller_bore, sleeve_pin_length
+from cycloid_mj.parts.export.cam_clamp import cam_clamp, slotted_contour
+from cycloid_mj.parts.export.cam_splines import cam_spline, spline_contour
 from cycloid_mj.parts.export.casing import Casing, output_cover_step
 from cycloid_mj.parts.export.casing_rules import (
     hub_shoulders,
@@ -25,7 +27,7 @@ from cycloid_mj.parts.export.crank_rings import (
 )
 from cycloid_mj.parts.export.joint import Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
-from cycloid_mj.parts.export.keyway import KeywayContour
+from cycloid_mj.parts.export.keyway import KeywayContour, SplineContour
 from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, cut_holes
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
@@ -169,7 +171,11 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
     pieces = _split_spacer(reducer, sizes, segments) if family == names.SPACER else tuple(segments)
-    if key is None:
+    if spline := cam_spline(reducer):
+        yield from _cut_splines(reducer, family, pieces, spline_contour(spline))
+    elif cam_clamp(reducer) and family == names.CAM:
+        yield from (replace(piece, outline=slotted_contour(reducer, _phase(piece)), holes=()) for piece in pieces)
+    elif key is None:
         yield from pieces
     elif family == names.SHAFT:
         *grooved, shaft = pieces
@@ -181,6 +187,26 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     else:
         slot = KeywayContour(radius, key.bought.width, key.bought.in_hub, key.angle)
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
+
+
+def _phase(cam: Segment) -> float:
+    """Return the phase of a cam [rad]."""
+    return cam.outline.angle if isinstance(cam.outline, TurnedContour) else 0.0
+
+
+def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], spline: SplineContour) -> Iterator[Segment]:
+    """Yield the pieces of a shaft, cam or spacer with the splines of the cams: on the shaft from first to last cam."""
+    if family != names.SHAFT:
+        yield from (replace(piece, holes=(spline,)) for piece in pieces)
+        return
+    segments = crank_segments(reducer)
+    cams = [segments[name] for name in names.all_numbered(names.CAM, reducer.design.gear.discs)]
+    *grooved, shaft = pieces
+    yield from grooved
+    yield replace(shaft, z1=cams[0].z0)
+    yield replace(shaft, outline=spline, z0=cams[0].z0, z1=cams[-1].z1)
+    if shaft.z1 > cams[-1].z1 + SAME_LENGTH:
+        yield replace(shaft, z0=cams[-1].z1)
 
 
 def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:

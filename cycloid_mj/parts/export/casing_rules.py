@@ -111,6 +111,12 @@ def is_printed(reducer: Reducer, part: str) -> bool:
     return reducer.design.material_of(part).is_plastic
 
 
+def is_crank_manufactured(reducer: Reducer) -> bool:
+    """Return whether the shaft is manufactured, rather than a ground bar: one piece with cams, splined, or printed."""
+    design = reducer.design
+    return design.has_one_piece_crank or design.shaft.cam_joint == "spline" or is_printed(reducer, names.SHAFT)
+
+
 def in_one_piece(reducer: Reducer) -> bool:
     """Return whether the output pins are printed with their disc: plastic, without rollers, supported at one end."""
     output = reducer.design.output

@@ -10,18 +10,19 @@ from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
-from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
     cam_bearing_fit,
-    cam_radius,
     output_pin_fit,
     pin_pieces,
     sleeve_pin_depth,
     sleeve_pin_fit,
 )
+from cycloid_mj.parts.export.cam_clamp import CLAMP_FIT, cam_clamp, cam_screws, cross_holes
+from cycloid_mj.parts.export.cam_splines import cam_spline, spline_fit
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
@@ -135,7 +136,7 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
 
 
 def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs: keyed, shrunk, or glued if no key fits; none of one piece."""
+    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits."""
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if reducer.design.has_one_piece_crank:
         return
@@ -143,6 +144,15 @@ def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
     if shrunk := shrink_fit(reducer, sizes):
         yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrunk.zones}, shrunk", *seats)
+        return
+    if spline := cam_spline(reducer):
+        sizes_of_hub = gear.discs, spline.minor, gear.face_width
+        yield Joint(name, JointKind.SPLINED, parts, (), (), spline_fit(spline), *sizes_of_hub)
+        return
+    if clamp := cam_clamp(reducer):
+        holes = tuple(cross_holes(reducer, clamp))
+        screws = cam_screws(reducer, clamp)
+        yield Joint(name, JointKind.CLAMPED, parts, (), (screws,), CLAMP_FIT, *seats, cross_holes=holes)
         return
     if key is None:
         yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)

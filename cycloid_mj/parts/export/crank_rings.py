@@ -15,7 +15,8 @@ from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Segment, crank_segments
 from cycloid_mj.parts.accuracy import SAME_LENGTH
-from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
+from cycloid_mj.parts.cam_bearing import cam_radius
+from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import RULES, shoulder_radius
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, bearing_seats

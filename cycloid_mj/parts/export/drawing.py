@@ -18,10 +18,11 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, in_mm
 from cycloid_mj.design import Design, Material, fits
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
+from cycloid_mj.parts.cam_bearing import cam_radius
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import assembly_parts
-from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.export.cam_notes import describe_cam_joint
 from cycloid_mj.parts.export.casing import (
     Casing,
 )
@@ -130,6 +131,7 @@ def _draw_part(
     )
     notes = (
         *_describe_holes(name, joints),
+        *describe_cam_joint(reducer, sizes, name),
         *_describe_tolerances(reducer, name, diameters),
         *_describe_broken_edges(broken_edges(reducer, sizes, part)),
         *describe_surface(name, material, is_printed_part),

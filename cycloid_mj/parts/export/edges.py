@@ -14,8 +14,8 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.design.model import BEARING_CORNER, SHARES
 from cycloid_mj.parts import Part, Segment
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
+from cycloid_mj.parts.cam_bearing import cam_radius
 from cycloid_mj.parts.contour import circle_of
-from cycloid_mj.parts.export.bearings import cam_radius
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import drive_joints

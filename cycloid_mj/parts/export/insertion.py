@@ -26,6 +26,9 @@ PASSAGE = 4.0 * VISUAL_CHORD_ERROR
 FLEX_SEGMENTS = 720
 """Number of edges of the circle to which a retaining ring is spread or pressed together: 0.2 um of error at 20 mm."""
 
+CAM_BEFORE_GEAR = "shrink", "clamp"
+"""Joints of cams that are put on the shaft before the bearings of their discs: hot cams, and those with screws."""
+
 DRIVE = "drive"
 """The group that becomes the whole drive."""
 
@@ -178,6 +181,13 @@ def _names_on(placements: tuple[PlacedPart, ...], gear: str) -> tuple[str, ...]:
     return tuple(item.name for item in placements if item.body == gear and item.name != gear)
 
 
+def _screws_of_cam(reducer: Reducer, placements: tuple[PlacedPart, ...], number: int) -> tuple[str, ...]:
+    """Return the names of the screws of a clamped cam by its number from 1; none of other cams."""
+    screws = _names_of_family(placements, names.CAM_SCREW)
+    count = len(screws) // len(reducer.gears)
+    return screws[(number - 1) * count : number * count]
+
+
 def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble the output, its bearings and flange, then the ring and its pins.
 
@@ -233,16 +243,17 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         yield from (Move((shaft,), DRIVE, UP), *second_disc)
         return
     yield Move((shaft, *_names_of_family(placements, names.KEY)), shaft)
-    is_shrunk = reducer.design.shaft.cam_joint == "shrink"
+    is_cam_first = reducer.design.shaft.cam_joint in CAM_BEFORE_GEAR
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
-        cam = Move((names.numbered_name(names.CAM, number),), shaft if is_shrunk else gear, DOWN)
-        if is_shrunk:
+        cam = Move((names.numbered_name(names.CAM, number),), shaft if is_cam_first else gear, DOWN)
+        if is_cam_first:
             yield cam
+            yield Move(_screws_of_cam(reducer, placements, number), shaft)
         yield Move((gear,), gear)
         yield Move(_names_on(placements, gear), gear, DOWN)
-        if not is_shrunk:
+        if not is_cam_first:
             yield cam
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)

@@ -19,6 +19,9 @@ class JointKind(StrEnum):
     PRESSED = "pressed"
     GLUED = "glued"
     KEYED = "keyed"
+    SPLINED = "splined"
+    CLAMPED = "clamped"
+    """A slotted hub is clamped on its shaft by screws."""
     CLEARANCE = "clearance"
     """Parts move in a cavity without touching it."""
 
@@ -57,6 +60,16 @@ class BoughtPart:
 
 
 @dataclass(frozen=True)
+class CrossHole:
+    """A hole across the axis of a part: start of its axis (x, y, z) [m], direction, radius and length [m]."""
+
+    start: Point
+    direction: Point
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True)
 class TappedHole:
     """Equal threads in a part: number, nominal diameter and depth [m], and the insert in a plastic (else empty)."""
 
@@ -87,6 +100,8 @@ class Joint:
         Number of equal seats, and diameter and length of each [m]; 0 where a joint has none.
     threads
         Its tapped holes.
+    cross_holes
+        Holes across the axis, each with the name of its part. Only STEP files and drawings have them.
     """
 
     name: str
@@ -99,6 +114,7 @@ class Joint:
     diameter: float = 0.0
     length: float = 0.0
     threads: tuple[TappedHole, ...] = ()
+    cross_holes: tuple[tuple[str, CrossHole], ...] = ()
 
     def holes_in(self, part: str) -> tuple[Hole, ...]:
         """Return the holes of the joint in one of its parts."""

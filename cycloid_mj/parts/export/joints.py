@@ -36,7 +36,7 @@ from cycloid_mj.parts.export.casing_rules import (
     thickest_bolt,
 )
 from cycloid_mj.parts.export.crank_joints import crank_joints
-from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
+from cycloid_mj.parts.export.joint import BoughtPart, CrossHole, Joint, JointKind, Point, TappedHole
 from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
 from cycloid_mj.parts.export.output_flange import pattern_angles
 from cycloid_mj.parts.export.round_part import AXIS, Hole, dowel_body, screw_body, tube
@@ -47,7 +47,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 ITEMS = (
     *(names.SCREW, names.FLANGE_SCREW, names.FLANGE_WASHER, names.MOTOR_SCREW, names.RETAINER_SCREW),
     *(names.OUTPUT_BEARING, names.SHAFT_BEARING, *names.RETAINING_RINGS, names.SHAFT_SEAL),
-    *(*names.INSERTS, names.DOWEL, names.FLANGE_DOWEL, names.KEY),
+    *(*names.INSERTS, names.DOWEL, names.FLANGE_DOWEL, names.KEY, names.CAM_SCREW),
 )
 """Bought parts of joints, in the order of solids and places."""
 
@@ -92,6 +92,12 @@ def bought_parts(joints: Iterable[Joint]) -> Iterator[BoughtPart]:
     """Yield the bought parts of joints in the order of `ITEMS` and of their numbers."""
     parts = [part for joint in joints for part in joint.bought]
     yield from sorted(parts, key=lambda part: (ITEMS.index(part.item), part.first))
+
+
+def cross_holes_of(reducer: Reducer, sizes: Casing, part: str) -> tuple[CrossHole, ...]:
+    """Return the holes across the axis of a part of a drive."""
+    joints = drive_joints(reducer, sizes)
+    return tuple(hole for joint in joints for name, hole in joint.cross_holes if name == part)
 
 
 def _motor_shaft_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:

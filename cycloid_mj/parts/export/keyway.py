@@ -1,4 +1,4 @@
-"""Contours of keyed joints: shafts and hubs with a keyway, and the key between them."""
+"""Contours of joints of shaft and hub: keyways and keys, straight-sided splines, and slotted hubs."""
 
 import math
 from dataclasses import dataclass
@@ -64,3 +64,91 @@ class KeyContour:
         """Return its four corners (4, 2) [m], counter-clockwise."""
         half, inner, outer = 0.5 * self.width, self.inner, self.outer
         return rotate_points(np.array([[inner, -half], [outer, -half], [outer, half], [inner, half]]), self.angle)
+
+
+@dataclass(frozen=True)
+class SplineContour:
+    """The section of a straight-sided spline (ISO 14) about the axis, of the shaft as of the hub.
+
+    Minor and major radius and width of a spline are in [m]; `angle` is that of the middle of a spline from +x [rad].
+    """
+
+    count: int
+    minor: float
+    major: float
+    width: float
+    angle: float
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """Return for each spline its flanks, the arc on its top, and the arc of the minor circle beyond it."""
+        half_foot, half_top = self._half_angles
+        step, loop = 2.0 * math.pi / self.count, list[Curve]()
+        for middle in self._middles:
+            rise, fall = (
+                [(radius * math.cos(at), radius * math.sin(at)) for radius, at in ends]
+                for ends in (
+                    ((self.minor, middle - half_foot), (self.major, middle - half_top)),
+                    ((self.major, middle + half_top), (self.minor, middle + half_foot)),
+                )
+            )
+            loop += [
+                LineSegment(rise[0], rise[1]),
+                Arc((0.0, 0.0), self.major, middle - half_top, middle + half_top),
+                LineSegment(fall[0], fall[1]),
+                Arc((0.0, 0.0), self.minor, middle + half_foot, middle + step - half_foot),
+            ]
+        return tuple(loop)
+
+    def polygon(self, chord_error: float) -> Array:
+        """Return its polygon, counter-clockwise."""
+        half_foot, half_top = self._half_angles
+        step, pieces = 2.0 * math.pi / self.count, list[Array]()
+        for middle in self._middles:
+            pieces.append(arc(self.major, middle - half_top, middle + half_top, chord_error))
+            pieces.append(arc(self.minor, middle + half_foot, middle + step - half_foot, chord_error))
+        return np.concatenate(pieces)
+
+    @property
+    def _middles(self) -> tuple[float, ...]:
+        return tuple(self.angle + 2.0 * math.pi * number / self.count for number in range(self.count))
+
+    @property
+    def _half_angles(self) -> tuple[float, float]:
+        """Half the angles of a spline at the minor and at the major circle [rad]."""
+        return math.asin(0.5 * self.width / self.minor), math.asin(0.5 * self.width / self.major)
+
+
+@dataclass(frozen=True)
+class SlottedContour:
+    """An eccentric with a bore about the axis, slotted from the bore through its thick side, towards +y [m]."""
+
+    radius: float
+    eccentricity: float
+    bore: float
+    slot: float
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """Return the outer arc from one side of the slot to the other, one side, the bore, and the other side."""
+        half, (outer, inner) = 0.5 * self.slot, self._ends
+        start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
+        return (
+            Arc((0.0, self.eccentricity), self.radius, start, start + 2.0 * math.pi - 2.0 * (start - 0.5 * math.pi)),
+            LineSegment((half, outer), (half, inner)),
+            Arc((0.0, 0.0), self.bore, math.pi - low, low + 2.0 * math.pi),
+            LineSegment((-half, inner), (-half, outer)),
+        )
+
+    def polygon(self, chord_error: float) -> Array:
+        """Return its polygon: the outer arc counter-clockwise, then the bore clockwise."""
+        half = 0.5 * self.slot
+        start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
+        end = start + 2.0 * math.pi - 2.0 * (start - 0.5 * math.pi)
+        around = arc(self.radius, start, end, chord_error) + np.array([0.0, self.eccentricity])
+        bore = arc(self.bore, math.pi - low, low + 2.0 * math.pi, chord_error)
+        return np.concatenate([around, bore[::-1]])
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Heights along y of the ends of the slot: at the outer circle, and at the bore [m]."""
+        half = 0.5 * self.slot
+        return self.eccentricity + math.sqrt(self.radius**2 - half**2), math.sqrt(self.bore**2 - half**2)

@@ -3,6 +3,8 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.cam_clamp import cam_clamp
+from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
@@ -27,6 +29,7 @@ ALONG = (
     names.CRANK_RING,
     names.KEY,
     names.CAM,
+    names.CAM_SCREW,
     names.SPACER,
     names.CAM_BEARING,
     names.GEAR,
@@ -184,6 +187,12 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
             f"The {names.SHAFT} is one piece with its cams: {bearing_step}, then push {first} on cam 1 from the motor "
             f"end of the crank, and {second} on cam 2 from its output end, each up to the collar between them."
         )
+    if clamp := cam_clamp(reducer):
+        screws = f"{clamp.count} x {clamp.bolt.designation} x {MILLIMETRES * clamp.length:g}"
+        return (
+            f"Clamp each cam on the shaft in a fixture that sets its phase ({screws}), then push its gear with the "
+            f"bearing over it: cam 1, gear 1, a {names.SPACER}, cam 2, gear 2."
+        )
     if shrunk := shrink_fit(reducer, sizes):
         return (
             f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrunk.difference:.0f} K "
@@ -191,7 +200,8 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
             f"cam 1, gear 1, a {names.SPACER}, cam 2, gear 2{' and so on' if design.gear.discs > 2 else ''}."
         )
     first_step = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
-    retaining_note = "" if cam_key(reducer, sizes) else " with retaining compound"
+    is_glued = not (cam_key(reducer, sizes) or cam_spline(reducer))
+    retaining_note = " with retaining compound" if is_glued else ""
     return (
         f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
         f"end{retaining_note}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."

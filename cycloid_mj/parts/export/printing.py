@@ -8,12 +8,14 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Material
 from cycloid_mj.parts import Part, Segment, Solid, lay_out_parts, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts.cam_bearing import cam_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
-from cycloid_mj.parts.export.bearings import cam_radius, output_pin_span
+from cycloid_mj.parts.export.bearings import output_pin_span
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_parts import casing_parts, fit_part
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
+    is_crank_manufactured,
     is_printed,
 )
 from cycloid_mj.parts.export.round_part import RoundPart, cut_holes
@@ -125,7 +127,7 @@ def manufactured_parts(
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
     if not design.has_one_piece_crank:
         counts |= dict.fromkeys(names.all_numbered(names.CAM, gear.discs), 1) | {names.SPACER: gear.discs - 1}
-    if design.has_one_piece_crank or is_printed(reducer, names.SHAFT):
+    if is_crank_manufactured(reducer):
         counts[names.SHAFT] = 1
     if is_printed(reducer, names.PIN):
         counts |= {names.PIN: ring.teeth, names.PRESSED_PIN: ring.teeth}

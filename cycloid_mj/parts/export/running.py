@@ -37,7 +37,7 @@ ROLLING_ELEMENTS = "rolling elements"
 """Body of the space between the rings of a bearing, which no other part may touch."""
 
 _MATES = (
-    {names.GEAR, names.SHAFT, names.CAM, names.CAM_BEARING},
+    {names.GEAR, names.SHAFT, names.CAM, names.CAM_SCREW, names.CAM_BEARING},
     {names.GEAR, names.PIN, names.HOUSING, names.PRESSED_PIN},
     {names.GEAR, names.ROLLER, names.OUTPUT_PIN, names.OUTPUT},
     {ROLLING_ELEMENTS, names.SHAFT_BEARING, names.OUTPUT_BEARING},

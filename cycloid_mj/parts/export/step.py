@@ -15,6 +15,7 @@ from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
+from cycloid_mj.parts.export.joint import CrossHole
 from cycloid_mj.parts.parts import Colour
 
 SPLINES = 6
@@ -44,9 +45,13 @@ class BrokenEdge:
 
 
 def step_part(
-    name: str, sections: Sequence[PartSection], solids_wanted: int = 1, edges: Sequence[BrokenEdge] = ()
+    name: str,
+    sections: Sequence[PartSection],
+    solids_wanted: int = 1,
+    edges: Sequence[BrokenEdge] = (),
+    bores: Sequence[CrossHole] = (),
 ) -> bytes:
-    """Encode the sections of a part as a STEP file, with the chamfers and fillets `edges`.
+    """Encode the sections of a part as a STEP file, with the chamfers and fillets `edges` and the cross holes `bores`.
 
     Equal arguments give files with equal bytes.
 
@@ -57,7 +62,7 @@ def step_part(
         `solids_wanted` separate solids.
     """
     document = occ.TDocStd_Document(occ.TCollection_ExtendedString("BinXCAF"))
-    _add_part(document, name, sections, solids_wanted, edges)
+    _add_part(document, name, sections, solids_wanted, edges, bores)
     return _encode_document(document, name)
 
 
@@ -67,6 +72,7 @@ def step_assembly(
     colours: Mapping[str, Colour],
     placements: Sequence[PlacedPart],
     edges: Mapping[str, Sequence[BrokenEdge]] | None = None,
+    bores: Mapping[str, Sequence[CrossHole]] | None = None,
 ) -> bytes:
     """Encode an assembly as one STEP file of named, coloured parts, each drawn once, with all its positions.
 
@@ -78,8 +84,8 @@ def step_assembly(
         Sections and colour of each part, by name.
     placements
         Positions of the parts.
-    edges
-        Edges with chamfers and fillets by part.
+    edges, bores
+        Edges with chamfers and fillets, and holes across the axis, by part.
 
     Raises
     ------
@@ -92,7 +98,8 @@ def step_assembly(
     root = shapes.NewShape()
     _set_name(root, name)
     labels = {
-        part: _add_part(document, part, sections, edges=(edges or {}).get(part, ())) for part, sections in parts.items()
+        part: _add_part(document, part, sections, 1, (edges or {}).get(part, ()), (bores or {}).get(part, ()))
+        for part, sections in parts.items()
     }
     for part, label in labels.items():
         colour = occ.Quantity_Color(*colours[part][:3], occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
@@ -145,6 +152,7 @@ def _add_part(
     sections: Sequence[PartSection],
     solids_wanted: int = 1,
     edges: Sequence[BrokenEdge] = (),
+    bores: Sequence[CrossHole] = (),
 ) -> Any:
     """Add a part to a document of OpenCASCADE as the union of its sections, and return its label there.
 
@@ -156,8 +164,8 @@ def _add_part(
         Sections of the part.
     solids_wanted
         Number of separate solids that the part should have.
-    edges
-        Edges with chamfers and fillets.
+    edges, bores
+        Edges with chamfers and fillets, and holes across the axis.
 
     Raises
     ------
@@ -167,7 +175,7 @@ def _add_part(
     try:
         first_body, *other_bodies = [_extrude(section) for section in sections]
         shape = _fuse(first_body, other_bodies) if other_bodies else first_body
-        shape = _break_edges(shape, edges)
+        shape = _break_edges(_drill(shape, bores), edges)
     except CycloidError:
         raise
     except Exception as error:
@@ -248,6 +256,16 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
     fuse.Build()
     fuse.SimplifyResult()
     return fuse.Shape()
+
+
+def _drill(shape: Any, bores: Sequence[CrossHole]) -> Any:
+    """Return a solid with holes across its axis."""
+    for bore in bores:
+        start = occ.gp_Pnt(*(MILLIMETRES * value for value in bore.start))
+        frame = occ.gp_Ax2(start, occ.gp_Dir(*bore.direction))
+        size = MILLIMETRES * bore.radius, MILLIMETRES * bore.length
+        shape = occ.BRepAlgoAPI_Cut(shape, occ.BRepPrimAPI_MakeCylinder(frame, *size).Shape()).Shape()
+    return shape
 
 
 def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:

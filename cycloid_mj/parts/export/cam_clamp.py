@@ -1,0 +1,215 @@
+"""Clamped cams: each is slotted through its thick side, and screws across the slot clamp it on the plain shaft.
+
+The screws are within the cam, whose bearing is put over them; so the bearing needs an inner ring. A cam that is not
+tightened can be turned on the shaft, which sets its phase without keyways.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import in_mm
+from cycloid_mj.design import stock
+from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius
+from cycloid_mj.parts.contour import TurnedContour
+from cycloid_mj.parts.export.casing_rules import RULES, counterbore, min_grip
+from cycloid_mj.parts.export.joint import BoughtPart, CrossHole, Point
+from cycloid_mj.parts.export.keyway import KeyContour, SlottedContour
+from cycloid_mj.parts.export.round_part import RoundPart
+from cycloid_mj.parts.joint_strength import SlottedHub
+from cycloid_mj.reducer import Reducer, once
+
+CLAMPED_DISCS = 2
+"""Number of discs of clamped cams: the screws of opposite cams have the same direction."""
+
+CLAMP_FIT = "H7/h6, clamped"
+"""Fit of clamped cams on the shaft."""
+
+
+@dataclass(frozen=True)
+class ClampSettings:
+    """Proportions of clamped cams.
+
+    Attributes
+    ----------
+    slot
+        Width of the slot [m], that of a thin slitting saw (assumed).
+    max_screws
+        Largest number of screws side by side in a cam (assumed).
+    slices
+        Number of slices of a lying screw as it is drawn.
+    """
+
+    slot: float = 1e-3
+    max_screws: int = 2
+    slices: int = 12
+
+
+CLAMP = ClampSettings()
+
+
+@dataclass(frozen=True)
+class CamClamp:
+    """The clamping screws of each cam.
+
+    Attributes
+    ----------
+    bolt, length, count
+        Screw in stock, its length [m], and the number of screws side by side along the axis.
+    distance
+        Distance of the screws from the axis of the shaft [m].
+    head_face
+        Distance of the faces under the heads from the middle of the slot [m].
+    hub
+        The cam as a slotted hub.
+    """
+
+    bolt: stock.Bolt
+    length: float
+    count: int
+    distance: float
+    head_face: float
+    hub: SlottedHub
+
+    @property
+    def engaged_length(self) -> float:
+        """Length of the engaged thread [m]."""
+        return self.length - self.head_face - 0.5 * CLAMP.slot
+
+    def removed_volume(self, reducer: Reducer) -> float:
+        """Compute the volume [m3] of the holes of a screw in its cam: counterbore, clearance hole and thread's core."""
+        thread, half_slot = self.bolt.thread, 0.5 * CLAMP.slot
+        outward = self.distance - reducer.design.gear.eccentricity
+        edge = math.sqrt(cam_radius(reducer) ** 2 - outward**2)
+        cylinders = (
+            (counterbore(self.bolt), edge - self.head_face),
+            (0.5 * stock.bolt_hole(thread), self.head_face - half_slot),
+            (0.5 * (thread - stock.pitch(thread)), self.engaged_length + RULES.min_wall),
+        )
+        return math.pi * sum(radius**2 * length for radius, length in cylinders)
+
+    def heights(self, width: float) -> tuple[float, ...]:
+        """Return the heights of the screws along the axis [m] from the middle of a cam of a width [m]."""
+        return tuple(width * ((number + 0.5) / self.count - 0.5) for number in range(self.count))
+
+
+@once
+def cam_clamp(reducer: Reducer) -> CamClamp | None:
+    """Choose the clamping screws of the cams, those that clamp hardest; None for another joint or a single disc.
+
+    Raises
+    ------
+    DesignError
+        No screw in stock fits in the cams, or their bearings have no inner ring.
+    """
+    design = reducer.design
+    if design.has_one_piece_crank or design.shaft.cam_joint != "clamp":
+        return None
+    problem = _find_problem(reducer)
+    clamps = [] if problem else [clamp for bolt in stock.bolts() if (clamp := _fit_screws(reducer, bolt))]
+    if not clamps:
+        problem = problem or (
+            f"no screw of ISO 4762 fits across a slot of cams of {in_mm(2.0 * cam_radius(reducer))} x "
+            f"{in_mm(design.gear.face_width)} mm on a shaft of {in_mm(2.0 * design.shaft.radius)} mm: choose a thinner "
+            "shaft (shaft.radius_mm), a larger cam bearing (gear.bore_radius_mm), or another joint"
+        )
+        raise DesignError(f'shaft.cam_joint = "clamp" is not possible: {problem}')
+    return max(clamps, key=lambda clamp: (clamp.count * clamp.bolt.thread**2, clamp.bolt.thread))
+
+
+def slotted_contour(reducer: Reducer, phase: float) -> TurnedContour:
+    """Return the outline of a slotted cam at a phase [rad], with its bore."""
+    gear = reducer.design.gear
+    outline = SlottedContour(cam_radius(reducer), gear.eccentricity, reducer.design.shaft.radius, CLAMP.slot)
+    return TurnedContour(outline, phase)
+
+
+def cam_screws(reducer: Reducer, clamp: CamClamp) -> BoughtPart:
+    """Return the clamping screws of all cams as bought parts; their heads point to +x at the crank angle 0."""
+    design, origins = reducer.design, list[Point]()
+    for plane, phase in zip(design.gear.disc_planes, reducer.phases, strict=True):
+        for height in clamp.heights(design.gear.face_width):
+            y = clamp.distance * math.cos(phase)
+            origins.append((clamp.head_face, y, plane + height))
+    return BoughtPart(
+        names.CAM_SCREW,
+        _lying_screw(clamp),
+        names.SHAFT,
+        tuple(origins),
+        (("thread", clamp.bolt.thread), ("length", clamp.length)),
+        "steel 8.8",
+        f"{clamp.bolt.designation} x {1e3 * clamp.length:.5g}",
+    )
+
+
+def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossHole]]:
+    """Yield the holes of the screws across each cam with its name: counterbore, clearance hole and core of thread."""
+    design, thread = reducer.design, clamp.bolt.thread
+    core, half_slot = 0.5 * (thread - stock.pitch(thread)), 0.5 * CLAMP.slot
+    depth = 2.0 * cam_radius(reducer) - clamp.head_face
+    for number, (plane, phase) in enumerate(zip(design.gear.disc_planes, reducer.phases, strict=True), start=1):
+        name, y = names.numbered_name(names.CAM, number), clamp.distance * math.cos(phase)
+        for height in clamp.heights(design.gear.face_width):
+            z = plane + height
+            head = (clamp.head_face, y, z)
+            yield name, CrossHole(head, (1.0, 0.0, 0.0), counterbore(clamp.bolt), depth)
+            yield name, CrossHole(head, (-1.0, 0.0, 0.0), 0.5 * stock.bolt_hole(thread), clamp.head_face)
+            tip = clamp.engaged_length + RULES.min_wall
+            yield name, CrossHole((-half_slot, y, z), (-1.0, 0.0, 0.0), core, tip)
+
+
+def _find_problem(reducer: Reducer) -> str:
+    """Return why cams cannot be clamped whatever their screws, with the remedy; empty if they can."""
+    design, bearing = reducer.design, cam_bearing(reducer)
+    if design.gear.discs != CLAMPED_DISCS:
+        return f"the cams of {design.gear.discs} discs cannot be clamped: set gear.discs = 2, or choose another joint"
+    if design.material_of(names.SHAFT).is_plastic:
+        return "a plastic creeps under clamping screws: choose a metal (shaft_material.name)"
+    if bearing is None:
+        return (
+            "a slotted cam needs a bearing with an inner ring, and no standard ball bearing fits: choose another "
+            "gear.bore_radius_mm, or a thinner shaft (shaft.radius_mm)"
+        )
+    return ""
+
+
+def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
+    """Return the clamp with screws of a size, as close to the shaft as they fit; None if they do not fit."""
+    design, radius, wall = reducer.design, cam_radius(reducer), RULES.min_wall
+    gear, shaft, head = design.gear, design.shaft.radius, counterbore(bolt)
+    hinge = radius - gear.eccentricity - shaft
+    count = min(int((gear.face_width - wall) / (2.0 * head + wall) + 1e-9), CLAMP.max_screws)
+    if count < 1 or hinge < wall:
+        return None
+    distance = shaft + 0.5 * stock.bolt_hole(bolt.thread) + wall
+    beside_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head, 0.0) ** 2, 0.0))
+    head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), beside_shaft)
+    reach = head_face + 0.5 * CLAMP.slot + RULES.engagement * bolt.thread
+    length = stock.bolt_length(bolt.thread, reach)
+    if length is None:
+        return None
+    outward = distance - gear.eccentricity
+    head_corner = math.hypot(abs(outward) + 0.5 * bolt.head, head_face + bolt.head_height)
+    tip_corner = math.hypot(abs(outward) + 0.5 * bolt.thread, length - head_face + wall)
+    if head_corner > radius - wall or tip_corner > radius - wall:
+        return None
+    arm, modulus = shaft + 0.5 * hinge, design.material_of(names.SHAFT).youngs_modulus
+    hub = SlottedHub(2.0 * shaft, distance + arm, arm, hinge, gear.face_width, modulus)
+    return CamClamp(bolt, length, count, distance, head_face, hub)
+
+
+def _lying_screw(clamp: CamClamp) -> RoundPart:
+    """Return a screw along x, its head on the side of +x and the face under it at x = 0, as slices along the axis."""
+    bolt, blocks = clamp.bolt, []
+    core = 0.5 * (bolt.thread - stock.pitch(bolt.thread))
+    for radius, start, end in ((core, -clamp.length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)):
+        edges = -radius * np.cos(np.pi * np.arange(CLAMP.slices + 1) / CLAMP.slices)
+        for low, high in pairwise(edges.tolist()):
+            half_width = math.sqrt(radius**2 - (0.5 * (low + high)) ** 2)
+            blocks.append((KeyContour(start, end, 2.0 * half_width, 0.0), low, high))
+    return RoundPart(names.SHAFT, blocks=tuple(blocks), bought=True)
