@@ -124,7 +124,7 @@ WITHOUT_RV = ("3mf", WHOLE_DRIVE)
 
 
 def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
-    """Create the files of one kind for a design of the page.
+    """Create the files that the page offers for download of one kind, such as STEP or DXF, for a design.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks whether a design can be built, without statics, as they are computed (see `soundness`).
+    """Yield the checks that a design can be built, without statics, one by one as they are computed (see `soundness`).
 
     A search can thus stop at the first failure.
     """

@@ -956,7 +956,7 @@ def _rv_table(what: str) -> Any:
 
 
 def _value_rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
-    """Yield a row (key, value, unit, meaning) for each value of a section and its tables, in the units of the file.
+    """Yield a row (key, value, unit, meaning) for each value of a section of the design and its tables, in file units.
 
     `prefix` is the name of the section followed by a dot; all keys begin with it.
     """
@@ -1066,7 +1066,7 @@ class Design(Section, Presented):
         )
 
     def but(self, **changes: Any) -> Self:
-        """Return a copy with changed values in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
+        """Return a copy of the design with changed values in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
 
         Names are those of the model, without units. Values of a table that are not named do not change.
 

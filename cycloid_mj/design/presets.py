@@ -10,7 +10,7 @@ from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
 
 def _make_printed() -> Design:
-    """Return the printed drive of a master thesis (JelmerV, Twente 2024).
+    """Return the design of the printed drive of a master thesis (JelmerV, Twente 2024).
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
@@ -50,7 +50,7 @@ def _make_printed() -> Design:
 
 
 def _make_twodisc() -> Design:
-    """Return a drive with two discs from a worked calculation (github.com/kubakos/cycloid-drive-generator).
+    """Return the design of a two-disc drive from a worked calculation (github.com/kubakos/cycloid-drive-generator).
 
     Ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics are taken
     from this source. Other values are assumed, each with its `preset_reasons`.
@@ -91,7 +91,7 @@ _RV_GREASED = {"law": "film", "lubricant": "fluid reducer grease 130"}
 
 
 def _make_rv80e() -> Design:
-    """Return an RV-80E reducer (Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384).
+    """Return the design of an RV-80E reducer (Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384).
 
     Teeth, module, pin circle, eccentricity, pin radius and cranks are published. The load is the catalogue's rated
     torque at 15 rpm of the output. Other values are assumed, each with its `preset_reasons`. Among them, the stiffness
@@ -113,7 +113,7 @@ def _make_rv80e() -> Design:
 
 
 def _make_rv64() -> Design:
-    """Return an RV reducer whose pin circle has a radius of 64 mm, as in the RV example of the multibody code Exudyn.
+    """Return the design of an RV reducer with a pin-circle radius of 64 mm, as in the RV example of the code Exudyn.
 
     Discs, pins, eccentricity, cranks and needles are those of the example. Sun and planets are not part of it: with a
     module of 1.25 mm they fit the circle of cranks. They have the ratio 121, which the catalogue states for the RV-40E,

@@ -767,7 +767,7 @@ def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockB
 
 
 def bearings_outside(outside: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
-    """List the bearings with an outside diameter [m]: needle bearings, or ball bearings if there are none.
+    """List the bearings in stock with an outside diameter [m]: needle bearings, or ball bearings if there are none.
 
     `ringed` selects bearings with an inner ring, for a crank that is too soft to roll needles on; these are ball
     bearings only.

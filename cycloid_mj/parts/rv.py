@@ -64,7 +64,9 @@ def axial_layout(reducer: RvReducer) -> AxialLayout:
 
 
 def rv_parts(reducer: RvReducer) -> dict[str, Part]:
-    """Return the parts by name, each once and in its own frame; housing and flanges in that of the reducer's axis.
+    """Return the parts of an RV reducer by name, each once and in its own frame.
+
+    Housing and flanges are in the frame of the reducer's axis.
 
     Raises
     ------
@@ -83,7 +85,7 @@ def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
 
 
 def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
-    """Return one part per body of a simulation by the name of its main part, in the frame of the body.
+    """Return one part per moving body of an RV reducer by the name of its main part, in the frame of the body.
 
     A crank includes its planet. The carrier, named ``names.OUTPUT``, includes both flanges and the tapered bearings,
     with the density of the flanges. Needles are not included.
@@ -151,7 +153,7 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 
 def _discs(reducer: RvReducer) -> Iterator[Part]:
-    """Yield the discs: valley 1 and crank bore 1 on +y, later discs with their lobes turned by their phase."""
+    """Yield the discs of an RV reducer: valley 1 and crank bore 1 on +y, lobes of later discs turned by their phase."""
     design = reducer.design
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
     holes = (

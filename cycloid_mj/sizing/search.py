@@ -316,7 +316,7 @@ class Pool:
 
     @property
     def study_factors(self) -> Mapping[str, Array]:
-        """Return the expected ratios of figures by a tolerance study to figures by one sample, by key, shape (n,) each.
+        """Return the expected ratios of quantities by a tolerance study to those by one sample, by key, shape (n,).
 
         Figures are torque limits and backlash; those that a study does not change are left out.
         """

@@ -210,7 +210,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the manufactured parts: size, material, threads and fits, and mass.
+    """Yield the lines of the bill for the manufactured parts: size, material, threads and fits, and mass.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ def _thread(tapped: TappedHole) -> str:
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of all bought parts: pins, rollers and bearings, then those of the casing.
+    """Yield the lines of the bill for all bought parts: pins, rollers and bearings, then those of the casing.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
 
 
 def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield the lines of the bought parts of all joints: bearings of the output first, then screws, inserts, dowels."""
+    """Yield the lines of the bill for the bought parts of all joints: output bearings, then screws, inserts, dowels."""
     counts: Counter[str] = Counter()
     parts = {}
     for part in bought_parts(drive_joints(reducer, sizes)):
@@ -301,7 +301,7 @@ def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
 
 
 def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the bought ring pins, output pins and the shaft of several discs, which are round bars."""
+    """Yield the lines of the bill for bought round bars: ring pins, output pins and the shaft of several discs."""
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
@@ -325,7 +325,7 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
 
 
 def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
-    """Return the line of the shaft of several discs: a ground bar with its bore and keyway."""
+    """Return the line of the bill for the shaft of several discs: a ground bar with its bore and keyway."""
     diameter = 2.0 * reducer.design.shaft.radius
     shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
     length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
@@ -363,7 +363,7 @@ def _pressed_pin_line(item: str, count: int, radius: float, length: float, mater
 def _pin_line(
     item: str, count: int, pin: stock.Dowel | None, size: tuple[float, float], material: Material, fit: str
 ) -> BillLine:
-    """Return the line of `count` round pins, cut from a pin in stock, or made to size.
+    """Return the line of the bill for `count` round pins, cut from a pin in stock, or made to size.
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def _pin_line(
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
-    """Return the line of ring pins, free or glued in their sockets: needle rollers, pin gauges, or ground to size."""
+    """Return the line of the bill for free or glued ring pins: needle rollers, pin gauges, or pins ground to size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
     seat = FREE_FIT if ring.has_sockets else RETAINED_FIT
     diameter = (("diameter", ring.pin_radius),)
@@ -408,9 +408,9 @@ def _format_limits(limits: tuple[float, float]) -> str:
 
 
 def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
-    """Yield the line of the rollers of the output pins, if any; rollers on a core are manufactured, others bought.
+    """Yield the line of the bill for the rollers of the output pins, if any; rollers on a core are manufactured.
 
-    Bought rollers have no material in the bill.
+    Other rollers are bought, and have no material in the bill.
     """
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
@@ -426,7 +426,7 @@ def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """Yield the lines of the bearings of cams and shaft.
+    """Yield the lines of the bill for the bearings of cams and shaft.
 
     Where no stock bearing fits, the line has the dimensions of the bearing's seats. `cam_seat` is the bore radius of
     the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
@@ -467,7 +467,7 @@ def _round_line(
     material: Material | None = None,
     cut_length: float = 0.0,
 ) -> BillLine:
-    """Return the line of `count` round bought parts, with their mass.
+    """Return the line of the bill for `count` round bought parts, with their mass.
 
     Parameters
     ----------

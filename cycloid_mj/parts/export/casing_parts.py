@@ -51,7 +51,7 @@ class CasingPosition:
 
 
 def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
-    """Return the parts of the casing by name.
+    """Return the parts of the casing, such as covers and flange, as cylinders with holes and pockets, by name.
 
     The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
     adds to them.

@@ -302,7 +302,7 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of motor and cover.
+    """Return the screwed joint of the motor and its cover.
 
     If the motor has tapped holes, screws lead from inside the cover into it. Otherwise, the cover has threaded holes.
     """

@@ -62,7 +62,7 @@ class PrintPlate:
 
     @property
     def mesh(self) -> Mesh:
-        """Surface of all parts on a plate of a printer and their supports, as one mesh [m]."""
+        """Return the surface of all parts on a plate of a printer and their supports, as one mesh [m]."""
         meshes = [*self.meshes, *(item for supports in self.supports for item in supports)]
         vertex_offsets = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(

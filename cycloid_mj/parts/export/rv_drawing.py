@@ -71,7 +71,7 @@ def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
 
 
 def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
-    """Yield the notes on datums, teeth, holes and their tolerances of a part."""
+    """Yield the notes on the drawing of an RV reducer's part: datums, teeth, holes and their tolerances."""
     design, cranks = reducer.design, reducer.cranks
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "the axis (datum A)")

@@ -296,7 +296,7 @@ def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
 
 
 def _size_of(edge: Any, edges: Sequence[BrokenEdge]) -> float:
-    """Return the size [m] of the chamfer or fillet of an edge of OpenCASCADE; 0 if it is none of the `edges`."""
+    """Return the size [m] of the chamfer or fillet at an edge of OpenCASCADE, from `edges`; 0 if it has none."""
     curve = occ.BRepAdaptor_Curve(edge)
     if curve.GetType() != occ.GeomAbs_CurveType.GeomAbs_Circle or not curve.IsClosed():
         return 0.0
