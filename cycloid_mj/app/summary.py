@@ -169,7 +169,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     shortest = min(lives, default=math.inf)
     rated_torque, limited_by, momentary = _rated_torque(reducer, rating)
     verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated_torque, momentary)})
-    size_with_covers, no_covers = (None, "") if isinstance(reducer, RvReducer) else covered_size(reducer, motor)
+    size_with_covers, cover_problem = (None, "") if isinstance(reducer, RvReducer) else covered_size(reducer, motor)
     if isinstance(reducer, RvReducer):
         verdicts |= requirement_verdicts(required, rv_size(reducer))
     elif size_with_covers:
@@ -189,7 +189,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "verdicts": verdicts,
         "items": rated_items(rating),
         "cased": size_with_covers,
-        "no_covers": no_covers,
+        "no_covers": cover_problem,
         "length_mm": rv_size(reducer)["drive_length_mm"] if isinstance(reducer, RvReducer) else None,
     }
 

@@ -34,8 +34,8 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     CycloidError
         It cannot be written; an existing file is unchanged.
     """
-    with atomic_files([path]) as (hidden_path,):
-        yield hidden_path
+    with atomic_files([path]) as (new_path,):
+        yield new_path
 
 
 @contextmanager
@@ -62,10 +62,10 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
             with defer_signals():
                 replacements.append((_create_hidden_file(target, current), target))
         current = current if len(replacements) == 1 else current.parent
-        yield [hidden_path for hidden_path, _ in replacements]
+        yield [new_path for new_path, _ in replacements]
         with defer_signals():
-            for hidden_path, target in replacements:
-                os.replace(hidden_path, target)
+            for new_path, target in replacements:
+                os.replace(new_path, target)
                 note_output(target)
     except OSError as problem:
         raise CycloidError(
@@ -73,9 +73,9 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
         ) from problem
     finally:
         with defer_signals():
-            for hidden_path, _ in replacements:
+            for new_path, _ in replacements:
                 with suppress(OSError):
-                    hidden_path.unlink()
+                    new_path.unlink()
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:
@@ -86,9 +86,9 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     CycloidError
         A file cannot be written.
     """
-    with atomic_files(list(files)) as hidden_paths:
-        for hidden, content in zip(hidden_paths, files.values(), strict=True):
-            hidden.write_bytes(content)
+    with atomic_files(list(files)) as new_paths:
+        for new_path, content in zip(new_paths, files.values(), strict=True):
+            new_path.write_bytes(content)
 
 
 def hidden_path(path: Path) -> Path:
@@ -110,9 +110,9 @@ def _create_hidden_file(path: Path, user_path: Path) -> Path:
     require_replaceable(user_path)
     if path.exists() and not path.is_file():
         raise CycloidError(f"cannot write {user_path}: it is not a regular file. Choose another file name")
-    hidden = hidden_path(path)
-    with hidden.open("xb"):
-        return hidden
+    new_path = hidden_path(path)
+    with new_path.open("xb"):
+        return new_path
 
 
 def zip_files(files: Mapping[str, bytes]) -> bytes:

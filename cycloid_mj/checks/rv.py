@@ -44,7 +44,7 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
     """
     planet, count = reducer.planet, reducer.cranks.count
     misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
-    closing = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
+    meshing_teeth = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
     total = planet.sun_teeth + planet.planet_teeth
     return Check(
         name="planets_mesh",
@@ -53,9 +53,9 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
         limit=f"a multiple of {count}, the number of planets",
         why="otherwise the teeth of equal planets on equal angles miss the sun's by "
         + (f"{misfit} of a pitch" if misfit else "a part of a pitch"),
-        remedy="" if misfit == 0 else "set planet.planet_teeth to " + " or ".join(map(str, closing)),
+        remedy="" if misfit == 0 else "set planet.planet_teeth to " + " or ".join(map(str, meshing_teeth)),
         key="planet.planet_teeth",
-        changes=() if misfit == 0 else tuple({"planet.planet_teeth": float(teeth)} for teeth in closing),
+        changes=() if misfit == 0 else tuple({"planet.planet_teeth": float(teeth)} for teeth in meshing_teeth),
     )
 
 
@@ -160,12 +160,12 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
 def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     """Yield the rules that tapered bearings, posts, journals and planets have room in and next to the flanges."""
     cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
-    apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
+    crank_post_distance = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
     yield Rule(
         "bearing_space",
-        Limit("cranks.taper_radius", "less than", apart - cranks.post_radius),
+        Limit("cranks.taper_radius", "less than", crank_post_distance - cranks.post_radius),
         "the tapered bearings of the cranks and the roots of the posts share the flanges",
-        (Limit("cranks.post_radius", "less than", apart - cranks.taper_radius),),
+        (Limit("cranks.post_radius", "less than", crank_post_distance - cranks.taper_radius),),
     )
     yield Rule(
         "eccentric_in_bearing",
@@ -178,15 +178,15 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         "the tapered bearings enclose the journals of the cranks, of radius cranks.eccentric_radius less eccentricity",
     )
     ring = reducer.design.ring
-    room = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall
+    max_radius = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall
     yield Rule(
         "flange_in_ring",
-        Limit("cranks.taper_radius", "less than", room - circle),
+        Limit("cranks.taper_radius", "less than", max_radius - circle),
         "the flanges, with a wall around the tapered bearings, stay inside the ring pins",
     )
     yield Rule(
         "posts_in_ring",
-        Limit("cranks.post_radius", "less than", room - posts),
+        Limit("cranks.post_radius", "less than", max_radius - posts),
         "the flanges, with a wall around the posts, stay inside the ring pins",
     )
     yield Rule(

@@ -58,17 +58,17 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
     bearing has no pressure checks.
     """
     try:
-        state = rated_load(reducer)
+        loads = rated_load(reducer)
     except CycloidError as error:
         yield _failed_balance_check(error)
         return
     for part in PARTS:
         if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
-            yield from _pressure_checks(state, part)
-    yield _check_load_sharing(state)
-    yield _check_pressure_angle(state)
+            yield from _pressure_checks(loads, part)
+    yield _check_load_sharing(loads)
+    yield _check_pressure_angle(loads)
     for wall in list_walls(reducer):
-        yield _check_wall(state, wall)
+        yield _check_wall(loads, wall)
 
 
 def _failed_balance_check(error: CycloidError) -> Check:
@@ -85,15 +85,15 @@ def _failed_balance_check(error: CycloidError) -> Check:
     )
 
 
-def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
+def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
     """Yield the checks of a part's largest Hertz pressure against three limits: first yield, shakedown and hardness.
 
-    `state` are the loads at the nominal torque, `part` is a key of `PARTS`. The remedies of a failed check are a wider
+    `loads` are those at the nominal torque, `part` is a key of `PARTS`. The remedies of a failed check are a wider
     face, a stronger material, or less torque.
     """
-    reducer, design = state.reducer, state.reducer.design
+    reducer, design = loads.reducer, loads.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
-    pressure = state.peak_pressure(kind)
+    pressure = loads.peak_pressure(kind)
     weaker_yield = _weaker_strength(reducer, kind, "yield_strength", "surface_strength")
     weaker_tensile = _weaker_strength(reducer, kind, "tensile_strength", "surface_tensile_strength")
     for name, (key, strength, ratio), factor, factor_text, consequence in (
@@ -118,7 +118,7 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
         remedies: list[Limit] = []
         consequence_text = f"above this pressure {consequence}"
         if not is_passed:
-            torque = state.torque_at(kind, allowed)
+            torque = loads.torque_at(kind, allowed)
             consequence_text = f"above {_newton_metres(torque)} {consequence}" if math.isfinite(torque) else consequence
             remedies = [
                 _face_width_limit(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
@@ -133,7 +133,7 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
             limit=f"{limit} ({factor:.3g} {factor_text})",
             why=consequence_text,
             severity="warning",
-            key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
+            key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(loads.torque))}",
             **single_remedies(reducer, remedies),
             **numbers(pressure, allowed, MEGAPASCAL),
         )
@@ -193,13 +193,13 @@ def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], all
     return Limit("gear.face_width", "at least", width)
 
 
-def _check_load_sharing(state: RatedLoad) -> Check:
-    """Check the largest tooth force over the largest force under ideal load sharing, for the loads `state`.
+def _check_load_sharing(loads: RatedLoad) -> Check:
+    """Check the largest tooth force over the largest force under ideal load sharing, at the nominal torque.
 
     The remedy reduces all clearances by a common factor, which bisection determines. If no factor is small enough, the
     remedy is a stiffer cam, in words.
     """
-    reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
+    reducer, design, ratio = loads.reducer, loads.reducer.design, loads.concentration
     names = _load_sharing_clearances(reducer)
     is_passed = ratio <= STRENGTH.max_concentration
     value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
@@ -240,14 +240,14 @@ def _load_sharing_clearances(reducer: Reducer) -> tuple[str, ...]:
     return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
 
 
-def _check_pressure_angle(state: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces, weighted by force, under the loads `state`.
+def _check_pressure_angle(loads: RatedLoad) -> Check:
+    """Check the mean pressure angle of the tooth forces, weighted by force, at the nominal torque.
 
     The remedy is a larger eccentricity, with output holes that are larger by the same amount. Bisection determines it
     between its present value and the largest possible value, at which the path of the pins has loops. If no
     eccentricity is large enough, the remedy is smaller clearances, in words.
     """
-    reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
+    reducer, design, angle = loads.reducer, loads.reducer.design, loads.pressure_angle
     is_passed = angle <= STRENGTH.max_pressure_angle
     value_text, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
     current_eccentricity, max_eccentricity = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
@@ -366,18 +366,18 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
     )
 
 
-def _check_wall(state: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin breaks through its wall by tension or shear, under the loads `state`.
+def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
+    """Check that no pin breaks through its wall by tension or shear, at the nominal torque.
 
     The remedies are a wider disc, or a material with a higher yield strength.
     """
-    reducer, design = state.reducer, state.reducer.design
+    reducer, design = loads.reducer, loads.reducer.design
 
-    def wall_stress(state: RatedLoad) -> float:
+    def wall_stress(loads: RatedLoad) -> float:
         """Return the stress in the wall [Pa] under the largest force of its contacts."""
-        return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
+        return wall.stress(loads.peak_force(wall.kind), loads.reducer.design.line_length(wall.kind))
 
-    stress = wall_stress(state)
+    stress = wall_stress(loads)
     material = design.material_of(wall.part)
     strength = wall.strength_ratio * material.yield_strength / STRENGTH.wall_safety
     is_passed = stress <= strength
@@ -392,7 +392,7 @@ def _check_wall(state: RatedLoad, wall: Wall) -> Check:
         passed=is_passed,
         got=f"{value_text} of {kind}",
         limit=f"{limit} (the yield strength in {kind} over {STRENGTH.wall_safety:g}, assumed)",
-        why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
+        why=f"the largest force there, {loads.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
         severity="warning",
         key=f"the wall {wall.where}",

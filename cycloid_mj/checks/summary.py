@@ -69,9 +69,9 @@ def summarize(reducer: Reducer) -> Summary:
         There is no static equilibrium at the nominal torque.
     """
     design = reducer.design
-    state = rated_load(reducer)
+    loads = rated_load(reducer)
     turning_reducer = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
-    weakest_kind = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
+    weakest_kind = max(design.pair_kinds, key=lambda kind: loads.peak_pressure(kind) / reducer.contacts[kind].strength)
     return Summary(
         ratio=design.reduction,
         discs=design.gear.discs,
@@ -79,8 +79,8 @@ def summarize(reducer: Reducer) -> Summary:
         outer_diameter=2.0 * design.housing.outer_radius,
         mass=mass(reducer),
         rated_torque=design.rated_torque,
-        loaded_teeth=state.loaded_teeth,
-        pressure_angle=state.pressure_angle,
+        loaded_teeth=loads.loaded_teeth,
+        pressure_angle=loads.pressure_angle,
         backlash=ARCMINUTE * figure("backlash_arcmin").value(turning_reducer),
         capacity=_capacity(turning_reducer),
         weakest=weakest_kind,

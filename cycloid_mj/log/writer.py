@@ -146,10 +146,10 @@ class LogWriter:
         viewer_messages = self._viewer_messages(time, values)
         start = 0
         while start < time.size:
-            stop = min(time.size, start + self._samples_per_chunk - self.samples % self._samples_per_chunk)
-            self._append(nanoseconds[start:stop], [block[start:stop] for block in messages], viewer_messages)
-            self._last_time = float(time[stop - 1])
-            start = stop
+            end = min(time.size, start + self._samples_per_chunk - self.samples % self._samples_per_chunk)
+            self._append(nanoseconds[start:end], [block[start:end] for block in messages], viewer_messages)
+            self._last_time = float(time[end - 1])
+            start = end
 
     def flush(self) -> None:
         """Write all samples to the file of the log, so that it can be read up to the last sample."""

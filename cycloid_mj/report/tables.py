@@ -59,7 +59,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     head = [("quantity", "unit", *("simulated", "closed form", "error") * len(rows_by_run))]
     if len(rows_by_run) > 1:
         titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
-        head.insert(0, ("", "", *(cell for words in titles for cell in (words, "", ""))))
+        head.insert(0, ("", "", *(cell for title in titles for cell in (title, "", ""))))
     rows: list[Sequence[str]] = []
     for group in (name for name in GROUPS if any(name in run_groups for run_groups in rows_by_run)):
         group_rows = [run_groups.get(group, {}) for run_groups in rows_by_run]

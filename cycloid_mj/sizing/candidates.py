@@ -162,7 +162,9 @@ def _gap(requirement: Requirement) -> float:
 
 
 @lru_cache(maxsize=64)
-def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float, float, float], ...]:
+def _rings_of(
+    ratio: int, outer: float, is_custom: bool, material: str
+) -> tuple[tuple[float, float, float, float], ...]:
     """List rings of fixed pins whose covers stay within the outer radius of the drive.
 
     Parameters
@@ -171,7 +173,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
         Ratio, one less than the number of pins.
     outer
         Outer radius of the drive [m].
-    custom
+    is_custom
         Whether pins of any radius are allowed, not only those in stock.
     material
         Name of the material of the ring.
@@ -185,7 +187,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
     """
     half_pitch_sine = math.sin(math.pi / (ratio + 1))
     low, high = (share * half_pitch_sine / (1.0 + share * half_pitch_sine) * outer for share in PIN_ROOM)
-    sizes = np.geomspace(low, high, 24) if custom else (0.5 * size for size in stock.pin_diameters())
+    sizes = np.geomspace(low, high, 24) if is_custom else (0.5 * size for size in stock.pin_diameters())
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
     rings = []
     for pin in fitting[:: max(len(fitting) // 24, 1)]:
@@ -193,7 +195,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
         ring_outer, min_outer = outer, pin / (1.0 - WALL_SHARES[0])
         for _ in range(3):  # a fixed point: the screws depend on the radius
             if ring_outer > min_outer:
-                radius = _cover_radius(ratio, ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0, material, custom)
+                radius = _cover_radius(ratio, ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0, material, is_custom)
                 ring_outer -= max(radius - outer, 0.0)
         if ring_outer > min_outer:
             rings.append((pin, float(_round_down(np.array(ring_outer))), WALL_SHARES[0] * ring_outer, math.inf))
@@ -201,7 +203,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
         for wall in (share * outer for share in WALL_SHARES):
             circle = outer - wall - pin
             for width in (min(share * circle, MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
-                if width > max_width and _cover_radius(ratio, outer, pin, wall, width, material, custom) == outer:
+                if width > max_width and _cover_radius(ratio, outer, pin, wall, width, material, is_custom) == outer:
                     max_width = width
                     rings.append((pin, outer, wall, width))
                     break
@@ -209,7 +211,7 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
 
 
 def _cover_radius(
-    ratio: int, outer: float, pin: float, wall: float, width: float, material: str, custom: bool
+    ratio: int, outer: float, pin: float, wall: float, width: float, material: str, is_custom: bool
 ) -> float:
     """Return the outer radius of the covers of a ring [m]: that of the ring, or larger if its screws are outside of it.
 
@@ -221,12 +223,12 @@ def _cover_radius(
         Outer radius of the ring, radius of its pins, wall outside of the pins, and width [m].
     material
         Name of the material of the ring.
-    custom
+    is_custom
         Whether pins and screws need not be in stock.
     """
     circle = outer - wall - pin
     ring = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle}
-    housing = {"outer_radius": outer, **({} if custom else clamping(wall))}
+    housing = {"outer_radius": outer, **({} if is_custom else clamping(wall))}
     tables = {"ring": ring, "gear": {"face_width": width}, "housing": housing, "material": {"name": material}}
     return cover_radius(Reducer(PRESETS["pin"].but(**tables)))
 

@@ -180,8 +180,8 @@ def rate_drive(
         if zones and sample is not None:
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
         parts: Parts = "toleranced" if zones and sample is None else "perfect"
-        stops = sample is None or Material(name=requirement.made_of).is_plastic
-        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, stops=stops, parts=parts)
+        with_stops = sample is None or Material(name=requirement.made_of).is_plastic
+        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, stops=with_stops, parts=parts)
         low, high = casing_of(requirement, loaded).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
         if requirement.backlash < math.inf:

@@ -96,8 +96,10 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
         for low, high in _join_intervals(ends):
             prefix = thread or (name if has_segment_names else "")
             height_text = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
-            plain = not thread and (len(heights[name]) == 1 or (has_segment_names and (low, high) in full_spans))
-            layers.setdefault(name if plain else f"{prefix} {height_text}".strip(), []).append(loop)
+            has_full_span = not thread and (
+                len(heights[name]) == 1 or (has_segment_names and (low, high) in full_spans)
+            )
+            layers.setdefault(name if has_full_span else f"{prefix} {height_text}".strip(), []).append(loop)
     return list(layers.items())
 
 

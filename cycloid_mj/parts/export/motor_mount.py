@@ -81,9 +81,9 @@ def _describe_misfits(
         (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole + wall, outer)
     )
     if needed_radius > available_radius:
-        needs = "its screw heads need" if flange.tapped else "it needs a cover with"
+        subject = "its screw heads need" if flange.tapped else "it needs a cover with"
         sizes = f"{1e3 * needed_radius:.4g} mm, but only {1e3 * available_radius:.4g} mm"
-        problems.append(f"{needs} a radius of {sizes} is available")
+        problems.append(f"{subject} a radius of {sizes} is available")
     if flange.circle - hole - wall < seat:
         sizes = f"{2e3 * (flange.circle - hole - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
         problems.append(f"it needs a shaft bearing with an outside diameter of at most {sizes}")
