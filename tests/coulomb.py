@@ -15,7 +15,7 @@ def pushes(reducer: Reducer, springs: Springs, z: Array) -> Array:
     Normals are those of the exact curves at departures z [m], by search; the angle is the first of the springs.
     """
     slopes = exact_contacts(reducer, float(springs.crank[0]), z)[1]
-    return slopes + (springs.contacts.rubbing[0] if springs.contacts.rubbing.size else 0.0)
+    return slopes + (springs.contacts.friction_per_force[0] if springs.contacts.friction_per_force.size else 0.0)
 
 
 def cam_pushes(springs: Springs, z: Array, ways: Array) -> Array:
@@ -23,7 +23,7 @@ def cam_pushes(springs: Springs, z: Array, ways: Array) -> Array:
     found = np.zeros((len(ways), z.size))
     for disc, way in enumerate(ways):
         found[disc, 3 * disc : 3 * disc + 2] = way + springs.contacts.cam_lateral * np.array([-way[1], way[0]])
-        found[disc, 3 * disc + 2] = springs.contacts.cam_rubbing
+        found[disc, 3 * disc + 2] = springs.contacts.cam_friction_per_force
     return found
 
 
@@ -51,11 +51,13 @@ def friction_borne(reducer: Reducer, springs: Springs, load: Array, most: float)
 
     def left(z: Array, friction: float) -> Array:
         forces = contacts.stiffness[0] * np.maximum(-slopes @ z * unit, 0.0)
-        found = load + forces @ (slopes + friction * contacts.rubbing[0])
+        found = load + forces @ (slopes + friction * contacts.friction_per_force[0])
         away = z[:-1].reshape(-1, 3)[:, :2] * unit
         across = friction * contacts.cam_lateral * np.stack([away[:, 1], -away[:, 0]], axis=1)
         found[:-1].reshape(-1, 3)[:, :2] -= contacts.cam_stiffness * (away - across)
-        found[2:-1:3] += friction * contacts.cam_rubbing * contacts.cam_stiffness * np.linalg.norm(away, axis=1)
+        found[2:-1:3] += (
+            friction * contacts.cam_friction_per_force * contacts.cam_stiffness * np.linalg.norm(away, axis=1)
+        )
         return np.asarray(found / scale)
 
     z, borne = np.zeros(load.size), 0.0

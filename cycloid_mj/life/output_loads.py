@@ -132,7 +132,7 @@ def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Arr
     They balance the same forces as those of `output_bearing_forces`. Raises DesignError if the covers do not fit.
     """
     planes, middle = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
-    about_middle = Planes(planes.force, planes.place - middle)
+    about_middle = Planes(planes.force, planes.axial_position - middle)
     return magnitudes(about_middle.net), magnitudes(about_middle.moment)
 
 

@@ -50,7 +50,7 @@ class WearingSurface:
         Length of each section along the sliding [m]; it is closed, or repeats.
     length
         Length of a contact line across it [m].
-    place
+    contact_coordinate
         Coordinate of the contact along the section [m], from -section/2, at the angles of `table_angles` and at pi,
         shape (`TABLE` + 1,); None for a surface that turns and so wears evenly.
     lever
@@ -66,14 +66,14 @@ class WearingSurface:
     count: int
     section: float
     length: float
-    place: Array | None = None
+    contact_coordinate: Array | None = None
     lever: float = 1.0
     opening: float = 1.0
 
     @property
     def cells(self) -> int:
         """Number of cells of a section."""
-        return 1 if self.place is None else CELLS
+        return 1 if self.contact_coordinate is None else CELLS
 
     @property
     def coordinates(self) -> Array:
@@ -82,9 +82,9 @@ class WearingSurface:
 
     def interpolate_depth(self, depth: Array) -> Array:
         """Interpolate the depth of the cells [m], shape (cells,), at the angles of `table_angles`, shape (`TABLE`,)."""
-        if self.place is None:
+        if self.contact_coordinate is None:
             return np.full(TABLE, depth[0])
-        return np.interp(self.place[:-1], self.coordinates, depth, period=self.section)
+        return np.interp(self.contact_coordinate[:-1], self.coordinates, depth, period=self.section)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class SlidingContacts:
     Attributes
     ----------
     angle
-        Place of the contact on the worn surface [rad], at which the wear is tabulated: of a tooth its phase, of an
+        Position of the contact on the worn surface [rad], at which the wear is tabulated: of a tooth its phase, of an
         output hole the direction about its centre, of a cam the direction of the force from that of the eccentricity.
     force, speed, half_width
         Normal force [N], sliding speed [m/s] and half width by Hertz [m].
@@ -292,11 +292,11 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     """
     power = sliding.force * sliding.speed * surface.lever
     area = surface.count * surface.length * surface.section / surface.cells
-    if surface.place is None:
+    if surface.contact_coordinate is None:
         return np.array([power.sum() / len(power) / area])
     is_loaded = power > 0.0
     angles = np.append(table_angles(TABLE), math.pi)
-    coordinates = np.interp(sliding.angle[is_loaded], angles, surface.place)
+    coordinates = np.interp(sliding.angle[is_loaded], angles, surface.contact_coordinate)
     cell_sums = sum_over_cells(
         coordinates, sliding.half_width[is_loaded], power[is_loaded], surface.section, surface.cells
     )

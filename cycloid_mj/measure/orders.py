@@ -19,7 +19,7 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.design.layouts import Layout
 from cycloid_mj.reducer import Reducer, RvReducer
 
-Place = Literal["gear", "stage", "output"]
+Signal = Literal["gear", "stage", "output"]
 """Signal of an error: the rotation of the disc, that of the output relative to the disc (stage of output pins), or that
 of the output."""
 
@@ -31,7 +31,7 @@ class Cause:
     key: str
     name: str
     """Key for programs, and name for people."""
-    place: Place
+    signal: Signal
     """Signal in which it appears."""
     base: float
     """Base of its orders [1]."""
@@ -60,8 +60,8 @@ class Cause:
         return np.isclose(ratio, nearest, atol=1e-6) & (nearest > 0) & self.takes(nearest)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the cause to JSON values; ``shows_in`` is the signal (`Place`), ``base_order`` that of its orders."""
-        return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
+        """Convert the cause to JSON values; ``shows_in`` is its signal, ``base_order`` the base of its orders."""
+        return {"key": self.key, "name": self.name, "shows_in": self.signal, "base_order": self.base, "why": self.why}
 
 
 def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
@@ -78,10 +78,10 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
     return CAUSES[reducer.LAYOUT](reducer)
 
 
-def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Cause]:
+def _ring_causes(reducer: Reducer, signal: Signal, shared: str) -> tuple[Cause, Cause]:
     """Return the causes of transmission error at the ring: properties that all teeth share, and errors of single teeth.
 
-    Each has the orders that it excites, in cycles per crank turn. `place` is the signal in which they appear, `shared`
+    Each has the orders that it excites, in cycles per crank turn. `signal` is the signal in which they appear, `shared`
     names what all teeth have in common besides the clearance.
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
@@ -91,7 +91,7 @@ def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Ca
         Cause(
             "mesh",
             "mesh",
-            place,
+            signal,
             float(mesh_base),
             lambda k: k % teeth == 0,
             f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
@@ -100,7 +100,7 @@ def _ring_causes(reducer: Reducer, place: Place, shared: str) -> tuple[Cause, Ca
         Cause(
             "ring",
             f"ring {ring}",
-            place,
+            signal,
             float(mesh_base),
             lambda k: k % teeth > 0,
             f"{base_factor}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a "
@@ -117,8 +117,8 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
     """
     design = reducer.design
     lobes, pins, (_, holes_base) = design.lobes, design.output.pins, base_orders(reducer)
-    mesh_signal: Place = "gear"
-    holes_signal: Place = "stage"
+    mesh_signal: Signal = "gear"
+    holes_signal: Signal = "stage"
     if design.output.turns_ring:
         # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
         mesh_signal, holes_signal = holes_signal, mesh_signal

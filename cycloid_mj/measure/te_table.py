@@ -9,7 +9,7 @@ from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
-from cycloid_mj.measure.orders import Place, causes
+from cycloid_mj.measure.orders import Signal, causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 
@@ -17,7 +17,7 @@ STATICS = "statics"
 _CRANK, _ERROR = "crank angle [deg]", "error [arcsec]"
 _ORDER, _AMPLITUDE = "order [cycles in a crank turn]", "amplitude [arcsec]"
 _PACES = {"slow": "slow", "speed": "at speed"}
-_PLACES: Mapping[Place, str] = {"gear": "disc", "stage": "output against the disc", "output": "output"}
+_SIGNAL_NAMES: Mapping[Signal, str] = {"gear": "disc", "stage": "output against the disc", "output": "output"}
 
 
 Traces = Mapping[TraceCondition, Trace]
@@ -85,10 +85,10 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
         for curve in _panel_curves(traces, statics, pace, shaft, load)
     ]
     result += _panel_curves(traces, statics, next(iter(paces)), "output")
-    for place, cycles_per_turn in _bases(reducer):
+    for signal, cycles_per_turn in _bases(reducer):
         for condition in evaluated_conditions(traces):
-            spectrum = _spectrum(reducer, traces[condition], place, cycles_per_turn)
-            panel = f"orders of the {_signal_name(reducer, place, cycles_per_turn)}, {condition.direction}, "
+            spectrum = _spectrum(reducer, traces[condition], signal, cycles_per_turn)
+            panel = f"orders of the {_signal_name(reducer, signal, cycles_per_turn)}, {condition.direction}, "
             panel += _PACES[condition.pace]
             result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(result)
@@ -206,7 +206,7 @@ def _cause_quantities(
     for condition in evaluated_conditions(traces):
         for cause_of_orders in causes(reducer):
             simulated_orders, static_orders = (
-                _spectrum(reducer, source[condition], cause_of_orders.place, cause_of_orders.base)
+                _spectrum(reducer, source[condition], cause_of_orders.signal, cause_of_orders.base)
                 for source in (traces, statics)
             )
             order, amplitude = cause_of_orders.strongest(simulated_orders)
@@ -215,7 +215,7 @@ def _cause_quantities(
                 name=f"rms of orders of {cause_of_orders.name}, {condition.words}",
                 value=cause_of_orders.rms(simulated_orders),
                 unit="arcsec",
-                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause_of_orders.place)))
+                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause_of_orders.signal)))
                 if finer
                 else None,
                 reference=cause_of_orders.rms(static_orders),
@@ -231,15 +231,17 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     orders, have the cause "between".
     """
     rows = []
-    for place, cycles_per_turn in _bases(reducer):
-        spectrum = _spectrum(reducer, trace, place, cycles_per_turn)
-        causes_of_signal = [cause for cause in causes(reducer) if (cause.place, cause.base) == (place, cycles_per_turn)]
+    for signal, cycles_per_turn in _bases(reducer):
+        spectrum = _spectrum(reducer, trace, signal, cycles_per_turn)
+        causes_of_signal = [
+            cause for cause in causes(reducer) if (cause.signal, cause.base) == (signal, cycles_per_turn)
+        ]
         for k in np.argsort(spectrum.amplitude)[::-1][:12]:
             order = float(spectrum.order[k])
             cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
             rows.append(
                 {
-                    "shows_in": place,
+                    "shows_in": signal,
                     "order": order,
                     "amplitude_arcsec": float(spectrum.amplitude[k]),
                     "cause": cause,
@@ -248,15 +250,15 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     return rows
 
 
-def _bases(reducer: Reducer) -> tuple[tuple[Place, float], ...]:
+def _bases(reducer: Reducer) -> tuple[tuple[Signal, float], ...]:
     """List the signals in which orders appear, each with the base of its orders [1]; a signal may have two bases."""
-    return tuple(dict.fromkeys((cause.place, cause.base) for cause in causes(reducer)))
+    return tuple(dict.fromkeys((cause.signal, cause.base) for cause in causes(reducer)))
 
 
-def _signal_name(reducer: Reducer, place: Place, base: float) -> str:
+def _signal_name(reducer: Reducer, signal: Signal, base: float) -> str:
     """Return the name of a signal, with the base of its orders if it has another base as well."""
-    has_two_bases = sum(place == other for other, _ in _bases(reducer)) > 1
-    return f"{_PLACES[place]}{f', multiples of {base:.4g}' if has_two_bases else ''}"
+    has_two_bases = sum(signal == other for other, _ in _bases(reducer)) > 1
+    return f"{_SIGNAL_NAMES[signal]}{f', multiples of {base:.4g}' if has_two_bases else ''}"
 
 
 def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -> Orders:

@@ -18,7 +18,7 @@ def wear_figure(result: WearLife) -> Figure:
 
     The wear depth is drawn along the section of the surface, after the last hour of the typical case.
     """
-    unevenly_worn = [item for item in result.surfaces if item.surface.place is not None]
+    unevenly_worn = [item for item in result.surfaces if item.surface.contact_coordinate is not None]
     figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
     panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]
     panels[0].set_title(f"{result.design}: lost motion, {result.condition}", fontsize="small")

@@ -107,9 +107,11 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start:
     springs
         Its contact springs at m crank angles, from `springs_of`.
     torque
-        Output torque [N m], not 0, positive as in `Member.share`: a number, or one per crank angle, shape (m,).
+        Output torque [N m], not 0: a number, or a torque per crank angle, shape (m,). It is positive if it brakes a
+        crank that rotates counter-clockwise (`Member.sense`).
     warm_start
-        Whether to start each solution from the previous equilibria. Use it if angles and torques vary smoothly.
+        Whether each solution starts from the equilibria at the previous crank angles. Use it if angles and torques vary
+        smoothly.
 
     Returns
     -------
@@ -142,7 +144,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start:
 def solve_at_friction(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None = None
 ) -> Loads:
-    """Solve for equilibrium with the friction coefficients of the springs, and add the twist of the structure.
+    """Solve for equilibrium with the springs' friction coefficients, and add the structure's twist to the rotations.
 
     Parameters
     ----------
@@ -179,7 +181,7 @@ def _solve_ring_output(
     settings = RING_TORQUE
     speed, torque_ratio = reducer.speed_against_ring, 1.0 + 1.0 / reducer.design.lobes
     has_friction, mean_torque, friction_torque = (
-        bool(springs.contacts.rubbing.size and speed),
+        bool(springs.contacts.friction_per_force.size and speed),
         float(np.mean(torque)),
         0.0,
     )
@@ -272,7 +274,7 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
         f"{RESIDUAL_RTOL:.0e})"
     )
     remedy = "check the clearances (clearance.*), or reduce the load (--load-nm)"
-    if not springs.contacts.rubbing.size:
+    if not springs.contacts.friction_per_force.size:
         raise RunError(f"{failure}; {remedy}")
     limit = friction_limit(springs.contacts, residual.angle, load[residual.angle])
     if limit < JAM.max_friction:
@@ -301,7 +303,8 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     crank
         Crank angles in order [rad], shape (k,).
     torque
-        Output torque [N m], not 0; positive as in `Member.share`, like the rotations.
+        Output torque [N m], not 0; positive if it brakes a crank that rotates counter-clockwise (`Member.sense`). The
+        rotations have the same sign convention.
 
     Returns
     -------

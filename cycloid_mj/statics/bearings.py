@@ -24,12 +24,12 @@ class Planes:
     ----------
     force
         Forces [N], shape (m, D, 2).
-    place
+    axial_position
         Axial positions of the planes [m], shape (D,), from the middle of all discs.
     """
 
     force: Array
-    place: Array
+    axial_position: Array
 
     @property
     def net(self) -> Array:
@@ -39,7 +39,7 @@ class Planes:
     @property
     def moment(self) -> Array:
         """Tilting moment about the middle of all discs [N m], shape (m, 2): about x, and about y."""
-        x, y = np.einsum("d,mdi->im", self.place, self.force)
+        x, y = np.einsum("d,mdi->im", self.axial_position, self.force)
         return np.stack([-y, x], axis=1)
 
     def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
@@ -48,14 +48,14 @@ class Planes:
         Parameters
         ----------
         far_position, near_position
-            Axial positions of the two bearings [m], in the coordinate of `place`.
+            Axial positions of the two bearings [m], in the coordinate of `axial_position`.
 
         Returns
         -------
         tuple of Array
             Forces [N] on the part by the bearing at `far_position`, then by that at `near_position`, shape (m, 2) each.
         """
-        near_share = (self.place - far_position) / (near_position - far_position)
+        near_share = (self.axial_position - far_position) / (near_position - far_position)
         near_reaction = -np.einsum("d,mdi->mi", near_share, self.force)
         return -self.net - near_reaction, near_reaction
 

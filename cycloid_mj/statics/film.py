@@ -139,10 +139,10 @@ class FilmSurfaces:
     radius: Array
     inputs: FilmInputs = DESIGN_INPUTS
 
-    def at(self, selected: Mask) -> "FilmSurfaces":
-        """Return the surfaces of only those contact lines for which the mask `selected` is true.
+    def select(self, selected: Mask) -> "FilmSurfaces":
+        """Return the surfaces of those contact lines for which the mask `selected` is true.
 
-        `selected` has the shape of `radius`.
+        `selected` has the shape of the attribute `radius`.
         """
         flank, seat = (
             None if speeds is None else SurfaceSpeeds(speeds.moving[selected], speeds.fixed[selected])
@@ -164,7 +164,7 @@ class FilmSurfaces:
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
     def seat_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of rolling pins in their seats, as an equivalent at the flank; None without seats.
+        """Compute the friction of rolling pins in their seats, converted to the flank; None without seats.
 
         The equivalent coefficient is the friction force at the flank that turns a pin in its seat, divided by the
         normal force. It is the coefficient of the seat times `seat_scale`. `force` is the normal force of each contact
@@ -260,7 +260,7 @@ class FilmContacts:
         Surfaces at the phases of the contact lines, shape (m, teeth).
     studs
         Number of contacts of output pins.
-    unit_rubbing
+    unit_friction_per_force
         Generalised friction of each contact at a coefficient of 1, shape (m, n, u).
     phases, curvature
         Phases of the contact lines of ideally placed discs [rad] and their relative curvature [1/m], shape (m, teeth).
@@ -270,14 +270,14 @@ class FilmContacts:
 
     surfaces: FilmSurfaces
     studs: int
-    unit_rubbing: Array
+    unit_friction_per_force: Array
     phases: Array
     curvature: Array
     disc: Integers
     centres: Array
 
     def displaced(self, departures: Array) -> "FilmContacts":
-        """Return the contacts for displaced discs.
+        """Return the contacts for discs that are displaced from their ideal pose.
 
         A displaced disc centre changes the phases of the pins, which are their angles from the direction of the
         eccentric: by 1.4 deg if a clearance of the cam of 25 um displaces a disc with an eccentricity of 1 mm.
@@ -342,7 +342,7 @@ def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> Fi
 
 
 def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
-    """Build the contacts with the ring and of output pins for the film law.
+    """Build the contacts of the discs with ring and output pins, as the film law needs them.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     return FilmContacts(
         surfaces=build_film_surfaces(reducer, phases, curvature),
         studs=mesh_gaps.kind.size - teeth,
-        unit_rubbing=-np.sign(sliding)[..., np.newaxis] * mesh_gaps.slip_slope,
+        unit_friction_per_force=-np.sign(sliding)[..., np.newaxis] * mesh_gaps.slip_slope,
         phases=phases,
         curvature=curvature,
         disc=disc,
@@ -423,7 +423,7 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 
 
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
-    """Return the drag torques of crank and output that do not depend on the load.
+    """Return the load-independent drag torques of crank and output [N m].
 
     Without the law ``film``, they are the values `drag` of the design. With this law, the torques of the seals follow
     from ISO/TR 14179-2, unless the design sets `drag`. Palmgren's torque M0 of rolling bearings is added: that of the

@@ -51,7 +51,7 @@ RANGES: Mapping[str, InputRange] = {
 
 
 def boundary_range(reducer: Reducer) -> InputRange:
-    """Return the range of the boundary friction: that of greased steel, or that of the plastic on whose flanks it acts.
+    """Return the range of the boundary friction coefficient: that of greased steel, or of a plastic at the flanks.
 
     For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
     """
@@ -261,7 +261,7 @@ class _LoadedContacts:
     cam_power: float
 
     def lost_power(self, inputs: FilmInputs = DESIGN_INPUTS) -> float:
-        """Compute the mean friction power of all contacts [W] under these forces, for `inputs` of the film law."""
+        """Compute the mean friction power of the loaded contacts [W], for `inputs` of the film law."""
         surfaces = replace(self.surfaces, inputs=inputs)
         output_friction = surfaces.output_friction(self.output)
         output = (
@@ -275,7 +275,7 @@ class _LoadedContacts:
 
 
 def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> _LoadedContacts:
-    """Select the contacts that carry load in a solved equilibrium with film friction, and their forces."""
+    """Return the contacts that carry load in a solved equilibrium with film friction, with their forces."""
     assert springs.film is not None
     assert contact_loads.friction is not None
     count = springs.teeth
@@ -285,7 +285,7 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
     with_unit_friction = replace(contact_loads, friction=unit_friction)
     solved_springs = springs.with_friction(contact_loads.friction)
     return _LoadedContacts(
-        surfaces=springs.film.displaced(contact_loads.departures).surfaces.at(teeth),
+        surfaces=springs.film.displaced(contact_loads.departures).surfaces.select(teeth),
         teeth=contact_loads.teeth[teeth],
         output=contact_loads.output[output],
         cam=np.linalg.norm(contact_loads.cam, axis=-1),

@@ -71,13 +71,14 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 
 
 def _creep_speed_factor(reducer: Reducer) -> float:
-    """Compute the factor by which moving pins raise the creep speed of teeth [1], below which friction is not full.
+    """Compute the factor by which moving pins raise the creep speed of the teeth [1].
 
-    It is 1 for fixed pins, and without friction. A moving pin of the radius R turns in a socket or on a core of the
-    radius r. The sliding of the disc is divided between two contacts in series, at the disc and at the seat. Their
-    friction forces f and f' are in equilibrium if r f' = R f, and have the limits mu F and mu' F under the normal force
-    F. Below its limit, each contact creeps at a speed proportional to f/(mu F) or f'/(mu' F). The pin's surface moves
-    by R/r times the sliding at the seat.
+    Below the creep speed, friction is less than its Coulomb limit. The factor is 1 for fixed pins, and without
+    friction. A moving pin of the radius R turns in a socket or on a core of the radius r. The sliding of the disc is
+    divided between two contacts in series, at the disc and at the seat. Their friction forces f and f' are in
+    equilibrium if r f' = R f, and have the limits mu F and mu' F under the normal force F. Below its limit, each
+    contact creeps at a speed proportional to f/(mu F) or f'/(mu' F). The pin's surface moves by R/r times the sliding
+    at the seat.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair

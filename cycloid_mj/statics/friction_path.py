@@ -22,7 +22,7 @@ from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
-from cycloid_mj.statics.kernel import PATH_RESIDUAL_RTOL, KernelSprings, Rubbing, follow_path
+from cycloid_mj.statics.kernel import PATH_RESIDUAL_RTOL, FrictionElements, KernelSprings, follow_path
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -123,11 +123,11 @@ def follow_torque_path(
     if locked_shaft == "output":
         resting_reducer = resting_reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(resting_reducer, [crank], friction=False)
-    rubbing = build_friction_elements(resting_reducer, springs.contacts, crank, losses, locked_shaft)
+    friction_elements = build_friction_elements(resting_reducer, springs.contacts, crank, losses, locked_shaft)
     points = np.arange(len(torque), dtype=float)
     while True:
         point_torque = np.interp(points, np.arange(len(torque)), torque)
-        residual, positions, turns = _solve_path(springs, rubbing, point_torque, max_rotation)
+        residual, positions, turns = _solve_path(springs, friction_elements, point_torque, max_rotation)
         if not residual:
             break
         failed = int(positions[-1]) + 1 if len(positions) else 0
@@ -141,12 +141,14 @@ def follow_torque_path(
     return positions, turns + wind_up(reducer) * np.interp(positions, np.arange(len(torque)), torque)
 
 
-def _solve_path(springs: Springs, rubbing: Rubbing, torque: Array, max_rotation: float) -> tuple[float, Array, Array]:
+def _solve_path(
+    springs: Springs, friction_elements: FrictionElements, torque: Array, max_rotation: float
+) -> tuple[float, Array, Array]:
     """Solve the equilibria along a torque path from rest, as far as they exist.
 
     Parameters
     ----------
-    springs, rubbing
+    springs, friction_elements
         Contact springs at one crank angle without friction, and the friction elements.
     torque
         Torques on the output in the order of the path [N m], shape (torques,).
@@ -165,7 +167,9 @@ def _solve_path(springs: Springs, rubbing: Rubbing, torque: Array, max_rotation:
     max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
     displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():
-        residual, rows = follow_path(springs.contacts, rubbing, path, max_rotation * radius, positions, displacements)
+        residual, rows = follow_path(
+            springs.contacts, friction_elements, path, max_rotation * radius, positions, displacements
+        )
     return residual.force, positions[:rows], displacements[:rows, -1] / radius
 
 
@@ -184,10 +188,10 @@ def _no_equilibrium(torque: float, locked_shaft: Held, step: str, residual: floa
 
 def build_friction_elements(
     reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked_shaft: Held
-) -> Rubbing:
+) -> FrictionElements:
     """Build the friction elements of contacts, cams and seals, in this order, with one shaft locked.
 
-    Each element is a tangential spring that slips at a limit, see `Rubbing`.
+    Each element is a tangential spring that slips at a limit, see `FrictionElements`.
 
     Parameters
     ----------
@@ -223,17 +227,17 @@ def build_friction_elements(
     stiffness = np.concatenate([springs.stiffness[0], np.full(discs, springs.cam_stiffness)])
     seal_limits = np.full(seal_count, losses.drag / radius / seal_count)
     material_loss = losses.material * (np.arange(len(sliding)) < contacts + discs)
-    return Rubbing(
+    return FrictionElements(
         slip=sliding,
         coefficient=np.array(
             [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seal_count]
         ),
         drag=seal_limits,
-        stick=np.concatenate(
+        stiffness=np.concatenate(
             [_SETTINGS.sticking_stiffness * stiffness, seal_limits / (radius * slip_rotations(losses.travel))]
         ),
-        loss=material_loss,
-        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seal_count)])
+        retained_share=material_loss,
+        retained_stiffness=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seal_count)])
         * (material_loss > 0.0),
     )
 

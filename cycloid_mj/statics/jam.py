@@ -52,7 +52,11 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     """
     from scipy.optimize import root
 
-    slopes, rubbing, load_size = springs.slope[angle_index], springs.rubbing[angle_index], float(np.abs(load).max())
+    slopes, friction_per_force, load_size = (
+        springs.slope[angle_index],
+        springs.friction_per_force[angle_index],
+        float(np.abs(load).max()),
+    )
     length_unit = load_size / springs.cam_stiffness
 
     def residual(displacements: Array, friction: float) -> Array:
@@ -61,12 +65,12 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
         `displacements` (u,) are divided by `length_unit`; `friction` is the multiple of the design's friction.
         """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
-        residual_force = load + forces @ (slopes + friction * rubbing)
+        residual_force = load + forces @ (slopes + friction * friction_per_force)
         cam_offsets = displacements[:-1].reshape(-1, 3)[:, :2] * length_unit
         lateral_offsets = friction * springs.cam_lateral * cam_offsets[:, ::-1] * (1.0, -1.0)
         residual_force[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * (cam_offsets - lateral_offsets)
         residual_force[2:-1:3] += (
-            friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(cam_offsets, axis=1)
+            friction * springs.cam_friction_per_force * springs.cam_stiffness * np.linalg.norm(cam_offsets, axis=1)
         )
         return np.asarray(residual_force / load_size)
 

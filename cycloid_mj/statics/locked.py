@@ -65,7 +65,7 @@ def load_friction(share: float, travel: float) -> LoadFriction:
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Return the elastic elements that slip at a limit (Jenkin), for a design's constant friction and its hysteresis.
+    """Return the elastic elements that slip at a limit (Jenkin) and model constant friction and hysteresis of a design.
 
     They are parallel to the torsion of the output; their limits are in the table ``springs`` of the design. Friction
     and hysteresis have `ELEMENTS` elements each if their limit is above 0, and none otherwise.
@@ -140,7 +140,7 @@ def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> Lock
 
 
 def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
-    """Return the curve of rotation over torque from the rotations [rad] under negative and under positive torques.
+    """Join the rotations [rad] under negative and under positive torques to a curve of rotation over torque.
 
     The torques are `SHARES` of `max_torque` [N m], the same on both sides.
     """
@@ -249,11 +249,11 @@ def _compute_vertices(
                 )
             total_torque += share / len(friction_slip) * np.abs(total_torque) * friction_state
         for element in range(len(slip)):
-            stretch = np.minimum(np.maximum(vertices - origin[element], -slip[element]), slip[element])
-            total_torque += stiffness[element] * stretch
+            element_rotation = np.minimum(np.maximum(vertices - origin[element], -slip[element]), slip[element])
+            total_torque += stiffness[element] * element_rotation
         low, high = min(reversals[branch], reversals[branch + 1]), max(reversals[branch], reversals[branch + 1])
-        between = total_torque[(total_torque > low) & (total_torque < high)]
-        torque = np.concatenate((np.array([low]), between, np.array([high])))
+        inner_torque = total_torque[(total_torque > low) & (total_torque < high)]
+        torque = np.concatenate((np.array([low]), inner_torque, np.array([high])))
         if reversals[branch + 1] < reversals[branch]:
             torque = torque[::-1].copy()
         vertex_rotation = np.interp(torque, total_torque, vertices)

@@ -459,14 +459,14 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
     displacements = _minimise_energy(springs, load, np.zeros(load.shape))
     if friction is None:
         return _loads_at(springs, displacements)
-    rubbing, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
+    friction_load, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
     change, relaxation = np.full(len(load), np.inf), np.ones(len(load))
     for _ in range(FRICTION.max_steps):
-        residual, previous_change = friction.load(_loads_at(springs, displacements)) - rubbing, change
+        residual, previous_change = friction.load(_loads_at(springs, displacements)) - friction_load, change
         change = np.max(np.abs(residual), axis=1) / load_size
         relaxation = np.where(change > previous_change, 0.5 * relaxation, relaxation)
-        rubbing = rubbing + relaxation[:, np.newaxis] * residual
-        displacements = _minimise_energy(springs, load + rubbing, displacements)
+        friction_load = friction_load + relaxation[:, np.newaxis] * residual
+        displacements = _minimise_energy(springs, load + friction_load, displacements)
         if change.max() <= FRICTION.rtol:
             return _loads_at(springs, displacements)
     raise RunError(
@@ -477,7 +477,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return forces, displacements and compliance of an RV reducer at displacements in equilibrium (m, u) [m]."""
+    """Return the loads of an RV reducer (forces, compliance) from its displacements in equilibrium (m, u) [m]."""
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))

@@ -208,7 +208,7 @@ def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmL
     unit_power = loads.pins * np.abs(springs.slip) * abs(reducer.speed_against_ring) / len(springs.crank)
     return RvFilmLosses(
         reducer=reducer,
-        surfaces=film.surfaces(loads).at(is_loaded),
+        surfaces=film.surfaces(loads).select(is_loaded),
         teeth=loads.pins[is_loaded],
         tooth_power=unit_power[is_loaded],
         planets=loads.meshes,

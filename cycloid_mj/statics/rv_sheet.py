@@ -89,7 +89,7 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 
 @once
 def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Solve for the balance without friction at `count` crank angles over a turn of the carrier.
+    """Solve for the static equilibrium of an RV reducer without friction, at `count` angles over a turn of the carrier.
 
     `torque` is the torque on the output [N m], not 0.
 
@@ -103,10 +103,10 @@ def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_an
 
 @once
 def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Solve for the balance of the running drive with friction at `count` crank angles over a turn of the carrier.
+    """Solve for the static equilibrium of a running RV reducer with friction, at angles over a turn of the carrier.
 
-    `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque brakes a drive that runs in
-    reverse.
+    There are `count` crank angles. `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque
+    brakes a drive that runs in reverse.
 
     Raises
     ------

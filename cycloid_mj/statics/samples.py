@@ -85,7 +85,7 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return the deviations of `count` drives that all equal the design with its errors, as read-only arrays.
+    """Return the deviations of `count` identical drives, which all have the errors of the design, as read-only arrays.
 
     Use `dataclasses.replace` to change them. They are the input of the statics of many samples.
     """
@@ -150,7 +150,7 @@ def solve_samples(
         Deviations of the samples.
     torques
         Output torques [N m], not 0. A positive torque brakes a crank that rotates counter-clockwise, as in
-        `Member.share`. For `backlash`, include a small torque and its negative.
+        `Member.sense`. For `backlash`, include a small torque and its negative.
     angles
         Number of crank angles, evenly over a turn in the frame of the ring.
     threads
@@ -303,7 +303,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
 
 
 def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Array:
-    """Compute the changes of the gaps of k x n contacts by profile waves of the flanks, (k, n, 1 + 2 orders).
+    """Compute the changes of the gaps of n contacts at k crank angles by profile waves, shape (k, n, 1 + 2 orders).
 
     The first column is the change by `common_waves` [m], amplitudes that all samples have; the others are the
     derivatives by the amplitude of the cosine, then of the sine, of each of `orders` [1]. `springs` are those at k

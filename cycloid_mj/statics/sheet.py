@@ -274,7 +274,7 @@ def _cached_part(part: SheetPart) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output for a sheet, and its origin.
+    """Return the torque on the output for which a sheet is computed [N m], and its origin.
 
     It is `load` unless this is None, else the load of the design unless this is 0, else the nominal torque.
 
@@ -419,8 +419,8 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
     """Yield peak-to-peak and rms values [arcsec] of the rotations [rad] of the disc ("gear") and the output.
 
-    `rotations` has arrays of shape (m,) over a turn, by these keys. `case` is the loading, and `direction` that of the
-    crank; both are part of the keys of the quantities.
+    `rotations` has arrays of shape (m,) over a turn, by these keys. `case` is "unloaded" or "loaded", and `direction`
+    that of the crank; both are part of the keys of the quantities.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"

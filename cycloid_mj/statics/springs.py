@@ -58,12 +58,14 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with the friction coefficients of `friction`; only for designs with the law ``film``."""
+        """Return the springs with the film friction coefficients `friction`; only for designs with the law ``film``."""
         assert self.film is not None
-        rubbing = friction.contacts[..., np.newaxis] * self.film.unit_rubbing
+        friction_per_force = friction.contacts[..., np.newaxis] * self.film.unit_friction_per_force
         speed = self.film.surfaces.reducer.design.drive.speed
         contacts = _with_cam_friction(
-            self.contacts._replace(rubbing=rubbing), self.film.surfaces.reducer, math.copysign(friction.cam, speed)
+            self.contacts._replace(friction_per_force=friction_per_force),
+            self.film.surfaces.reducer,
+            math.copysign(friction.cam, speed),
         )
         return replace(self, contacts=contacts, friction=friction)
 
@@ -79,7 +81,7 @@ class Springs:
         return np.asarray(slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2))
 
     def load(self, torque: float | Array) -> Array:
-        """Return the generalised forces of a torque on the carrier, of weight and of inertia [N], shape (m, 3 D + 1).
+        """Return the generalised load [N], shape (m, 3 D + 1): a torque on the carrier, weight and centrifugal force.
 
         `torque` [N m] is a number, or has shape (m,).
         """
@@ -135,7 +137,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
     )
     if friction and film is None:
-        contacts = contacts._replace(rubbing=compute_friction_per_force(reducer, mesh_gaps, motion))
+        contacts = contacts._replace(friction_per_force=compute_friction_per_force(reducer, mesh_gaps, motion))
         contacts = _with_cam_friction(contacts, reducer, math.copysign(reducer.design.friction_of("cam"), speed))
     springs = Springs(
         crank=crank,
@@ -153,7 +155,7 @@ def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coeffic
     """Return springs with the friction of the cams, whose coefficient [1] has the sign of the crank's rotation."""
     gear = reducer.design.gear
     return contacts._replace(
-        cam_rubbing=coefficient * gear.bore_radius / contacts.radius,
+        cam_friction_per_force=coefficient * gear.bore_radius / contacts.radius,
         cam_lateral=coefficient if gear.bearing == "plain" else 0.0,
     )
 
@@ -178,8 +180,8 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         cam_position=cam_positions,
         cam_clearance=design.clearance.cam + (reducer.worn.cam if reducer.worn else 0.0),
         cam_stiffness=reducer.contacts["cam"].stiffness,
-        rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
-        cam_rubbing=0.0,
+        friction_per_force=np.zeros((0, *mesh_gaps.slope.shape[1:])),
+        cam_friction_per_force=0.0,
         cam_lateral=0.0,
         bending=bending,
         pins=design.output.pins if bending.any() else 0,

@@ -6,7 +6,7 @@ from cycloid_mj.base.array import Array
 
 
 def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
-    """Compute the rotation from the stop of negative torques to that of positive torques [rad], shape (m,).
+    """Compute the rotation from the stop under negative torques to that under positive torques [rad], shape (m,).
 
     `rotation` is a function from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice
     this torque, and in the opposite direction; the line through both rotations is extrapolated to no torque.

@@ -140,23 +140,23 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    `stations` (s,) [m] are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
-    acts at the planet, and decreases along each eccentric.
+    `stations` (s,) [m] are positions layout z. A crank is a beam on supports in the middles of the flanges. Its torque
+    acts at the planet, and decreases layout each eccentric.
     """
-    gear, along = reducer.design.gear, axial_layout(reducer)
+    gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)
-    first, last = (sum(ends) / 2.0 for ends in along.flanges)
+    first_flange, second_flange = (sum(ends) / 2.0 for ends in layout.flanges)
     on_discs = -np.moveaxis(loads.cranks, 1, 2)
     on_planets = planet_forces(reducer, springs, loads)[:, :, np.newaxis]
-    forces, places = np.concatenate([on_planets, on_discs], axis=2), np.append(along.planet_middle, planes)
+    forces, force_positions = np.concatenate([on_planets, on_discs], axis=2), np.append(layout.planet_middle, planes)
     widths = np.append(reducer.planet.face_width, np.full(planes.size, gear.face_width))
-    far_support = np.einsum("kncj,c->knj", forces, (places - first) / (first - last))
+    far_support = np.einsum("kncj,c->knj", forces, (force_positions - first_flange) / (first_flange - second_flange))
     near_support = -forces.sum(axis=2) - far_support
-    loaded = np.clip(stations[:, np.newaxis] - places + widths / 2.0, 0.0, widths)
-    arms = loaded / widths * (stations[:, np.newaxis] - places + (widths - loaded) / 2.0)
+    loaded = np.clip(stations[:, np.newaxis] - force_positions + widths / 2.0, 0.0, widths)
+    arms = loaded / widths * (stations[:, np.newaxis] - force_positions + (widths - loaded) / 2.0)
     bending = np.einsum("kncj,sc->knsj", forces, arms)
-    for support, place in ((near_support, first), (far_support, last)):
-        bending += support[:, :, np.newaxis] * np.maximum(stations - place, 0.0)[:, np.newaxis]
+    for support, support_position in ((near_support, first_flange), (far_support, second_flange)):
+        bending += support[:, :, np.newaxis] * np.maximum(stations - support_position, 0.0)[:, np.newaxis]
     eccentrics = gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, np.newaxis]
     torques = cross(eccentrics, on_discs)
     torsion = np.einsum("knc,sc->kns", torques, 1.0 - loaded[:, 1:] / widths[1:])

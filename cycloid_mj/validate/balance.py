@@ -16,7 +16,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction_path import Losses, build_friction_elements
-from cycloid_mj.statics.kernel import KernelSprings, Rubbing, assemble_after, follow_path, state
+from cycloid_mj.statics.kernel import FrictionElements, KernelSprings, assemble_after, follow_path, state
 from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_offsets, slip_force
@@ -188,7 +188,7 @@ def sample_rows() -> list[ValidationRow]:
     ]
 
 
-def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
+def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, FrictionElements]:
     """Return springs, reference springs and friction elements of a design with friction at a locked crank.
 
     `layout` is a key of `LAYOUTS`. Seals have a drag of 1 N m that builds up over 0.1 mrad, and the material loses 10 %
@@ -213,12 +213,12 @@ def step_rows(layout: str) -> list[ValidationRow]:
     The step leads between two random poses; some surfaces stick during it while others slip. `layout` is that of the
     reducer, a key of `LAYOUTS`. Returns rows of `cycloid-mj validate`.
     """
-    springs, reference, rubbing = springs_with_friction(layout)
+    springs, reference, friction_elements = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
     pose_before, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
     pose_after = pose_before + random_pose(unknowns, BALANCE.slip)[::-1]
-    *_, spring_force = _reference_forces(reference, rubbing, np.array([pose_before, pose_after]))
-    residual = assemble_after(springs, rubbing, pose_before, load, pose_after, False).residual
+    *_, spring_force = _reference_forces(reference, friction_elements, np.array([pose_before, pose_after]))
+    residual = assemble_after(springs, friction_elements, pose_before, load, pose_after, False).residual
     return [deviation_row(f"forces after a step, {layout}", residual, load + spring_force, "N", SOURCE, 0.02)]
 
 
@@ -230,15 +230,15 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second row checks that no
     step exceeds `max_travel`.
     """
-    springs, reference, rubbing = springs_with_friction(layout)
+    springs, reference, friction_elements = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
     path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
     parameters = np.zeros(len(path) + spare_rows)
     poses = np.zeros((parameters.size, path.shape[1]))
-    rows = follow_path(springs, rubbing, path, max_travel, parameters, poses)[1]
+    rows = follow_path(springs, friction_elements, path, max_travel, parameters, poses)[1]
     parameters, poses = parameters[:rows], poses[:rows]
     load = np.stack([np.interp(parameters, range(len(path)), column) for column in path.T], axis=1)
-    residual = load + np.array(list(_reference_forces(reference, rubbing, poses)))
+    residual = load + np.array(list(_reference_forces(reference, friction_elements, poses)))
     largest_load, label = np.abs(load).max(), f"{layout}, {rows} steps"
     deviations = [
         deviation_row(
@@ -251,16 +251,16 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     return deviations
 
 
-def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
+def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionElements, path: Array) -> Iterator[Array]:
     """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path from rest.
 
     Contacts and cams are the `reference` springs, whose gaps are exact. Their material adds hysteresis along the
     normal, and their surfaces add friction along the tangent. Seals have constant friction. Hysteresis and friction are
-    springs that slip at the limits of `rubbing`. `path` (m, u) are poses z [m] as in ``reducer.gaps``, in which
-    rotations are arc lengths; a generalised force on a rotation is therefore a torque divided by the radius of the
-    circle of output pins.
+    springs that slip at the limits of `friction_elements`. `path` (m, u) are poses z [m] as in ``reducer.gaps``, in
+    which rotations are arc lengths; a generalised force on a rotation is therefore a torque divided by the radius of
+    the circle of output pins.
     """
-    count, discs = rubbing.stick.size, reference.design.gear.discs
+    count, discs = friction_elements.stiffness.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs
     previous_pose, friction_force, hysteresis_force, previous_depth = (
         np.zeros(path.shape[1]),
@@ -269,7 +269,7 @@ def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array
         np.zeros(normal_count),
     )
     for pose in path:
-        slip = rubbing.slip.copy()
+        slip = friction_elements.slip.copy()
         for disc, (x, y) in enumerate(cam_offsets(Reducer(reference.design), reference.crank, previous_pose)):
             # a disc slides across its cam at right angles to its offset from the centre of the cam
             slip[normal_count - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
@@ -278,12 +278,12 @@ def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array
         hysteresis_force = slip_force(
             hysteresis_force,
             depth - previous_depth,
-            rubbing.loss[:normal_count] * spring,
-            rubbing.backing[:normal_count],
+            friction_elements.retained_share[:normal_count] * spring,
+            friction_elements.retained_stiffness[:normal_count],
         )
         normal_force = spring + hysteresis_force
-        limit = np.concatenate([rubbing.coefficient[:normal_count] * normal_force, rubbing.drag])
-        friction_force = slip_force(friction_force, slip @ (pose - previous_pose), limit, rubbing.stick)
+        limit = np.concatenate([friction_elements.coefficient[:normal_count] * normal_force, friction_elements.drag])
+        friction_force = slip_force(friction_force, slip @ (pose - previous_pose), limit, friction_elements.stiffness)
         yield slopes.T @ normal_force - slip.T @ friction_force
         previous_pose, previous_depth = pose, depth
 

@@ -48,7 +48,7 @@ def shares(design: Design, place: str, base: float) -> dict[int, float]:
 def test_each_order_has_one_cause() -> None:
     for place, base in (("gear", 1.0), ("stage", AGAINST_GEAR)):
         for multiple in range(1, 100):
-            found = [one.key for one in causes(Reducer(fixed())) if one.place == place and one.has(base * multiple)]
+            found = [one.key for one in causes(Reducer(fixed())) if one.signal == place and one.has(base * multiple)]
             assert len(found) <= 1
             if place == "gear":
                 assert found == ["ring" if multiple % N else "mesh"]

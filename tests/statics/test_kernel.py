@@ -21,9 +21,9 @@ from cycloid_mj.statics.kernel import (
     PATH_RESIDUAL_RTOL,
     RESIDUAL_RTOL,
     RIGID_BODY_STIFFNESS,
+    FrictionElements,
     KernelSprings,
     Residual,
-    Rubbing,
     State,
     assemble_after,
     balance,
@@ -60,7 +60,7 @@ def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), frict
     return springs_of(Reducer(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6))), crank, friction).contacts
 
 
-def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
+def rubbed(name: str, held: Held) -> tuple[statics.Springs, FrictionElements]:
     """Return the springs of a design with friction of all kinds, and that friction."""
     design = design_of(name)
     pairs = design.pair_kinds
@@ -195,7 +195,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     path = allocate_path(contacts, u, lag)
     assert solve_by_arclength(contacts, 0, load[0], here, allowed, path, system) <= allowed
     np.testing.assert_allclose(here, other[0], rtol=0.0, atol=1e-6 * np.abs(other).max())
-    assert system.assembled[0] <= most
+    assert system.assembly_count[0] <= most
 
 
 @pytest.mark.parametrize(("lag", "way"), [(0.0, 0.6), (0.5, 0.6), (0.5, 1.3), (-0.5, 0.6), (-0.5, 1.3)])
@@ -301,8 +301,8 @@ def test_an_unloaded_drive_with_large_clearances_needs_few_assemblies() -> None:
 
 
 def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
-    contacts, load, z = springs("2")._replace(cam_rubbing=0.01), np.zeros((1, 7)), np.zeros((1, 7))
-    contacts = contacts._replace(rubbing=np.zeros((1, *contacts.slope.shape[1:])))
+    contacts, load, z = springs("2")._replace(cam_friction_per_force=0.01), np.zeros((1, 7)), np.zeros((1, 7))
+    contacts = contacts._replace(friction_per_force=np.zeros((1, *contacts.slope.shape[1:])))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
     left = balance(contacts, load, z, force, False)
@@ -316,7 +316,7 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
 
 def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
     contacts, load, z = springs("2")._replace(cam_lateral=0.1), np.zeros((1, 7)), np.zeros((1, 7))
-    contacts = contacts._replace(rubbing=np.zeros((1, *contacts.slope.shape[1:])))
+    contacts = contacts._replace(friction_per_force=np.zeros((1, *contacts.slope.shape[1:])))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
     assert balance(contacts, load, z, force, False).force <= RESIDUAL_RTOL
@@ -372,7 +372,7 @@ def test_a_failed_search_continues_along_paths_from_its_start_values(
         if first_angle > 1:
             return usual(*inputs)
         usual(contacts, load[:2], paths[:2], force[:2], extrapolate, 0, system)
-        system.begun[:] = 0.0
+        system.path_start[:] = 0.0
         return Residual(0.3, 1, 40)
 
     monkeypatch.setattr(search, "balance_briefly", fail_once)
@@ -453,10 +453,10 @@ def test_a_tight_cam_needs_no_more_steps_than_a_cam_with_play() -> None:
 @pytest.mark.parametrize("held", HELD)
 def test_each_cam_rubs_on_the_turn_of_its_own_disc(held: Held) -> None:
     """By the bore's radius for each radian, whatever the other disc does."""
-    found, rubs = rubbed("twodisc", held)
+    found, elements = rubbed("twodisc", held)
     contacts, bore = found.contacts, design_of("twodisc").gear.bore_radius
     cams, turns = slice(contacts.disc.size, contacts.disc.size + 2), [2, 5]
-    np.testing.assert_allclose(rubs.slip[cams][:, turns], bore / contacts.radius * np.eye(2), rtol=1e-12)
+    np.testing.assert_allclose(elements.slip[cams][:, turns], bore / contacts.radius * np.eye(2), rtol=1e-12)
 
 
 LOOP = np.array([0.2, 1.0, -1.0, 1.0])
@@ -471,9 +471,9 @@ LOOPS = {
 
 def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Residual:
     """Follow a loop of torque in large steps."""
-    found, rubs = rubbed(name, held)
+    found, elements = rubbed(name, held)
     load = np.concatenate([found.load(share * design_of(name).rated_torque) for share in course])
-    return follow_path(found.contacts, rubs, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
+    return follow_path(found.contacts, elements, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
 
 
 @pytest.mark.parametrize("name", cases(LOOPS, "pin", "printed", "few"))
@@ -495,14 +495,14 @@ def test_a_loop_needs_few_steps(name: str) -> None:
 )
 def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: str, held: Held) -> None:
     """With friction's limits given; where they follow from the normal forces, there is a stiffness, but no energy."""
-    loose, rubs = rubbed(name, held)
+    loose, elements = rubbed(name, held)
     contacts = loose.contacts
     before, load = pose(contacts, 2e-6), pose(contacts, 100.0)
     z = before + pose(contacts, 1e-7)[::-1]
     for given in (True, False):
 
         def at(z: np.ndarray, given: bool = given) -> State:
-            return assemble_after(contacts, rubs, before, load, z, given)
+            return assemble_after(contacts, elements, before, load, z, given)
 
         found, stiffness = at(z), differences(at, z, "residual", 1e-10)
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=4e-8 * np.abs(stiffness).max())
@@ -530,12 +530,12 @@ def test_a_tooth_that_rests_at_the_limit_of_the_foot_point_search_is_solved_agai
     assert left.work > 200, "the first searches must have failed"
 
 
-def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
+def friction_elements(contacts: KernelSprings, **given: float) -> FrictionElements:
     """Return friction that remembers of nothing, or the same of all."""
     count = contacts.disc.size + contacts.cam_position.shape[1]
-    none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
+    none = {name: np.zeros(count) for name in ("coefficient", "stiffness", "retained_share", "retained_stiffness")}
     values = {name: none[name] + given.get(name, 0.0) for name in none}
-    return Rubbing(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
+    return FrictionElements(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
 
 
 def untouched(contacts: KernelSprings) -> KernelSprings:
@@ -553,7 +553,7 @@ def test_a_long_step_is_divided_while_rows_are_left() -> None:
     for spare in (20, 3):
         when = np.full(len(path) + spare, np.nan)
         z = np.zeros((when.size, path.shape[1]))
-        left, rows = follow_path(contacts, rubbing(contacts), path, reach, when, z)
+        left, rows = follow_path(contacts, friction_elements(contacts), path, reach, when, z)
         assert left.force == 0.0
         when, z = when[:rows], z[:rows]
         assert np.all(np.diff(when) > 0.0)
@@ -572,7 +572,7 @@ def test_a_part_without_contact_is_held_by_the_weak_springs() -> None:
     contacts = untouched(springs("twodisc"))._replace(cam_clearance=1.0)
     path = np.outer([0.0, 1.0, 0.5], pose(contacts, 1e-6))
     z = np.zeros_like(path)
-    follow_path(contacts, rubbing(contacts), path, np.inf, np.zeros(len(path)), z)
+    follow_path(contacts, friction_elements(contacts), path, np.inf, np.zeros(len(path)), z)
     np.testing.assert_allclose(z, np.cumsum(path, axis=0) / (RIGID_BODY_STIFFNESS * contacts.cam_stiffness), rtol=1e-6)
 
 
@@ -583,10 +583,10 @@ def test_a_disc_rubs_its_cam_across_its_way() -> None:
     path = np.zeros((4, contacts.slope.shape[2]))
     path[:, :2] = [[100.0, 40.0], [95.0, 50.0], [60.0, 90.0], [80.0, 80.0]]
     path[:, 3:5] = [[-80.0, 150.0], [-85.0, 145.0], [-150.0, 90.0], [-140.0, 95.0]]
-    rubs = rubbing(contacts, stick=stick, coefficient=coefficient)
-    rubs.coefficient[:number] = 0.0
+    elements = friction_elements(contacts, stiffness=stick, coefficient=coefficient)
+    elements.coefficient[:number] = 0.0
     z = np.zeros_like(path)
-    left = follow_path(contacts, rubs, path, np.inf, np.zeros(len(path)), z)[0]
+    left = follow_path(contacts, elements, path, np.inf, np.zeros(len(path)), z)[0]
     assert left.force == 0.0
     for disc in range(discs):
         way = z[:, 3 * disc : 3 * disc + 2] - contacts.cam_position[0, disc]

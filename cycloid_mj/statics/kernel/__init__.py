@@ -8,7 +8,7 @@ solution is an equilibrium or a jam.
 """
 
 from cycloid_mj.statics.kernel.contacts import Gap, KernelSprings, gap, is_open
-from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, Rubbing, assemble_after, follow_path
+from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, FrictionElements, assemble_after, follow_path
 from cycloid_mj.statics.kernel.newton import PATH_RESIDUAL_RTOL, RESIDUAL_RTOL, RIGID_BODY_STIFFNESS, Residual
 from cycloid_mj.statics.kernel.samples import (
     CARRYING_SHARE,
@@ -30,10 +30,10 @@ __all__ = [
     "RESIDUAL_RTOL",
     "RIGID_BODY_STIFFNESS",
     "Effects",
+    "FrictionElements",
     "Gap",
     "KernelSprings",
     "Residual",
-    "Rubbing",
     "SampleDeviations",
     "State",
     "allocate_workspace",

@@ -85,11 +85,11 @@ class KernelSprings(NamedTuple):
 
     `trochoid`, the path of ideal pin centres, is E u(t) - c u(N t): E is the pin-circle radius [m], c the eccentricity
     [m], N the number of ring pins, and u(t) the unit vector at the angle t. `disc` (n,) is the disc of a contact;
-    `rotates` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_position`
-    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is
-    in contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force,
-    the latter on the rotation of the cam's disc; k is 0 in `rubbing` without friction. `cam_lateral` [1] is the
-    friction force of a sliding cam across its normal, per normal force; rollers exert none.
+    `rotates` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_position` (k, D,
+    2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is in
+    contact on both sides. `friction_per_force` (k, n, u) and `cam_friction_per_force` [1] are the generalised friction
+    per normal force, the latter on the rotation of the cam's disc; k is 0 in `friction_per_force` without friction.
+    `cam_lateral` [1] is the friction force of a sliding cam across its normal, per normal force; rollers exert none.
 
     `bending` (D, D) [m/N] is the deflection of an output pin at each disc, along its own force, per force of each other
     disc; the diagonal is part of `stiffness`. The last D `pins` contacts are those of the output pins, disc by disc;
@@ -112,8 +112,8 @@ class KernelSprings(NamedTuple):
     cam_position: Array
     cam_clearance: float
     cam_stiffness: float
-    rubbing: Array
-    cam_rubbing: float
+    friction_per_force: Array
+    cam_friction_per_force: float
     cam_lateral: float
     bending: Array
     pins: int
@@ -171,7 +171,7 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
-    """Return springs with clearances multiplied by `share` [1], except the negative clearance (preload) of a cam.
+    """Return springs whose clearances are multiplied by `share` [1], except the negative clearance (preload) of a cam.
 
     The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace of the new springs, which
     share all other arrays with `springs`.
@@ -195,8 +195,8 @@ def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Arr
         springs.cam_position,
         springs.cam_clearance * (share if springs.cam_clearance > 0.0 else 1.0),
         springs.cam_stiffness,
-        springs.rubbing,
-        springs.cam_rubbing,
+        springs.friction_per_force,
+        springs.cam_friction_per_force,
         springs.cam_lateral,
         springs.bending,
         springs.pins,
@@ -233,11 +233,10 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
-    """Compute the offset of the two curves of a contact when disc and output are displaced.
+    """Compute the offset between the two points of a contact that touch in the ideal mesh, at displaced parts.
 
-    It is the offset between the two points that touch in the ideal mesh: q along the normal and p along the tangent of
-    the ideal contact [m], with rotations to the second order. For a tooth, both are components in the frame that
-    rotates with the disc.
+    Its components are q along the normal and p along the tangent of the ideal contact [m], with rotations to the second
+    order. For a tooth, both are components in the frame that rotates with the disc.
 
     Parameters
     ----------
@@ -319,7 +318,7 @@ def _curve_distance(
     rotates: bool,
     use_foot_point: bool,
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of two curves whose points of ideal contact have moved apart by an offset.
+    """Compute the distance of the two curves of a contact whose points of ideal contact are offset from each other.
 
     The distance is expanded to the third order. Where the expansion is not valid, the foot point on the trochoid is
     used. If there is none nearby, as for parts that are far apart, the profile is approximated by its circle of

@@ -226,13 +226,13 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
-    """Write the residual at a point of the path, and its derivatives, to `path`; return the residual norm [N].
+    """Write the residual at a point of a continuation path, and its derivatives, to `path`; return its norm [N].
 
     The `point` (u + 1,) consists of the displacements divided by `path.unit`, and the parameter. The residual is
     written to ``path.residual``, its derivatives by the entries of the point to ``path.matrix``. `k` is the index of
     the crank angle, `load` (u,) [N] the generalised load.
     """
-    unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.back
+    unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.last_solution
     for j in range(unknown_count):
         z[j] = point[j] * path.unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
@@ -280,17 +280,17 @@ def _add_clearance_rate(
     friction
         Factor on the friction coefficients.
     """
-    unknown_count, has_friction = z.size, springs.rubbing.shape[0] > 0
+    unknown_count, has_friction = z.size, springs.friction_per_force.shape[0] > 0
     for i in range(springs.disc.size):
-        if system.pressed[i] == 0.0:
+        if system.spring_forces[i] == 0.0:
             continue
         for component in range(4):
             unknown = 3 * springs.disc[i] + component if component < 3 else unknown_count - 1
-            friction_rate = friction * springs.rubbing[k, i, unknown] if has_friction else 0.0
+            friction_rate = friction * springs.friction_per_force[k, i, unknown] if has_friction else 0.0
             rate[unknown] -= system.row[i, RATE] * springs.clearance[i] * (system.row[i, component] + friction_rate)
     for disc in range(springs.cam_position.shape[1]):
         cam = cam_at(scaled_springs, k, disc, z)
-        if cam.both > 0.0 and springs.cam_clearance > 0.0:
+        if cam.total_depth > 0.0 and springs.cam_clearance > 0.0:
             force_rate = springs.cam_stiffness * springs.cam_clearance
             rate[3 * disc] += force_rate * cam.u
             rate[3 * disc + 1] += force_rate * cam.v
@@ -298,7 +298,7 @@ def _add_clearance_rate(
                 lateral_rate = friction * springs.cam_lateral * force_rate
                 rate[3 * disc] -= lateral_rate * cam.v
                 rate[3 * disc + 1] += lateral_rate * cam.u
-                rate[3 * disc + 2] -= friction * springs.cam_rubbing * force_rate
+                rate[3 * disc + 2] -= friction * springs.cam_friction_per_force * force_rate
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -337,10 +337,12 @@ def _predict_and_correct(
     path: Path,
     system: System,
 ) -> bool:
-    """Compute `path.next_point` at a `length` [1] from `path.point`, and its tangent; return whether this succeeds.
+    """Compute the next point of a continuation path and its tangent; return whether this succeeds.
 
-    It fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of the
-    old one along the new tangent. The tangent is then unchanged. `sign` is an argument of `_update_tangent`,
+    `path.next_point` is at the arc length `length` [1] from `path.point` (Euler predictor, Newton corrector).
+
+    The step fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of
+    the old one along the new tangent. The tangent is then unchanged. `sign` is an argument of `_update_tangent`,
     `tolerance` [N] is the residual norm of a solution, `k` the index of the crank angle, and `load` (u,) [N] the
     generalised load.
     """
@@ -360,11 +362,11 @@ def _predict_and_correct(
 def _correct(
     springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: Path, system: System
 ) -> bool:
-    """Compute `path.next_point` at a `length` [1] from `path.point` by Newton's method; return whether it converges.
+    """Compute the next point of a continuation path by Newton's method; return whether it converges.
 
-    The predictor is the point at this length along `path.tangent`. The method fails if the residual norm stays above
-    `tolerance` [N], or if the new point is too far from the predictor. `k` is the index of the crank angle, `load` (u,)
-    [N] the generalised load.
+    `path.next_point` is at the arc length `length` [1] from `path.point`. The predictor is the point at this length
+    along `path.tangent`. The method fails if the residual norm stays above `tolerance` [N], or if the new point is too
+    far from the predictor. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count, point, next_point, tangent, residual = (
         load.size,

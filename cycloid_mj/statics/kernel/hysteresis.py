@@ -85,37 +85,37 @@ class HysteresisSettings(NamedTuple):
 _HYSTERESIS = HysteresisSettings()
 
 
-class Rubbing(NamedTuple):
+class FrictionElements(NamedTuple):
     """Friction elements (Prandtl-Jenkin) of n contacts, D cams and e seals, in this order: s = n + D + e.
 
     Each is a tangential spring that slips at its limit and keeps its force between steps. `slip` (s, u) [1] is the
     sliding per unknown; the sliding of a disc across its cam is added during the solution. `coefficient` (s,) [1] is
-    the limit per normal force, and `drag` (e,) [N] the limit of the seals. `stick` (s,) [N/m] is the stiffness below
-    the limit.
+    the limit per normal force, and `drag` (e,) [N] the limit of the seals. `stiffness` (s,) [N/m] is that below the
+    limit.
 
-    `loss` (s,) [1] is the share of a contact's normal force that its material retains during unloading, as a further
-    spring of the stiffness `backing` (s,) [N/m] along the normal that slips, too.
+    `retained_share` (s,) [1] is the share of a contact's normal force that its material retains during unloading, as a
+    further spring of the stiffness `retained_stiffness` (s,) [N/m] along the normal that slips, too.
     """
 
     slip: Array
     coefficient: Array
     drag: Array
-    stick: Array
-    loss: Array
-    backing: Array
+    stiffness: Array
+    retained_share: Array
+    retained_stiffness: Array
 
 
 class _ElastoplasticState(NamedTuple):
     """State at the end of a step: displacements `z` (u,) [m], and forces of s elements, each of shape (s,).
 
-    `side` is the friction force and `normal` the force of the lossy material [N]; `pressed` is the force of the spring
-    [N] and `depth` its deflection [m]. `slip` (s, u) [1] is the sliding per unknown in the next step.
+    `friction_force` [N], and `retained_force` [N] of the lossy material; `spring_force` [N] and deflection `depth` [m]
+    of the contact spring. `slip` (s, u) [1] is the sliding per unknown in the next step.
     """
 
     z: Array
-    side: Array
-    normal: Array
-    pressed: Array
+    friction_force: Array
+    retained_force: Array
+    spring_force: Array
     depth: Array
     slip: Array
 
@@ -123,10 +123,10 @@ class _ElastoplasticState(NamedTuple):
 class _Increment(NamedTuple):
     """A step of a path: `load` [N], `residual`, `tangent` and Newton step, and workspace.
 
-    `side` and `normal` (s,) are the fixed limits of friction and material in a Tresca iteration; otherwise the limits
-    follow from the normal forces, and the tangent is not symmetric. `drag` (1,) [N/m] is the inverse pseudo time step,
-    or the regularization of rigid-body modes. `gradient` (u,) [1] is that of the current contact's depth. `work` (1,)
-    counts the assemblies; `vectors` (u, u) are for `modified_newton_step`.
+    `friction_limit` and `retained_limit` (s,) are the fixed limits of friction and material in a Tresca iteration;
+    otherwise the limits follow from the normal forces, and the tangent is not symmetric. `drag` (1,) [N/m] is the
+    inverse pseudo time step, or the regularization of rigid-body modes. `gradient` (u,) [1] is that of the current
+    contact's depth. `work` (1,) counts the assemblies; `vectors` (u, u) are for `modified_newton_step`.
     """
 
     load: Array
@@ -135,15 +135,20 @@ class _Increment(NamedTuple):
     step: Array
     start: Array
     gradient: Array
-    side: Array
-    normal: Array
+    friction_limit: Array
+    retained_limit: Array
     drag: Array
     work: Integers
     vectors: Array
 
 
 def follow_path(
-    springs: KernelSprings, rubbing: Rubbing, path: Array, max_motion: float, positions: Array, z: Array
+    springs: KernelSprings,
+    friction_elements: FrictionElements,
+    path: Array,
+    max_motion: float,
+    positions: Array,
+    z: Array,
 ) -> tuple[Residual, int]:
     """Solve for equilibrium along a load path at the first crank angle of the springs, with elastoplastic friction.
 
@@ -153,7 +158,7 @@ def follow_path(
 
     Parameters
     ----------
-    springs, rubbing
+    springs, friction_elements
         Contact springs without friction, and friction elements.
     path
         Generalised loads (m, u) [N]. The first step leads from no load to the first of them.
@@ -170,16 +175,16 @@ def follow_path(
         Residual, and number of rows that are filled in. The residual force is 0 if the whole path was solved. If a step
         has no equilibrium, it is the residual of this step divided by the largest load of the path.
     """
-    elements, unknowns = rubbing.stick.size, path.shape[1]
-    old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
-    increment = _allocate_increment(elements, unknowns)
-    return _follow_path(springs, rubbing, path, max_motion, positions, z, increment, old, new)
+    element_count, unknowns = friction_elements.stiffness.size, path.shape[1]
+    old, new = _allocate_state(element_count, unknowns), _allocate_state(element_count, unknowns)
+    increment = _allocate_increment(element_count, unknowns)
+    return _follow_path(springs, friction_elements, path, max_motion, positions, z, increment, old, new)
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def _follow_path(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     path: Array,
     max_motion: float,
     positions: Array,
@@ -190,7 +195,7 @@ def _follow_path(
 ) -> tuple[Residual, int]:
     """Follow the equilibrium of springs with friction along a `path` of loads (m, u) [N], with a given workspace.
 
-    Arguments and results are those of `follow_path`: friction elements `rubbing`, displacement of the output
+    Arguments and results are those of `follow_path`: friction elements `friction_elements`, displacement of the output
     `max_motion` [m] above which a step is halved, output arrays `positions` (rows,) and `z` (rows, u) [m], residual and
     number of filled rows. `increment`, `old` and `new` are the workspace, from `_allocate_increment` and
     `_allocate_state`.
@@ -208,14 +213,14 @@ def _follow_path(
         while done < 1.0:
             share = min(share, 1.0 - done)
             _interpolate_load(path, load_index, done + share, increment.load)
-            _update_slip(springs, rubbing, old)
-            norm = _solve_newton(springs, rubbing, tolerance, increment, old, new) / scale
+            _update_slip(springs, friction_elements, old)
+            norm = _solve_newton(springs, friction_elements, tolerance, increment, old, new) / scale
             is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[unknowns - 1] - old.z[unknowns - 1]) > max_motion
             if is_rejected and load_index > 0 and share > min_step and spare_rows > 0:
                 share *= 0.5
                 continue
             if not norm <= PATH_RESIDUAL_RTOL and increment.work[0] <= _HYSTERESIS.work_per_step * count:
-                norm = _solve_tresca(springs, rubbing, tolerance, increment, old, new) / scale
+                norm = _solve_tresca(springs, friction_elements, tolerance, increment, old, new) / scale
             if not norm <= PATH_RESIDUAL_RTOL:
                 if share < _HYSTERESIS.min_step and min_step < _HYSTERESIS.min_step:
                     # close to a jump there is no equilibrium: it is taken in a longer step
@@ -224,7 +229,7 @@ def _follow_path(
                 if share > _HYSTERESIS.min_step and increment.work[0] <= _HYSTERESIS.work_per_step * count:
                     share *= 0.5
                     continue
-                norm = _solve_pseudo_transient(springs, rubbing, tolerance, increment, old, new) / scale
+                norm = _solve_pseudo_transient(springs, friction_elements, tolerance, increment, old, new) / scale
                 if not norm <= PATH_RESIDUAL_RTOL:
                     return Residual(norm, 0, increment.work[0]), rows
             done += share
@@ -240,7 +245,7 @@ def _follow_path(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
-    """Write the load [N] at a `share` [1] of the step from load `m` - 1 to load `m` of a path to `load` (u,).
+    """Interpolate a load path: write the load [N] at a `share` [1] of the step from load `m` - 1 to `m` to `load` (u,).
 
     `path` has the shape (loads, u). The first step, `m` = 0, begins without load.
     """
@@ -250,27 +255,32 @@ def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
 
 
 def assemble_after(
-    springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
+    springs: KernelSprings,
+    friction_elements: FrictionElements,
+    middle: Array,
+    load: Array,
+    z: Array,
+    fixed_limits: bool,
 ) -> State:
-    """Assemble energy, residual and tangent of a step from the displacements `middle` to `z`, (u,) [m] each.
+    """Assemble energy, residual and tangent of the second of two steps: from rest to `middle`, then from there to `z`.
 
-    Another step leads from rest to `middle` before. The `load` (u,) [N] acts at z. Neither displacement needs to be an
+    `middle` and `z` (u,) are displacements [m]. The `load` (u,) [N] acts at z. Neither displacement needs to be an
     equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`. With `fixed_limits` they
     follow from those at `middle`; then the residual is the negative gradient of the energy, and the tangent is
     symmetric.
     """
-    unknown_count, elements = z.size, rubbing.stick.size
-    rest, old, new = (_allocate_state(elements, unknown_count) for _ in range(3))
-    increment = _allocate_increment(elements, unknown_count)
+    unknown_count, element_count = z.size, friction_elements.stiffness.size
+    rest, old, new = (_allocate_state(element_count, unknown_count) for _ in range(3))
+    increment = _allocate_increment(element_count, unknown_count)
     old.z[:], new.z[:], increment.load[:] = middle, z, load
-    energy = _assemble_two_steps(springs, rubbing, fixed_limits, increment, rest, old, new)
+    energy = _assemble_two_steps(springs, friction_elements, fixed_limits, increment, rest, old, new)
     return State(energy, increment.residual, increment.tangent)
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def _assemble_two_steps(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     fixed_limits: bool,
     increment: _Increment,
     rest: _ElastoplasticState,
@@ -284,15 +294,15 @@ def _assemble_two_steps(
     forces of `old`.
     """
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
-    _update_slip(springs, rubbing, rest)
-    _assemble_step(springs, rubbing, FALSE, increment, rest, old)
-    _update_slip(springs, rubbing, old)
-    _update_limits(rubbing, increment, old, 1.0)
-    return _assemble_step(springs, rubbing, fixed_limits, increment, old, new)[1]
+    _update_slip(springs, friction_elements, rest)
+    _assemble_step(springs, friction_elements, FALSE, increment, rest, old)
+    _update_slip(springs, friction_elements, old)
+    _update_limits(friction_elements, increment, old, 1.0)
+    return _assemble_step(springs, friction_elements, fixed_limits, increment, old, new)[1]
 
 
-def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
-    """Allocate the workspace of a step, for `elements` friction elements and `unknown_count` displacements."""
+def _allocate_increment(element_count: int, unknown_count: int) -> _Increment:
+    """Allocate the workspace of a load step, for `element_count` friction elements and `unknown_count` unknowns."""
     return _Increment(
         np.zeros(unknown_count),
         np.zeros(unknown_count),
@@ -300,35 +310,35 @@ def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
         np.zeros(unknown_count),
         np.zeros(unknown_count),
         np.zeros(unknown_count),
-        np.zeros(elements),
-        np.zeros(elements),
+        np.zeros(element_count),
+        np.zeros(element_count),
         np.zeros(1),
         np.zeros(1, np.int64),
         np.zeros((unknown_count, unknown_count)),
     )
 
 
-def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
-    """Return the state of unloaded parts at rest, for `elements` friction elements and `unknown_count` unknowns."""
+def _allocate_state(element_count: int, unknown_count: int) -> _ElastoplasticState:
+    """Allocate the state of unloaded parts at rest, with numbers of friction elements and of unknowns."""
     return _ElastoplasticState(
         np.zeros(unknown_count),
-        np.zeros(elements),
-        np.zeros(elements),
-        np.zeros(elements),
-        np.zeros(elements),
-        np.zeros((elements, unknown_count)),
+        np.zeros(element_count),
+        np.zeros(element_count),
+        np.zeros(element_count),
+        np.zeros(element_count),
+        np.zeros((element_count, unknown_count)),
     )
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
+def _update_slip(springs: KernelSprings, friction_elements: FrictionElements, state: _ElastoplasticState) -> None:
     """Overwrite ``state.slip`` (s, u) [1]: derivatives of the sliding distance of each element by the displacements.
 
-    Derivatives of contacts and seals are copied from `rubbing`; the sliding direction of a cam depends on the
+    Derivatives of contacts and seals are copied from `friction_elements`; the sliding direction of a cam depends on the
     displacement of its disc.
     """
     for i in range(len(state.slip)):
-        copy(rubbing.slip[i], state.slip[i])
+        copy(friction_elements.slip[i], state.slip[i])
     for disc in range(springs.cam_position.shape[1]):
         cam, row = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
         state.slip[row, 3 * disc] -= cam.v
@@ -338,7 +348,7 @@ def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _Elastoplastic
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _solve_newton(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
     old: _ElastoplasticState,
@@ -351,21 +361,21 @@ def _solve_newton(
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
-    norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
+    norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
     for _ in range(_HYSTERESIS.newton_steps):
         if norm <= tolerance or solve_linear(increment.tangent, increment.residual, increment.step, 0.0) == 0.0:
             break
         share = min(1.0, max_length / max(largest(increment.step), 1e-300))
         for j in range(increment.step.size):
             new.z[j] += share * increment.step[j]
-        norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
+        norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
     return norm
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _solve_tresca(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
     old: _ElastoplasticState,
@@ -386,13 +396,13 @@ def _solve_tresca(
         if increment.work[0] - work_before > _HYSTERESIS.tresca_work:
             break
         relaxation = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
-        _update_limits(rubbing, increment, new if iteration else old, relaxation)
-        inner_norm, energy = _assemble_step(springs, rubbing, TRUE, increment, old, new)
+        _update_limits(friction_elements, increment, new if iteration else old, relaxation)
+        inner_norm, energy = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
         for _ in range(_HYSTERESIS.tresca_iterations):
             if inner_norm <= 0.1 * tolerance:
                 break
             if not solve_cholesky(increment.tangent, increment.residual, increment.step, regularization):
-                _assemble_step(springs, rubbing, TRUE, increment, old, new)
+                _assemble_step(springs, friction_elements, TRUE, increment, old, new)
                 modified_newton_step(
                     increment.tangent, increment.residual, increment.step, regularization, increment.vectors
                 )
@@ -401,12 +411,12 @@ def _solve_tresca(
             for _ in range(_HYSTERESIS.undamped_iterations):
                 for j in range(increment.step.size):
                     new.z[j] = increment.start[j] + share * increment.step[j]
-                inner_norm, trial = _assemble_step(springs, rubbing, TRUE, increment, old, new)
+                inner_norm, trial = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
                 if trial <= energy + ROUNDING * abs(energy):
                     break
                 share *= 0.5
             energy = trial
-        norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
+        norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
         if norm <= tolerance:
             break
     return norm
@@ -415,7 +425,7 @@ def _solve_tresca(
 @njit(nogil=True, error_model="numpy", inline="always")
 def _solve_pseudo_transient(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     tolerance: float,
     increment: _Increment,
     old: _ElastoplasticState,
@@ -432,8 +442,8 @@ def _solve_pseudo_transient(
     drag, norm = springs.cam_stiffness, np.inf
     for _ in range(_HYSTERESIS.pseudo_steps):
         increment.drag[0] = drag
-        _update_slip(springs, rubbing, old)
-        if _solve_newton(springs, rubbing, 0.5 * tolerance, increment, old, new) <= 0.5 * tolerance:
+        _update_slip(springs, friction_elements, old)
+        if _solve_newton(springs, friction_elements, 0.5 * tolerance, increment, old, new) <= 0.5 * tolerance:
             norm = 0.0
             for j in range(increment.load.size):
                 norm = max(norm, abs(drag * (new.z[j] - old.z[j])))
@@ -454,31 +464,37 @@ def _solve_pseudo_transient(
 def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> None:
     """Copy the arrays of a state to the `target`, except its sliding per unknown, `slip`."""
     copy(source.z, target.z)
-    copy(source.side, target.side)
-    copy(source.normal, target.normal)
-    copy(source.pressed, target.pressed)
+    copy(source.friction_force, target.friction_force)
+    copy(source.retained_force, target.retained_force)
+    copy(source.spring_force, target.spring_force)
     copy(source.depth, target.depth)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _update_limits(rubbing: Rubbing, increment: _Increment, state: _ElastoplasticState, share: float) -> None:
+def _update_limits(
+    friction_elements: FrictionElements, increment: _Increment, state: _ElastoplasticState, share: float
+) -> None:
     """Move the fixed limits of `increment` by a `share` [1] towards those that follow from the forces of `state`."""
-    for i in range(increment.side.size):
-        spring = state.pressed[i]
-        increment.normal[i] += share * (rubbing.loss[i] * spring - increment.normal[i])
-        increment.side[i] += share * (rubbing.coefficient[i] * (spring + state.normal[i]) - increment.side[i])
+    for i in range(increment.friction_limit.size):
+        spring_force = state.spring_force[i]
+        increment.retained_limit[i] += share * (
+            friction_elements.retained_share[i] * spring_force - increment.retained_limit[i]
+        )
+        increment.friction_limit[i] += share * (
+            friction_elements.coefficient[i] * (spring_force + state.retained_force[i]) - increment.friction_limit[i]
+        )
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _assemble_step(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     fixed_limits: bool,
     increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[float, float]:
-    """Assemble residual and tangent of a step in `increment`, at the displacements of `new`.
+    """Assemble residual and tangent of a load step at the displacements of `new`, and write them to `increment`.
 
     `old` is the state before the step. The forces of springs, friction and lossy material are written to `new`. With
     `fixed_limits`, the limits of friction and material are those of `increment`; the residual is then the negative
@@ -509,16 +525,16 @@ def _assemble_step(
             depth = max(-gap.width, 0.0)
             if depth > 0.0:
                 gradient[x_dof], gradient[x_dof + 1], gradient[rotation_dof], gradient[output_dof] = gap.normal
-        energy += _add_contact(rubbing, fixed_limits, i, springs.stiffness[0, i], depth, increment, old, new)
+        energy += _add_contact(friction_elements, fixed_limits, i, springs.stiffness[0, i], depth, increment, old, new)
         if depth == 0.0:
             continue
-        force = new.pressed[i] + new.normal[i]
+        force = new.spring_force[i] + new.retained_force[i]
         _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.rotates[i])
     for disc in range(springs.cam_position.shape[1]):
-        energy += _add_cam(springs, rubbing, fixed_limits, disc, increment, old, new)
-    for e in range(rubbing.drag.size):
+        energy += _add_cam(springs, friction_elements, fixed_limits, disc, increment, old, new)
+    for e in range(friction_elements.drag.size):
         i = contacts + springs.cam_position.shape[1] + e
-        energy += _add_friction(rubbing, i, rubbing.drag[e], 0.0, increment, old, new)
+        energy += _add_friction(friction_elements, i, friction_elements.drag[e], 0.0, increment, old, new)
     return largest(increment.residual), energy
 
 
@@ -556,7 +572,7 @@ def _add_geometric_stiffness(
 @njit(nogil=True, error_model="numpy", inline="always")
 def _add_cam(
     springs: KernelSprings,
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     fixed_limits: bool,
     disc: int,
     increment: _Increment,
@@ -565,8 +581,8 @@ def _add_cam(
 ) -> float:
     """Add the contact of a disc and its cam, with friction, to residual and tangent of a step; return its energy [J].
 
-    `disc` is the index of the disc. The other arguments are those of `_assemble_step`: `old` and `new` are the states
-    before and after the step, and `fixed_limits` is whether the friction limits are taken from `increment`.
+    `disc` is the index of the disc, `old` and `new` are the states before and after the step, and `fixed_limits` is
+    whether the friction limits are those of `increment`, which also contains residual and tangent.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -574,9 +590,9 @@ def _add_cam(
     if cam.depth > 0.0:
         gradient[x], gradient[y] = -cam.u, -cam.v
     stiffness, depth = springs.cam_stiffness, max(cam.depth, 0.0)
-    energy = _add_contact(rubbing, fixed_limits, i, stiffness, depth, increment, old, new)
+    energy = _add_contact(friction_elements, fixed_limits, i, stiffness, depth, increment, old, new)
     if cam.depth > 0.0:
-        tangential_stiffness = (new.pressed[i] + new.normal[i]) / cam.depth * cam.around
+        tangential_stiffness = (new.spring_force[i] + new.retained_force[i]) / cam.depth * cam.lateral_rate
         tangent[x, x] += tangential_stiffness * cam.v * cam.v
         tangent[y, y] += tangential_stiffness * cam.u * cam.u
         tangent[x, y] -= tangential_stiffness * cam.u * cam.v
@@ -586,7 +602,7 @@ def _add_cam(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_contact(
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     fixed_limits: bool,
     i: int,
     stiffness: float,
@@ -602,32 +618,33 @@ def _add_contact(
     retains during unloading. `old` is the state before the step; the forces are written to `new`. With `fixed_limits`,
     the limits of friction and material are those of `increment`.
     """
-    spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
-    new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
-    energy, force, rate = 0.5 * spring * depth, spring, stiffness
-    if loss > 0.0:
-        limit = increment.normal[i] if fixed_limits else loss * spring
-        trial, slope = old.normal[i] + backing * (depth - old.depth[i]), backing
-        energy += _slip_energy(trial, limit, backing)
+    spring_force = stiffness * depth
+    retained_stiffness, share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]
+    new.depth[i], new.spring_force[i], new.retained_force[i] = depth, spring_force, 0.0
+    energy, force, rate = 0.5 * spring_force * depth, spring_force, stiffness
+    if share > 0.0:
+        limit = increment.retained_limit[i] if fixed_limits else share * spring_force
+        trial, slope = old.retained_force[i] + retained_stiffness * (depth - old.depth[i]), retained_stiffness
+        energy += _slip_energy(trial, limit, retained_stiffness)
         if abs(trial) > limit:
             sign = 1.0 if trial > 0.0 else -1.0
-            trial, slope = sign * limit, 0.0 if fixed_limits else sign * loss * stiffness
-        new.normal[i] = trial
+            trial, slope = sign * limit, 0.0 if fixed_limits else sign * share * stiffness
+        new.retained_force[i] = trial
         force, rate = force + trial, rate + slope
     gradient = increment.gradient
     for j in range(gradient.size):
         increment.residual[j] += force * gradient[j]
         for column in range(gradient.size):
             increment.tangent[j, column] += rate * gradient[j] * gradient[column]
-    limit, limit_rate = increment.side[i], 0.0
+    limit, limit_rate = increment.friction_limit[i], 0.0
     if not fixed_limits:
-        limit, limit_rate = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
-    return energy + _add_friction(rubbing, i, limit, limit_rate, increment, old, new)
+        limit, limit_rate = friction_elements.coefficient[i] * force, friction_elements.coefficient[i] * rate
+    return energy + _add_friction(friction_elements, i, limit, limit_rate, increment, old, new)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_friction(
-    rubbing: Rubbing,
+    friction_elements: FrictionElements,
     i: int,
     limit: float,
     rate: float,
@@ -638,16 +655,17 @@ def _add_friction(
     """Add the friction of element `i` to residual and tangent of a step; return its energy [J].
 
     The elastic trial force is reduced to the `limit` [N] (return mapping). `rate` [N/m] is the derivative of the limit
-    by the deflection of the contact. `old` is the state before the step; the friction force is written to ``new.side``.
+    by the deflection of the contact. `old` is the state before the step; the friction force is written to
+    ``new.friction_force``.
     """
-    slip, stick, unknown_count = old.slip[i], rubbing.stick[i], increment.load.size
-    new.side[i] = 0.0
+    slip, stiffness, unknown_count = old.slip[i], friction_elements.stiffness[i], increment.load.size
+    new.friction_force[i] = 0.0
     if not limit > 0.0:
         return 0.0
-    trial = old.side[i]
+    trial = old.friction_force[i]
     for j in range(unknown_count):
-        trial += stick * slip[j] * (new.z[j] - old.z[j])
-    energy = _slip_energy(trial, limit, stick)
+        trial += stiffness * slip[j] * (new.z[j] - old.z[j])
+    energy = _slip_energy(trial, limit, stiffness)
     if abs(trial) > limit:
         sign = 1.0 if trial > 0.0 else -1.0
         trial = sign * limit
@@ -657,8 +675,8 @@ def _add_friction(
     else:
         for j in range(unknown_count):
             for column in range(unknown_count):
-                increment.tangent[j, column] += stick * slip[j] * slip[column]
-    new.side[i] = trial
+                increment.tangent[j, column] += stiffness * slip[j] * slip[column]
+    new.friction_force[i] = trial
     for j in range(unknown_count):
         increment.residual[j] -= trial * slip[j]
     return energy

@@ -113,9 +113,9 @@ def newton(
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
     norm, energy, share, predicted_decrease = math.inf, math.inf, 1.0, math.inf
-    use_line_search = warm_start and springs.rubbing.shape[0] == 0
-    for i in range(system.warm.size):
-        system.warm[i] = warm_start and system.pressed[i] > 0.0
+    use_line_search = warm_start and springs.friction_per_force.shape[0] == 0
+    for i in range(system.kept_closed.size):
+        system.kept_closed[i] = warm_start and system.spring_forces[i] > 0.0
     for step_number in range(
         _NEWTON.descent_steps if use_backtracking else springs.cam_position.shape[1] * _NEWTON.steps_per_disc
     ):
@@ -139,8 +139,8 @@ def newton(
             copy(z, start)
         for j in range(unknown_count):
             z[j] = start[j] + share * step[j]
-        for i in range(system.warm.size if warm_start else 0):
-            system.warm[i] = False
+        for i in range(system.kept_closed.size if warm_start else 0):
+            system.kept_closed[i] = False
         warm_start = FALSE
     return norm
 

@@ -58,13 +58,13 @@ class SampleDeviations(NamedTuple):
 class SampleWorkspace(NamedTuple):
     """Workspace of a sample: arrays of `KernelSprings`, displacements `z`, forces, and a system.
 
-    The initial values `begun` (k, u) [m] have the discs on their cams.
+    The initial values `start` (k, u) [m] have the discs on their cams.
     """
 
     distance: Array
     shift: Array
     cam_position: Array
-    begun: Array
+    start: Array
     z: Array
     force: Array
     system: System
@@ -115,7 +115,7 @@ def balance_few_samples(
     z, force, system = workspace.z, workspace.force, workspace.system
     for sample in range(first_sample, end_sample):
         _fill_sample(
-            effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_position, workspace.begun
+            effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_position, workspace.start
         )
         springs = KernelSprings(
             ideal.radius,
@@ -134,8 +134,8 @@ def balance_few_samples(
             workspace.cam_position,
             deviations.cam[sample],
             ideal.cam_stiffness,
-            ideal.rubbing,
-            ideal.cam_rubbing,
+            ideal.friction_per_force,
+            ideal.cam_friction_per_force,
             ideal.cam_lateral,
             ideal.bending,
             ideal.pins,
@@ -143,7 +143,7 @@ def balance_few_samples(
         for t in range(len(load)):
             for k in range(z.shape[0]):
                 for j in range(z.shape[1]):
-                    z[k, j] = workspace.begun[k, j]
+                    z[k, j] = workspace.start[k, j]
             if use_paths is None:
                 residual = balance_briefly(springs, load[t], z, force, TRUE, FIRST, system)
             else:
@@ -175,7 +175,7 @@ def _fill_sample(
     cam_position: Array,
     start_values: Array,
 ) -> None:
-    """Write contact offsets, cam positions and start values of a sample: the effects of its errors, summed.
+    """Write contact offsets, cam positions and start values of a tolerance sample: the summed effects of its errors.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def _write_sample_figures(
     force: Array,
     row: Array,
 ) -> None:
-    """Write means, ranges and maxima of a sample over its crank angles to a `row`.
+    """Write means, ranges and maxima of rotations and forces of a sample over its crank angles to a `row`.
 
     Attributes of the springs are separate arguments, because the conversion of all springs from Python takes long to
     compile.
@@ -265,7 +265,7 @@ def _write_sample_figures(
             x, y = z[k, 3 * disc] - cam_position[k, disc, 0], z[k, 3 * disc + 1] - cam_position[k, disc, 1]
             contact = cam_contact(x, y, cam_clearance)
             # with contact on both sides, the larger force: `depth` is the difference, `both` the sum
-            cam = max(cam, 0.5 * cam_stiffness * (contact.depth + contact.both))
+            cam = max(cam, 0.5 * cam_stiffness * (contact.depth + contact.total_depth))
     loaded_teeth = 0
     for k in range(angles):
         for i in range(force.shape[1]):

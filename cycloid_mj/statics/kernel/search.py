@@ -14,14 +14,14 @@ from cycloid_mj.statics.kernel.system import System, allocate_system
 
 
 class SearchSettings(NamedTuple):
-    """Settings of the natural-parameter continuation in stiffness and friction with step halving (`_continue`).
+    """Settings of the natural-parameter continuation in stiffness and friction with step halving.
 
-    The continuation begins with springs so soft that all contacts are closed in spite of the clearances: their energy
-    is convex, and Newton's method finds its minimum. Friction is then increased and the springs are hardened. Steps are
-    halved until Newton's method converges at their end. If such a path ends, because parts snap across their
-    clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards. Without
-    friction, all steps are descents of the energy. The first path then begins at the start values of Newton's method,
-    with springs that the load deflects by only 0.02 of the clearance.
+    The continuation, `_solve_with_continuation`, begins with springs so soft that all contacts are closed in spite of
+    the clearances: their energy is convex, and Newton's method finds its minimum. Friction is then increased and the
+    springs are hardened. Steps are halved until Newton's method converges at their end. If such a path ends, because
+    parts snap across their clearances, the springs are hardened first, by descent of the energy, and friction is
+    increased afterwards. Without friction, all steps are descents of the energy. The first path then begins at the
+    start values of Newton's method, with springs that the load deflects by only 0.02 of the clearance.
 
     Attributes
     ----------
@@ -123,8 +123,8 @@ def balance_with_paths(
     while not residual.force <= RESIDUAL_RTOL:
         k, scale = residual.angle, float(np.abs(load[residual.angle]).max()) or 1.0
         norm = _continue_by_arclength(springs, k, load[k], z[k], residual.force * scale, RESIDUAL_RTOL * scale, system)
-        force[k] = system.pressed[: force.shape[1]]
-        residual = Residual(norm / scale, k, int(system.assembled[0]))
+        force[k] = system.spring_forces[: force.shape[1]]
+        residual = Residual(norm / scale, k, int(system.assembly_count[0]))
         if not residual.force <= RESIDUAL_RTOL or k + 1 == len(load):
             break
         residual = balance_briefly(springs, load, z, force, extrapolate, k + 1, system)
@@ -144,32 +144,32 @@ def balance_briefly(
     """Solve for static equilibrium at each crank angle from index `first_angle` on, without continuation along a path.
 
     The other arguments are those of `balance`; the workspace `system` counts the assemblies. If there is no solution at
-    an angle, the result has the index of the angle, and `system.begun` its start values. With `extrapolate` and a
+    an angle, the result has the index of the angle, and `system.path_start` its start values. With `extrapolate` and a
     `first_angle` above 0, the first solution is warm-started as after a difficult angle (`SearchSettings.short_work`),
     and the count of assemblies continues.
     """
-    start, largest_norm = system.begun, 0.0
+    start, largest_norm = system.path_start, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
     if first_angle == 0:
-        system.assembled[0] = 0
+        system.assembly_count[0] = 0
     for k in range(first_angle, len(load)):
         z_k = z[k]
         copy(z_k, start)
         if extrapolate and k:
             _extrapolate(z, k, was_quick)
-        work_before = system.assembled[0]
+        work_before = system.assembly_count[0]
         scale = largest(load[k]) or 1.0
-        norm = _continue(springs, k, load[k], z_k, start, scale, warm_start, system) / scale
-        work = system.assembled[0] - work_before
+        norm = _solve_with_continuation(springs, k, load[k], z_k, start, scale, warm_start, system) / scale
+        work = system.assembly_count[0] - work_before
         was_quick, warm_start = (
             work <= _SEARCH.short_work + 1,
             extrapolate and work > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
         )
-        copy(system.pressed, force[k])
+        copy(system.spring_forces, force[k])
         if not norm <= RESIDUAL_RTOL:
-            return Residual(norm, k, system.assembled[0])
+            return Residual(norm, k, system.assembly_count[0])
         largest_norm = max(largest_norm, norm)
-    return Residual(largest_norm, len(load) - 1, system.assembled[0])
+    return Residual(largest_norm, len(load) - 1, system.assembly_count[0])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -205,7 +205,7 @@ _wedges = njit(nogil=True, error_model="numpy", inline="always")(_is_wedged)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _continue(
+def _solve_with_continuation(
     springs: KernelSprings,
     k: int,
     load: Array,
@@ -215,18 +215,18 @@ def _continue(
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for displacements at the crank angle `k` (index), by Newton's method or continuation (`SearchSettings`).
+    """Solve for equilibrium at the crank angle `k` (index) by Newton's method, or if that fails by continuation.
 
     `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
     of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With `warm_start`, contacts that
     carried a force in `system` count as closed in the first step of Newton's method. `system` is overwritten. Returns
     the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
     """
-    has_friction = springs.rubbing.shape[0] > 0
+    has_friction = springs.friction_per_force.shape[0] > 0
     schedules = _SCHEDULES if has_friction else _FRICTIONLESS_SCHEDULES
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
     attempt, descends, tolerance, smallest_norm = -1, FALSE, RESIDUAL_RTOL * scale, math.inf
-    copy(z, system.guess)
+    copy(z, system.newton_start)
     while True:
         damping = _SEARCH.damping / scale if attempt >= 0 and friction < 1.0 else 0.0
         use_foot_points = attempt >= _SEARCH.exact_schedule
@@ -242,18 +242,18 @@ def _continue(
             break
         if norm <= tolerance:
             parameter, step = (target, min(2.0 * step, max_step)) if target > 0.0 else (0.0, max_step)
-            copy(z, system.back)
+            copy(z, system.last_solution)
         else:
             step *= 0.5
-            copy(system.back, z)
+            copy(system.last_solution, z)
         if not step >= _SEARCH.min_step:
             attempt += 1
             if attempt == len(schedules):
                 break
-            copy(start if has_friction or attempt else system.guess, z)
-            copy(z, system.back)
+            copy(start if has_friction or attempt else system.newton_start, z)
+            copy(z, system.last_solution)
             target, step, parameter = 0.0, 0.0, 0.0
-            min_factor = min(1.0, scale / _soft_force(springs, k, schedules[attempt][0]))
+            min_factor = min(1.0, scale / _force_at_deflection(springs, k, schedules[attempt][0]))
         else:
             target = min(parameter + step, 1.0 if parameter < 1.0 else 2.0)
         _, max_step, hardens_first = schedules[attempt]
@@ -270,13 +270,13 @@ def _continue_by_arclength(
     """Solve for equilibrium at the crank angle `k` (index) by `solve_by_arclength`, after Newton's method failed.
 
     `springs` are those at all crank angles, `load` (u,) [N] is the generalised load. The solution is written to `z`
-    (u,) [m]. The start values are those of Newton's method, `system.begun` (u,). A path is followed for each of
+    (u,) [m]. The start values are those of Newton's method, `system.path_start` (u,). A path is followed for each of
     `PARAMETER_ORDERS`, the orders in which friction and clearance are increased, until one reaches a residual norm of
     at most `tolerance` [N]. Returns the smallest residual norm [N]; `smallest_norm` is that of the earlier attempts.
     """
-    has_friction = springs.rubbing.shape[0] > 0
+    has_friction = springs.friction_per_force.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
-        z[:] = system.begun
+        z[:] = system.path_start
         path = allocate_path(springs, z.size, order)
         norm = solve_by_arclength(springs, k, load, z, tolerance, path, system)
         if not (has_friction and _is_wedged(springs, k, z, float(np.abs(load).max()) or 1.0, path.unit)):
@@ -292,7 +292,7 @@ def _continue_by_arclength(
 def _grow_clearances(
     springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, clearance: Array, system: System
 ) -> float:
-    """Solve without friction for increasing clearances, from none to the full; return the last residual norm [N].
+    """Solve for equilibrium without friction while clearances increase from none to full; return the residual [N].
 
     Each step is a descent of the energy until the residual norm is at most `tolerance` [N]. `k` is the index of the
     crank angle, `load` (u,) [N] the generalised load. `z` (u,) [m] has start values and ends at the solution.
@@ -305,12 +305,12 @@ def _grow_clearances(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
+def _force_at_deflection(springs: KernelSprings, k: int, clearance_count: float) -> float:
     """Compute the force [N] that deflects the stiffest spring by `clearance_count` times the largest clearance.
 
-    The load divided by this force is the factor on the stiffness at the beginning of a continuation (`_continue`). The
-    force is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is much
-    stiffer. `k` is the index of the crank angle.
+    Divided by this force, the load is the factor on the stiffness at the beginning of a continuation
+    (`_solve_with_continuation`). The force is limited such that no contact deflects beyond the range in which its
+    curves are valid, even if a cam is much stiffer. `k` is the index of the crank angle.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

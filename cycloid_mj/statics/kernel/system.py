@@ -63,29 +63,29 @@ class _PinSystem(NamedTuple):
 class System(NamedTuple):
     """Residual forces (u,) [N] and tangent stiffness (u, u) [N/m] of the equilibrium, and workspace of its solution.
 
-    `pressed` (n,) [N] are the forces of the springs, `warm` (n,) marks the warm-started active set, and `assembled`
-    (1,) counts the assemblies. The Newton `step` (u,) begins at `start` (u,). If Newton's method fails from its start
-    values `guess` (u,), a continuation begins at them or at `begun` (u,), and `back` (u,) is its last solution. The
-    neighbour list was built at the displacements `seen` (u,) [m], where each contact was open by at least the `margin`
-    (n,) [m]; `arm` (1,) [1] bounds the lever arms of the rotations.
-    `row` (n, 5) has normal gradient and stiffness of each contact; `vectors` (u, u) are for `modified_newton_step`, and
-    `pin` for one output pin after the other.
+    `spring_forces` (n,) [N] are the forces of the springs, `kept_closed` (n,) marks the warm-started active set, and
+    `assembly_count` (1,) counts the assemblies. The Newton `step` (u,) begins at `start` (u,). If Newton's method fails
+    from its start values `newton_start` (u,), a continuation begins at them or at `path_start` (u,), and
+    `last_solution` (u,) is its last solution. The neighbour list was built at the displacements `list_origin` (u,) [m],
+    where each contact was open by at least the `margin` (n,) [m]; `arm` (1,) [1] bounds the lever arms of the
+    rotations. `row` (n, 5) has normal gradient and stiffness of each contact; `vectors` (u, u) are for
+    `modified_newton_step`, and `pin` for one output pin after the other.
     """
 
     residual: Array
     tangent: Array
-    pressed: Array
+    spring_forces: Array
     step: Array
     start: Array
-    back: Array
+    last_solution: Array
     row: Array
-    warm: Mask
-    assembled: Integers
-    seen: Array
+    kept_closed: Mask
+    assembly_count: Integers
+    list_origin: Array
     margin: Array
     arm: Array
-    begun: Array
-    guess: Array
+    path_start: Array
+    newton_start: Array
     vectors: Array
     pin: _PinSystem
 
@@ -115,17 +115,17 @@ class _DiscSums(NamedTuple):
 class _Cam(NamedTuple):
     """Contact of a disc and its cam: direction (u, v) [1] and deflection `depth`, minus that of the far side [m].
 
-    Force and stiffness follow from `depth` and its rates along the direction, `along`, and across it, `around` [1]; the
-    energy from `energy` [m2], and friction from the sum of both sides, `both` [m].
+    Force and stiffness follow from `depth` and its rates along the direction, `radial_rate`, and across it,
+    `lateral_rate` [1]; the energy from `energy` [m2], and friction from the sum of both sides, `total_depth` [m].
     """
 
     u: float
     v: float
     depth: float
-    along: float
-    around: float
+    radial_rate: float
+    lateral_rate: float
     energy: float
-    both: float
+    total_depth: float
 
 
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
@@ -139,7 +139,7 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate a `System` for the solution of the springs' equilibria, at one crank angle after the other.
+    """Allocate a `System`: residual, tangent and workspace for the equilibria of springs at all crank angles.
 
     All its arrays are 0 except `arm` (1,) [1]: the largest displacement of a contact, along and across its normal, per
     displacement by rotation of its disc or of the output, at the first crank angle.
@@ -191,16 +191,16 @@ def assemble(
     rebuild_list: bool,
     system: System,
 ) -> float:
-    """Assemble residual and tangent at displacements `z` (u,) [m] and the crank angle of index `k`, into `system`.
+    """Assemble residual and tangent of the equilibrium at displacements `z` and write them to `system`.
 
     Parameters
     ----------
     springs, k, load
         Springs, index of the crank angle, and generalised load (u,) [N].
     z
-        Displacements, as in `KernelSprings`.
+        Displacements (u,) [m], as in `KernelSprings`.
     stiffness_factor, friction
-        Factors on all stiffnesses and on the friction.
+        Factors on all stiffnesses and on the friction [1].
     use_foot_points
         Whether the foot point of every tooth is computed, instead of the third-order expansion.
     rebuild_list
@@ -214,10 +214,10 @@ def assemble(
     float
         Energy of the springs minus work of the load [J].
     """
-    unknown_count, residual, tangent, list_origin = z.size, system.residual, system.tangent, system.seen
-    has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
+    unknown_count, residual, tangent, list_origin = z.size, system.residual, system.tangent, system.list_origin
+    has_friction = springs.friction_per_force.shape[0] > 0 and friction > 0.0
     energy = 0.0
-    system.assembled[0] += 1
+    system.assembly_count[0] += 1
     for j in range(unknown_count):
         energy -= load[j] * z[j]
         residual[j] = load[j]
@@ -231,7 +231,7 @@ def assemble(
         sums, energy = _add_cam(
             springs, k, disc, z, stiffness_factor, friction if has_friction else 0.0, sums, energy, system
         )
-        _write_sums(sums, disc, residual, tangent)
+        _add_sums(sums, disc, residual, tangent)
     if has_friction:
         _add_friction(springs, k, friction, system)
     return energy + _add_bent_pins(springs, k, z, stiffness_factor, friction, rebuild_list, system)
@@ -259,8 +259,8 @@ def _sum_contacts(
     """Sum forces and stiffness of the contacts of a disc, except those with output pins that bend.
 
     Only contacts that may have closed since the neighbour list was built are evaluated. Their forces are written to
-    `system.pressed`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the sum
-    so far, and `has_friction` whether friction acts. The other arguments are those of `assemble`: crank angle `k`,
+    `system.spring_forces`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the
+    sum so far, and `has_friction` whether friction acts. The other arguments are those of `assemble`: crank angle `k`,
     displacements `z` (u,) [m], `stiffness_factor`, `use_foot_points` and `rebuild_list`.
 
     Returns
@@ -268,17 +268,17 @@ def _sum_contacts(
     tuple
         The sums over the contacts, and `energy` plus that of the contacts [J].
     """
-    pressed, row, warm, margin = system.pressed, system.row, system.warm, system.margin
+    spring_forces, row, kept_closed, margin = system.spring_forces, system.row, system.kept_closed, system.margin
     rotates, disc_of, radius = springs.rotates, springs.disc, springs.radius
     # sums are local variables: the compiler would write array elements at every contact
     sums = _DiscSums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pose = disc_pose(springs, disc, z)
-    max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
+    max_displacement = SKIN_FACTOR * _displacement_bound(z, system.list_origin, 3 * disc, system.arm[0])
     for i in range(_independent_contacts(springs)):
         if disc_of[i] != disc:
             continue
-        pressed[i] = 0.0
-        is_kept, bound = warm[i], margin[i]
+        spring_forces[i] = 0.0
+        is_kept, bound = kept_closed[i], margin[i]
         if not (rebuild_list or is_kept) and bound > max_displacement:
             continue
         offset, stiffness = curve_offset(springs, k, i, pose), stiffness_factor * springs.stiffness[k, i]
@@ -291,7 +291,7 @@ def _sum_contacts(
         if gap.width >= 0.0 and not is_kept:
             continue
         force = -stiffness * gap.width
-        pressed[i] = force
+        spring_forces[i] = force
         energy -= 0.5 * force * gap.width
         if has_friction or use_foot_points:
             row[i, 0], row[i, 1], row[i, 2], row[i, 3] = gap.normal
@@ -371,17 +371,19 @@ def _add_cam(
         springs.disc.size + disc,
         stiffness_factor * springs.cam_stiffness,
     )
-    system.pressed[i] = cam_stiffness * cam.depth if cam.both > 0.0 else 0.0
-    if cam.both > 0.0 or system.warm[i]:
-        force, rate, u, v = cam_stiffness * cam.depth, cam_stiffness * cam.along, cam.u, cam.v
+    system.spring_forces[i] = cam_stiffness * cam.depth if cam.total_depth > 0.0 else 0.0
+    if cam.total_depth > 0.0 or system.kept_closed[i]:
+        force, rate, u, v = cam_stiffness * cam.depth, cam_stiffness * cam.radial_rate, cam.u, cam.v
         energy += cam_stiffness * cam.energy
         if friction > 0.0:
-            sliding = friction * springs.cam_rubbing * cam_stiffness
-            residual[t] += sliding * (cam.both if cam.both > 0.0 else cam.depth)
-            if cam.both == cam.depth or cam.depth < 0.0:
+            sliding = friction * springs.cam_friction_per_force * cam_stiffness
+            residual[t] += sliding * (cam.total_depth if cam.total_depth > 0.0 else cam.depth)
+            if cam.total_depth == cam.depth or cam.depth < 0.0:
                 tangent[t, x] -= sliding * u
                 tangent[t, y] -= sliding * v
-        tangential_stiffness = force / cam.depth * cam.around if cam.depth > 0.0 else cam_stiffness * cam.around
+        tangential_stiffness = (
+            force / cam.depth * cam.lateral_rate if cam.depth > 0.0 else cam_stiffness * cam.lateral_rate
+        )
         radial_excess = rate - tangential_stiffness
         if friction > 0.0:
             lateral = friction * springs.cam_lateral
@@ -399,7 +401,7 @@ def _add_cam(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
+def _add_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
     """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m] of the system."""
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
@@ -458,7 +460,7 @@ def _add_bent_pins(
             i = first_contact + disc * springs.pins + pin
             pose = disc_pose(springs, disc, z)
             gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
-            width[disc], rate[disc], kept_closed[disc] = gap.width, gap.rate, system.warm[i]
+            width[disc], rate[disc], kept_closed[disc] = gap.width, gap.rate, system.kept_closed[i]
             for component in range(4):
                 normal[disc, component], tangential[disc, component] = gap.normal[component], gap.tangential[component]
             for other_disc in range(discs):
@@ -466,7 +468,7 @@ def _add_bent_pins(
             flexibility[disc, disc] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
         for disc in range(discs):
-            system.pressed[first_contact + disc * springs.pins + pin] = forces[disc]
+            system.spring_forces[first_contact + disc * springs.pins + pin] = forces[disc]
             energy -= 0.5 * forces[disc] * width[disc]
         _add_pin_forces(springs, k, pin, friction, system)
     return energy
@@ -485,9 +487,9 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
         if rebuild_list:
             offset = curve_offset(springs, k, i, disc_pose(springs, disc, z))
             system.margin[i] = bound_width(springs, k, i, offset, FALSE)
-        max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
-        may_touch |= system.warm[i] or not system.margin[i] > max_displacement
-        system.pressed[i] = 0.0
+        max_displacement = SKIN_FACTOR * _displacement_bound(z, system.list_origin, 3 * disc, system.arm[0])
+        may_touch |= system.kept_closed[i] or not system.margin[i] > max_displacement
+        system.spring_forces[i] = 0.0
     return may_touch
 
 
@@ -503,7 +505,7 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
         _independent_contacts(springs),
         system.residual.size - 1,
     )
-    has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
+    has_friction = springs.friction_per_force.shape[0] > 0 and friction > 0.0
     _, forces, normal, tangential, rate, is_active, _, _, stiffness = system.pin
     for disc in range(discs):
         i = first_contact + disc * springs.pins + pin
@@ -516,8 +518,8 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
         for component in range(4):
             system.row[i, component] = normal[disc, component]
             row = 3 * disc + component if component < 3 else output_dof
-            rubs = friction * springs.rubbing[k, i, row] if has_friction else 0.0
-            system.residual[row] += force * (normal[disc, component] + rubs)
+            friction_term = friction * springs.friction_per_force[k, i, row] if has_friction else 0.0
+            system.residual[row] += force * (normal[disc, component] + friction_term)
             for other_component in range(4):
                 system.tangent[row, 3 * disc + other_component if other_component < 3 else output_dof] += (
                     normal_rotation * tangential[disc, component] * tangential[disc, other_component]
@@ -529,7 +531,7 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
                     column = 3 * other_disc + other_component if other_component < 3 else output_dof
                     system.tangent[row, column] += (
                         stiffness[disc, other_disc]
-                        * (normal[disc, component] + rubs)
+                        * (normal[disc, component] + friction_term)
                         * normal[other_disc, other_component]
                     )
         # geometric stiffness of the rotations of disc and output, as in `_add_contact`
@@ -637,10 +639,10 @@ def _add_friction(springs: KernelSprings, k: int, friction: float, system: Syste
     """
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
-        force, x = system.pressed[i], 3 * springs.disc[i]
+        force, x = system.spring_forces[i], 3 * springs.disc[i]
         for a in range(4 if force != 0.0 else 0):
             unknown = x + a if a < 3 else output
-            rate = friction * springs.rubbing[k, i, unknown]
+            rate = friction * springs.friction_per_force[k, i, unknown]
             residual[unknown] += force * rate
             for b in range(4):
                 tangent[unknown, x + b if b < 3 else output] += row[i, RATE] * rate * row[i, b]
