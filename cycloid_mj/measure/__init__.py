@@ -37,17 +37,17 @@ def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
 
 
 def measure_quantity(reducer: Reducer, measure: str, quantity: str) -> float:
-    """Measure a quantity of a design at the default conditions of its measure, in the quantity's unit.
+    """Run a simulated measurement of a design at its default conditions, and return one of its quantities.
 
-    It raises the errors of the measure.
+    The result is in the unit of the quantity. The errors of the measurement are raised.
 
     Parameters
     ----------
     reducer
         The drive.
     measure
-        A name of `MEASURES`.
+        Name of the measurement, a key of `MEASURES`.
     quantity
-        The key of one of its quantities.
+        Key of one of the quantities of this measurement.
     """
     return _quantities(reducer, measure)[quantity].value

@@ -108,7 +108,7 @@ def backlash(
 ) -> Measurement:
     """Measure the backlash of a design at several locked crank angles.
 
-    It is measured with all clearances together, and with the clearance of each kind of pair alone.
+    It is measured with all clearances together, and with the clearance of each kind of mating pair alone.
 
     Parameters
     ----------
@@ -159,7 +159,8 @@ def _run_presses(
 ) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
     """Simulate the output pressed to its stops at each crank angle [rad], with different clearances.
 
-    The cases are all clearances together, "all", and the clearance of each kind of pair alone, named by the kind.
+    The cases are "all", for all clearances together, and the kinds of mating pairs, for the clearance of one kind
+    alone.
 
     Returns
     -------
@@ -191,7 +192,7 @@ def _run_presses(
 
 
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
-    """Return the design with the clearance of one kind of pair only, and no errors, friction or weight.
+    """Return the design with the clearance of one kind of mating pair only, and no errors, friction or weight.
 
     The other clearances are `PRESS.no_clearance`, and the holes are as large as the orbit of the output pins.
     """
@@ -259,8 +260,8 @@ def press_to_stops(
 def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
     """Compute the backlash [rad] by a linear programme (all clearances) and by closed forms (each kind of clearance).
 
-    The result maps "all" and each kind of pair to the values at `crank_angles` [rad] and over the turn; empty for a
-    preloaded ring.
+    The result maps "all" and each kind of mating pair to the values at `crank_angles` [rad] and over the turn; empty
+    for a preloaded ring.
     """
     if reducer.design.ring.preload:
         return {}

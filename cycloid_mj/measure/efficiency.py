@@ -53,7 +53,7 @@ def efficiency(
     published: Sequence[Published] = (),
     solver: Solver = "planar",
 ) -> Measurement:
-    """Measure the efficiency of a design and its losses by pair.
+    """Measure the efficiency of a design and its losses by kind of mating pair, in simulations at several loads.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def efficiency(
 
 
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
-    """Return losses by pair and by part, effects of the assumed inputs, and break-away torques as JSON values.
+    """Return losses by kind of pair and by part, effects of assumed inputs, and break-away torques as JSON values.
 
     Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
     """
@@ -124,9 +124,9 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
 
 
 def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """Return the efficiency at the rated point and in the ideal limit, and the residual of the energy balance [%].
+    """Return the efficiency at the rated torque, with and without clearances, and the energy balance's residual [%].
 
-    `efficiency_map` has the simulated operating points.
+    `efficiency_map` has the simulated operating points, among them one that approaches ideal load sharing.
     """
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, formula = ideal_efficiency(reducer, load), published_efficiency(reducer)
@@ -164,7 +164,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
 
 
 def _loss_quantities(rated: OperatingPoint) -> list[Quantity]:
-    """Return friction by kind of pair, power of normal forces, input and output power at the rated point [W].
+    """Return friction losses by kind of pair, power of normal forces, input and output power at the rated torque [W].
 
     Errors are the differences from the first half of the run; kinds without friction have a note.
     """
@@ -189,8 +189,8 @@ def _loss_quantities(rated: OperatingPoint) -> list[Quantity]:
 def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%].
 
-    The torques are NaN, with a note, where the reducer is self-locking. The torque from rest is also NaN if it does not
-    exceed its error.
+    The torques are NaN, with a note, where the reducer is self-locking. The back-driving torque from rest is also NaN
+    if it does not exceed its error.
     """
     design, driven = reducer.design, reducer.INPUT
     ratio, start_from_rest = design.reduction, efficiency_map.rest
@@ -241,7 +241,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Return one table with a row per operating point: efficiency, its error, and losses by pair [% of the input]."""
+    """Return a table with a row per operating point: efficiency, error, and losses by kind of pair [% of the input]."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers

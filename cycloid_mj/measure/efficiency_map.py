@@ -105,9 +105,10 @@ def run_map(
     progress: Progress,
     solver: Solver,
 ) -> EfficiencyMap:
-    """Simulate the operating points of an efficiency map and its further runs in threads; return all of them.
+    """Simulate the operating points of an efficiency map and the related runs, in parallel threads; return all of them.
 
-    If the ring pins can move, they have no mass in the runs of the map and in those with a varied input.
+    Related runs are the rated point with half the time step, without clearance and with varied inputs, no-load and
+    back-driving runs. Ring pins that can move have no mass in the runs of the map and in those with a varied input.
 
     Parameters
     ----------
@@ -163,7 +164,9 @@ def run_map(
 def _named_tasks(
     reducer: Reducer, periods: int, check_step: bool, is_locked: bool, solver: Solver
 ) -> dict[Hashable, Task]:
-    """Return the functions that simulate the runs outside of the map, by their key in `_RUNS`.
+    """Return functions that simulate the runs outside of the efficiency map, by their key in `_RUNS`.
+
+    The keys are "rated", "ideal" (without clearance), "unloaded", "backward", "coasting" and "halved".
 
     Parameters
     ----------

@@ -241,7 +241,7 @@ def _no_capacity(key: str, note: str = UNDECIDED) -> Quantity:
 
 
 def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver) -> Quantity:
-    """Compute the torque at which a kind of contact reaches the pressure of a capacity, by fixed-point iteration.
+    """Compute the torque at which a kind of contact reaches first yield or shakedown, by fixed-point iteration.
 
     Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load, or if a run fails:
     the crank bearings of an RV reducer may deflect too far before its teeth reach the pressure.
@@ -249,7 +249,7 @@ def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error:
     Parameters
     ----------
     key
-        One of `CAPACITIES`: first yield or shakedown.
+        Key of the capacity, one of `CAPACITIES`: first yield or shakedown.
     reducer, kind
         The loaded drive, and the kind of contact.
     torque
@@ -381,7 +381,7 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    """Return curves of the contact forces of each kind, of the force of each cam on its disc, and along the ring."""
+    """Return curves of contact forces by kind, of each cam's force on its disc, and of tooth forces along the ring."""
     single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
     cams = [
         curve

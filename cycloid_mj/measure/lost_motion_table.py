@@ -76,7 +76,7 @@ def _mean_quantity(
     Parameters
     ----------
     key, name, unit, source, note
-        Those of the quantity; `source` is that of the reference.
+        Attributes of the resulting quantity; `source` is the source of the reference.
     read_value
         Function that reads the value from a loop, in `unit`.
     loops
@@ -113,8 +113,8 @@ def _extreme_quantities(
     """Return the smallest and the largest value over the crank angles that is read from the loops, with their errors.
 
     `read_value` reads the value from a loop, in `unit`; `loops` are one per crank angle, `check_loops` those at the
-    first angle with other settings, for the numerical error. `key` and `name` begin those of the quantities.
-    `closed_form` approximates the values, for the sampling error.
+    first angle with other settings, for the numerical error. The keys and names of both quantities begin with `key` and
+    `name`. `closed_form` approximates the values, for the sampling error.
     """
     values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
     return list(extreme_quantities(key, name, values, numerical, unit, closed_form=closed_form))
@@ -339,8 +339,8 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
     """Return a JSON object for each crank angle, with the values that are read from its loops.
 
-    It has objects for the loops ``service`` (as designed) and ``ideal`` (without friction and weight) with lost motion,
-    stiffness, backlash and hysteresis, and for ``statics`` with lost motion and stiffness.
+    Its keys are ``service`` (loop of the drive as designed) and ``ideal`` (loop without friction and weight), each with
+    lost motion, stiffness, backlash and hysteresis, and ``statics``, with lost motion and stiffness.
     """
     rows: list[dict[str, Any]] = []
     for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):

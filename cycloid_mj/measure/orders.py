@@ -81,8 +81,8 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
 def _ring_causes(reducer: Reducer, signal: Signal, shared: str) -> tuple[Cause, Cause]:
     """Return the causes of transmission error at the ring: properties that all teeth share, and errors of single teeth.
 
-    Each has the orders that it excites, in cycles per crank turn. `signal` is the signal in which they appear, `shared`
-    names what all teeth have in common besides the clearance.
+    Each has the orders that it excites, in cycles per crank turn. `signal` is the rotation in which they appear,
+    `shared` names what all teeth have in common besides the clearance.
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
     teeth, ring = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"

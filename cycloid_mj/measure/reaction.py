@@ -103,7 +103,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def _rv_unbalance(reducer: RvReducer) -> Unbalance:
-    """Compute static unbalance of the discs [kg m] and couple unbalance of discs and cranks [kg m2], with RV layout."""
+    """Compute static unbalance of discs [kg m] and couple unbalance of discs and cranks [kg m2] of an RV reducer."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
     directions, crank = unit(-np.array(reducer.phases)), masses[names.CRANK]
     moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
@@ -155,7 +155,7 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
 
 
 def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
-    """Compute `reaction` of an RV reducer under `gravity` (2,) [m/s2].
+    """Compute the forces on the housing of an RV reducer, as `reaction` does, under `gravity` (2,) [m/s2].
 
     `Reaction.output` is the force of the carrier on its bearings: the contact forces on the cranks and planets, plus
     the weights of cranks and loaded body. `Reaction.crank` is the force of the sun on its bearings, which is 0 if the

@@ -75,7 +75,7 @@ def _extreme_arms(reducer: Reducer, gaps: Gaps, kind: str) -> tuple[Array, Array
 
 
 def effective_clearance(reducer: Reducer, kind: str) -> float:
-    """Compute the clearance of a kind of pair with all parts in their ideal positions [m], including modifications."""
+    """Compute the clearance of a kind of pair [m] at ideal positions of all parts, including flank modifications."""
     design = reducer.design
     output = design.output
     enlargement = {

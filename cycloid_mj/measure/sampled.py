@@ -88,7 +88,7 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Split off the closed form from `values` at some crank angles, shape (k,).
+    """Separate `values` at some crank angles, shape (k,), into a closed form that approximates them and a remainder.
 
     Returns
     -------
@@ -121,8 +121,8 @@ def extreme_quantities(
     Parameters
     ----------
     key, name, unit, source
-        Those of the quantities, `key` and `name` without the ending for smallest and largest; `source` is that of the
-        reference.
+        Attributes of both quantities; `key` and `name` are completed by an ending for smallest and largest, and
+        `source` is that of the reference.
     values
         Values at some crank angles, shape (k,).
     numerical

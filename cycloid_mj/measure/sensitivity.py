@@ -46,8 +46,12 @@ class FrictionVariant:
     @property
     def name(self) -> str:
         """Name of its run."""
-        held = "" if self.pins == NONE else f", {self.pins} pins"
-        return f"friction as designed{held}" if self.pair == OWN else f"friction {self.friction:g} of {self.pair}{held}"
+        support_text = "" if self.pins == NONE else f", {self.pins} pins"
+        return (
+            f"friction as designed{support_text}"
+            if self.pair == OWN
+            else f"friction {self.friction:g} of {self.pair}{support_text}"
+        )
 
 
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
@@ -187,9 +191,9 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 
 
 def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
-    """Return variants with other friction of the rolling bearings, and with plain bearings in their place.
+    """Return design variants with other friction of the rolling bearings, or with plain bearings instead of them.
 
-    Pairs that slide in the design have none.
+    Cam or output bearings that slide in the design have no variants.
     """
     rows, pins = [], pins_of(reducer)
     if isinstance(reducer, RvReducer):

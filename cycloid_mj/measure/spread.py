@@ -228,7 +228,7 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
 def _equal_input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an input that sets some keys in a table of the design to the same value.
+    """Return an assumed input that sets several keys in a table of the design to the same value.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def _equal_input(
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input with the `name` that scales the clearances of some `kinds` of pairs by a common factor.
+    """Return the assumed input `name`, which scales the clearances of some `kinds` of pairs by a common factor.
 
     `factors` are the factors on the design's clearances at the lower and the upper end of the range; each clearance is
     limited to `INPUTS.max_clearance`. As ends of the range, tables state the sum of these clearances [um].

@@ -41,10 +41,10 @@ def quantities(
     traces
         Errors of each condition.
     finer_traces
-        (load, pace) -> first part of the forward run, repeated with half the time step; empty without this check. The
-        pace is ``slow`` or ``speed``.
+        (load, pace) -> errors in the first part of the forward run, repeated with half the time step; empty without
+        this check. The pace is ``slow`` or ``speed`` (full speed).
     statics
-        Errors of each condition by statics.
+        Transmission errors of each condition, computed by statics.
     turns
         Crank turns of a trace.
     """
@@ -70,7 +70,7 @@ def quantities(
 
 
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
-    """Return curves of the transmission errors [arcsec] over the crank angle, and the amplitude spectra of some.
+    """Return curves of the transmission errors [arcsec] over the crank angle, and of some of their amplitude spectra.
 
     `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. Spectra are those of
     the `evaluated_conditions`. The loaded error is drawn first and in a panel of its own, because the unloaded error is

@@ -122,7 +122,7 @@ def _name_runs(
     varied_inputs: Sequence[Input],
     published: Sequence[Published],
 ) -> dict[str, Reducer]:
-    """Return the simulated drives of the brake test by name of the run, for the warning about slow sliding.
+    """Return the simulated drives of the brake test by name of the run, for the warning about slowly sliding contacts.
 
     Runs that vary the creep speed are left out. The drives are the design, its friction variants and varied inputs.
 
@@ -155,7 +155,7 @@ def _tested_drives(
     """Return drive and number of mesh periods of each run of the brake test by its key.
 
     The keys are "own" (the design), "halved" (half the time step), each friction variant, and the designs at both ends
-    of each input. In all runs but the first two, ring pins that can move have no mass.
+    of the range of each assumed input. In all runs but the first two, ring pins that can move have no mass.
 
     Parameters
     ----------

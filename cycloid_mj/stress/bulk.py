@@ -83,11 +83,12 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
 
 
 def search_distances(distances: Distances, start: float) -> Array:
-    """Return increasing distances from patches [m], shape (s,), for the search for the plateau of the largest stress.
+    """Return increasing distances from contact patches [m], shape (s,), at which the largest stress is evaluated.
 
-    The first distance is half of `start` [m], and each next distance is larger by the factor sqrt(2). The series ends
-    at the limit `distances.farthest`, beyond which no vertex of the part is left at some crank angle. If there are
-    fewer than three distances up to the limit, the limit itself is appended.
+    They serve to find the distance from which on the largest stress is nearly constant. The first distance is half of
+    `start` [m], and each next distance is larger by the factor sqrt(2). The series ends at the limit
+    `distances.farthest`, beyond which no vertex of the part is left at some crank angle. If there are fewer than three
+    distances up to the limit, the limit itself is appended.
     """
     steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
     reached_distances = steps[steps <= distances.farthest()]

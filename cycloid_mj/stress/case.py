@@ -23,7 +23,7 @@ class Response:
 
     Attributes
     ----------
-    forces, moved
+    forces, displacements
         Balanced loads on its unknowns (n, c) [N], and displacements (n, c) [m].
     imbalance
         Imbalance of the loads (c, r), as in ``elastic.balance_loads``.
@@ -34,7 +34,7 @@ class Response:
     """
 
     forces: Array
-    moved: Array
+    displacements: Array
     imbalance: Array
     reaction: Array
     moments: Array

@@ -32,7 +32,7 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
 
     Both have the shape (k, m). They are 0 without a force, and NaN where the contact is too conformal for Hertz's
     theory. If a contact is conformal at the angle of its largest `loads.pressure`, its stresses are NaN at every angle,
-    since the largest of the other values would appear to be its maximum.
+    because the largest of the remaining values would be mistaken for its maximum.
     """
     worst = np.argmax(loads.pressure, axis=0)
     is_valid = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]

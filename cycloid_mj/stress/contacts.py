@@ -49,7 +49,7 @@ class Action:
         return np.divide(self.force, size, out=np.full_like(self.force, np.nan), where=size > 0.0)
 
     @property
-    def foot(self) -> Array:
+    def nearest_point(self) -> Array:
         """Point of the line of action nearest to the origin [m], nan where there is no force, shape (k, 2)."""
         squared = self.size**2
         arm = np.divide(self.moment, squared, out=np.full_like(squared, np.nan), where=squared > 0.0)
@@ -59,15 +59,15 @@ class Action:
         """Compute the reaction: the same action on the other body."""
         return Action(-self.force, -self.moment)
 
-    def seen_from(self, origin: Array, angle: Array) -> "Action":
-        """Compute the action in a frame at `origin` [m] (k, 2) of the present one, turned by `angle` [rad] (k,)."""
+    def in_frame(self, origin: Array, angle: Array) -> "Action":
+        """Transform the action to a frame at `origin` [m] (k, 2) that is rotated by `angle` [rad] (k,)."""
         return Action(rotate_vectors(self.force, -angle), self.moment - cross(origin, self.force))
 
     def without_rounding(self) -> "Action":
         """Compute the action with negligible forces set to zero."""
-        return self.where(self.size > 1e-9 * np.max(self.size, initial=0.0))
+        return self.select(self.size > 1e-9 * np.max(self.size, initial=0.0))
 
-    def where(self, chosen: Mask) -> "Action":
+    def select(self, chosen: Mask) -> "Action":
         """Compute the action at the chosen samples (k,), and no force at the others."""
         return Action(np.where(chosen[..., np.newaxis], self.force, 0.0), np.where(chosen, self.moment, 0.0))
 
@@ -80,7 +80,7 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of a contact patch on a circle [m], shape (k, 2); NaN where there is no force.
+        """Compute the middle of the force's contact patch on a circle [m], shape (k, 2); NaN where there is no force.
 
         A narrow patch is where the line of action intersects the circle. On a wide patch, tractions have different
         directions. For the same resultant force, they and their moment of friction are then larger than on a narrow
@@ -95,11 +95,11 @@ class Action:
         half_width
             Half width of the patch along the circle [m].
         side
-            1: the intersection ahead of the centre along the force, -1: that behind it.
+            1 for the intersection ahead of the centre in the direction of the force, -1 for that behind the centre.
         """
         direction = self.direction
-        foot_offset = self.foot - centre
-        perpendicular = foot_offset - dot(foot_offset, direction)[..., np.newaxis] * direction
+        point_offset = self.nearest_point - centre
+        perpendicular = point_offset - dot(point_offset, direction)[..., np.newaxis] * direction
         friction_radius = radius / mean_cosine(np.asarray(half_width) / radius)
         depth = np.sqrt(np.maximum(friction_radius**2 - dot(perpendicular, perpendicular), 0.0))
         intersection = perpendicular + side * depth[..., np.newaxis] * direction
@@ -151,8 +151,8 @@ class PartFrame:
     origin: Array
     angle: Array
 
-    def sees(self, points: Array) -> Array:
-        """Compute points of the reducer's frame (k, 2) or (2,) [m] in this one."""
+    def transform_points(self, points: Array) -> Array:
+        """Transform points (k, 2) or (2,) [m] from the frame of the reducer to this frame."""
         return rotate_vectors(points - self.origin, -self.angle)
 
 
@@ -199,7 +199,7 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
     reducer
         The reducer, for face width and materials.
     kind
-        Kind of the pair, such as "cam".
+        Kind of mating pair, such as "cam".
     force
         Normal force [N], shape (k,).
     curvature
@@ -214,14 +214,14 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
 
 def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Compute Hertz's peak pressure [Pa] and half width [m] of the most loaded line contact of contacts of a kind.
+    """Compute Hertz's peak pressure [Pa] and half width [m] of line contacts of a kind of mating pair.
 
     Parameters
     ----------
     reducer
         The reducer, for face width and material constants.
     kind
-        Kind of the pair: "pin_gear", "tooth", "cam", "output" or "pin_socket".
+        Kind of mating pair: "pin_gear", "tooth", "cam", "output" or "pin_socket".
     force
         Normal forces of the contacts [N], shape (k,). In a cam with a rolling bearing, the most loaded roller carries a
         share of them.
@@ -292,11 +292,11 @@ def _read_action(turn: Turn, name: str, origin: Array) -> Action:
         turn.vectors(names.column(name, names.FORCE_X), names.column(name, names.FORCE_Y)),
         turn[names.column(name, names.MOMENT)],
     )
-    return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
+    return Action(force, moment).in_frame(-origin, np.zeros_like(moment)).without_rounding()
 
 
 def _in(seat: PartFrame, action: Action) -> Action:
-    return action.seen_from(seat.origin, seat.angle)
+    return action.in_frame(seat.origin, seat.angle)
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
@@ -437,7 +437,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
         tooth_action = _in(tooth_frame, contact_force)
         position, curvature = lobe_contact_point(
             flank,
-            tooth_action.foot,
+            tooth_action.nearest_point,
             tooth_action.direction,
             lines[:, lobe],
             curvatures[:, lobe],
@@ -461,7 +461,7 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), names.numbered_name(names.PIN, pin + 1)
     contact_force = _in(frame, _on_gear(turn, name, disc))
     position = contact_force.on_hole(
-        frame.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
+        frame.transform_points(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
     )
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", contact_force.size, curvature, gear.pin_radius)
@@ -478,7 +478,7 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     contact_force = _socket_force(turn, pin, disc).reaction()
     centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_displacement[pin]
     radius = np.linalg.norm(contact_force.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
-    contact_force = contact_force.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
+    contact_force = contact_force.select(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     name = names.numbered_name(names.SOCKET, pin + 1)
     return _hole_contact(
         turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", contact_force, centre
@@ -513,7 +513,7 @@ def _contact(
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
     """Return the radius of a round part [m], and that of the hole around it [m], which includes the clearance.
 
-    `kind` is the kind of pair: "cam", "output" or "pin_socket".
+    `kind` is the kind of mating pair: "cam", "output" or "pin_socket".
     """
     design = turn.reducer.design
     part_radius, hole_radius = {

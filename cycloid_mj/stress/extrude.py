@@ -96,13 +96,13 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
         For each disc the slice of `levels` over which its contact forces are distributed, in proportion to the layer
         heights.
     """
-    corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
+    vertex_index = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
     for layer, cells in enumerate(is_filled):
-        corner[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
-    corner[corner == 0] = np.arange(np.count_nonzero(corner == 0))
-    level, vertex = np.nonzero(corner >= 0)
+        vertex_index[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
+    vertex_index[vertex_index == 0] = np.arange(np.count_nonzero(vertex_index == 0))
+    level, vertex = np.nonzero(vertex_index >= 0)
     points = np.column_stack([section.points[vertex], levels[level]])
-    tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, corner)
+    tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, vertex_index)
     node, height = np.concatenate(nodes), np.concatenate(heights)
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
@@ -134,7 +134,7 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
     )
 
 
-def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
+def _divide_prisms(section: Grid, is_filled: Mask, vertex_index: Integers) -> tuple[list[Array], ...]:
     """Divide the prism over each triangle of each layer into three quadratic tetrahedra.
 
     Parameters
@@ -143,8 +143,8 @@ def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[li
         The planar grid.
     is_filled
         Whether there is material in each layer above each triangle, (l, m).
-    corner
-        Index of the solid's vertex at each level and vertex of the section, (l + 1, v).
+    vertex_index
+        Index of the solid's vertex at each level above each vertex of the section, (l + 1, v).
 
     Returns
     -------
@@ -160,7 +160,8 @@ def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[li
         for corners in _TETRAHEDRA:
             orders = [local[rows, rank] for rank, _ in corners]
             tetrahedron = [
-                corner[layer + top, section.cells[rows, order]] for order, (_, top) in zip(orders, corners, strict=True)
+                vertex_index[layer + top, section.cells[rows, order]]
+                for order, (_, top) in zip(orders, corners, strict=True)
             ]
             tetrahedra.append(np.column_stack(tetrahedron))
             for i, j in zip(*np.triu_indices(4, 1), strict=True):
@@ -171,7 +172,7 @@ def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[li
 
 
 def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -> Any:
-    """Return the matrix, sparse (n, 2 m), that distributes loads on m nodes of the section over the heights of a solid.
+    """Return the sparse matrix (n, 2 m) that distributes loads on m nodes of a planar section over the solid's heights.
 
     Parameters
     ----------

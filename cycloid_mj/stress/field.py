@@ -142,7 +142,7 @@ def solve(
     del case  # its factor: with it the operators would be the peak of memory
     operators, material = build_recovery(grid), material_of(reducer, grid.part)
     return _collect_maxima(
-        grid, loads, distances, distance, responses, lambda moved: stresses(operators, moved, material)
+        grid, loads, distances, distance, responses, lambda displacements: stresses(operators, displacements, material)
     )
 
 
@@ -161,9 +161,9 @@ class LoadedPart:
     case: LoadCase
     distances: Distances
 
-    def components(self, moved: Array) -> Array:
+    def components(self, displacements: Array) -> Array:
         """Compute the stress components at the nodes under displacements (n d, c) [m], as ``recover.stresses``."""
-        return stresses(self.operators, moved, self.material)
+        return stresses(self.operators, displacements, self.material)
 
 
 def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
@@ -227,7 +227,7 @@ def _collect_maxima(
     maxima: list[tuple[Array, ...]] = []
     counter = count()
     for response in responses:
-        stress, chosen_nodes = components(response.moved), []
+        stress, chosen_nodes = components(response.displacements), []
         for state, stress_size in zip(
             np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True
         ):
@@ -264,7 +264,7 @@ def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple
     grid = part.grid
     if not len(grid.singular_points):
         return ()
-    stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
+    stress = von_mises(part.components(part.case.response(np.array([index])).displacements)[..., 0])
     bulk = []
     for factor in CORNER_DISTANCES:
         distances = measure_distances(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
@@ -309,7 +309,7 @@ def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) ->
     is that of the grid.
     """
     grid = part.grid
-    node_displacements = part.case.response(np.array([index])).moved
+    node_displacements = part.case.response(np.array([index])).displacements
     stress = part.components(node_displacements)[..., 0]
     distances = part.distances.from_patches(index, np.arange(len(grid.points)))
     return StressMap(

@@ -35,7 +35,7 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
 
 def lobe_contact_point(
     gear: CycloidGear,
-    foot: Array,
+    action_point: Array,
     direction: Array,
     lines: Array,
     curvature: Array,
@@ -51,7 +51,7 @@ def lobe_contact_point(
     ----------
     gear
         Profile of the disc.
-    foot, direction
+    action_point, direction
         A point of the force's line of action [m], and the unit vector along the force, in the frame of the gear, (k,
         2).
     lines, curvature
@@ -69,7 +69,7 @@ def lobe_contact_point(
         [1/m]. The position is NaN if no contact line faces the force.
     """
     start_values = lines + rotation_error[:, np.newaxis]
-    distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))
+    distances = np.abs(_miss(gear, start_values, action_point[:, np.newaxis], direction[:, np.newaxis], offset))
     faces_force = np.sum(profile.normals(gear, start_values) * direction[:, np.newaxis], axis=-1) < 0.0
     distances = np.where(faces_force & np.isfinite(distances), distances, np.inf)
     rows, nearest = np.arange(len(start_values)), np.argmin(distances, axis=1)
@@ -79,14 +79,16 @@ def lobe_contact_point(
     for _ in range(30):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
         slope = cross(tangent, direction)
-        step = np.divide(_miss(gear, t, foot, direction, offset), slope, out=np.zeros_like(t), where=slope != 0.0)
+        step = np.divide(
+            _miss(gear, t, action_point, direction, offset), slope, out=np.zeros_like(t), where=slope != 0.0
+        )
         t = np.clip(t - step, start - half_lobe, start + half_lobe)
     return profile.outline(gear, t, offset), curvature[rows, nearest]
 
 
-def _miss(gear: CycloidGear, t: Array, foot: Array, along: Array, offset: float) -> Array:
+def _miss(gear: CycloidGear, t: Array, action_point: Array, direction: Array, offset: float) -> Array:
     """Compute the distance of outline(t) from the line of action [m]."""
-    return cross(profile.outline(gear, t, offset) - foot, along)
+    return cross(profile.outline(gear, t, offset) - action_point, direction)
 
 
 def _ahead(gear: CycloidGear, t: Array) -> Array:

@@ -212,7 +212,7 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
     loops = []
     for boundary in region.boundaries:
         edge = (
-            unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.touched]
+            unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.contact]
         )
         loops.append(
             divide_outline(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, short_edges))
@@ -230,7 +230,7 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
         part=region.part,
         mesh=mesh,
         thickness=region.thickness,
-        loops=tuple(table for boundary, table in pairs if boundary.touched),
+        loops=tuple(table for boundary, table in pairs if boundary.contact),
         fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped_nodes])),
         bulk_distance=settings.bulk_distance * length,
         singular_points=np.zeros((0, 2)),

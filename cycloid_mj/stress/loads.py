@@ -156,11 +156,11 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
     """
     zeros = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment
-    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
-    # all is seen from the ring, where the world turns back
-    world, frame_speed = rotate_vectors(world, -turn.ring_angle), -turn.ring_speed
+    gravity = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
+    # in the frame of the ring, gravity rotates backwards
+    gravity, frame_speed = rotate_vectors(gravity, -turn.ring_angle), -turn.ring_speed
     result = {
-        "body_force": rotate_vectors(world, -part_frame(turn, part).angle),
+        "body_force": rotate_vectors(gravity, -part_frame(turn, part).angle),
         "spin": zeros,
         "spin_rate": zeros,
         "torque": zeros,
@@ -169,14 +169,14 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
         return result
     body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
-        moves = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
-        spin = turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if moves else zeros
+        is_moving = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
+        spin = turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if is_moving else zeros
         spin_rate = contact_sum.moment / float(body.inertia[2, 2])
         return result | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
-        rotor = turn.reducer.design.drive.rotor_inertia
-        spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
-        torque = turn["crank_torque"] - rotor * spin_rate
+        motor_inertia = turn.reducer.design.drive.rotor_inertia
+        spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + motor_inertia)
+        torque = turn["crank_torque"] - motor_inertia * spin_rate
         return result | {"spin": turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
     if not turn.reducer.mechanism.body(part).joints:  # it is fixed
         return result | {"torque": -contact_sum.moment}

@@ -126,7 +126,7 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the largest stress over the turn at the station with an index.
+        """Return the largest stress over the turn at a station of the shaft, given by its index.
 
         `factors` are the notch factors in bending and in torsion, `fillet` [m] is the radius of the fillet.
         """

@@ -59,7 +59,7 @@ def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | 
         response = part_case(reducer, part_grid(reducer.design, part, QUICK.grid(part)), loads).response(
             np.arange(crank.size)
         )
-        work = np.sum(response.forces * response.moved, axis=0)
+        work = np.sum(response.forces * response.displacements, axis=0)
         # the study has one pin of the ring: the others carry in turn
         equal_parts = reducer.design.ring.teeth if part == "pin_1" else 1
         compliance[part] = equal_parts * float(np.mean(work)) / torque**2

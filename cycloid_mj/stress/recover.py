@@ -48,7 +48,8 @@ class Recovery:
 def build_recovery(grid: Grid) -> Recovery:
     """Build the sparse operators that compute stress from displacements on a finite-element grid.
 
-    One computes derivatives at the quadrature points, the other fits values at these points to the nodes.
+    One operator computes derivatives of displacements at the quadrature points, the other maps values at these points
+    to the nodes, by a fit.
     """
     # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
     basis = elastic.basis_of(grid, vector=False, order=2)

@@ -25,7 +25,7 @@ PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
 """Parts with a planar grid; gear is any of several discs."""
 
 
-Touched = Literal["", "line", "wide"]
+ContactWidth = Literal["", "line", "wide"]
 """Kind of contacts of a boundary with other parts."""
 
 
@@ -33,13 +33,13 @@ Touched = Literal["", "line", "wide"]
 class Boundary:
     """Closed outline, a counter-clockwise polygon (n, 2) [m], with its role.
 
-    `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is attached). `touched`
+    `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is attached). `contact`
     states whether other parts have line or wide contacts with it. If `is_fixed`, it is fixed.
     """
 
     polygon: Array
     role: str
-    touched: Touched = ""
+    contact: ContactWidth = ""
     is_fixed: bool = False
 
 
@@ -76,24 +76,24 @@ def part_region(reducer: Reducer, part: str) -> Region:
     match family(part) if part in gears(design.gear.discs) else part:
         case "gear":
             prism = solids[part].prisms[0]
-            outline = Boundary(prism.outline, "outline", touched="line")
-            touched = _touched_holes(reducer, len(prism.holes))
-            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, touched, strict=True))
+            outline = Boundary(prism.outline, "outline", contact="line")
+            contact = _hole_contacts(reducer, len(prism.holes))
+            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, contact, strict=True))
             return Region(part, (outline, *holes), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", is_fixed=design.housing.support == "rim")
-            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolt_circles(reducer)), width)
+            return Region(part, (rim, Boundary(prism.holes[0], "hole", contact="line"), *_bolt_circles(reducer)), width)
         case "pin_1" if design.ring.kind == "pin":
-            return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
+            return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", contact="line"),), width)
         case "output":
             return _output_region(reducer, solids["output"].prisms[0].outline)
     available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
     raise UsageError(f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available)}")
 
 
-def _touched_holes(reducer: Reducer, holes: int) -> Iterator[Touched]:
-    """Yield the kind of contact of each of the `holes` holes of a disc, in the order of the holes of its solid.
+def _hole_contacts(reducer: Reducer, holes: int) -> Iterator[ContactWidth]:
+    """Yield the kind of contact (wide, line or none) of each of the `holes` holes of a disc, in the order of its solid.
 
     The bore has a wide contact, the holes of output pins have line contacts. In the disc of an RV reducer, the bores of
     the cranks have wide contacts; its middle hole, if any, and the windows for the posts have none.
@@ -137,6 +137,6 @@ def _output_region(reducer: Reducer, rim: Array) -> Region:
             "than output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
         )
     pin = circle(output.root_radius, CHORD_ERROR)
-    pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
+    pins = tuple(Boundary(pin + centre, "inset", contact="line") for centre in output_centres(reducer))
     hub_boundary = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)
     return Region("output", (Boundary(rim, "outline"), hub_boundary, *pins), output.disc_thickness)

@@ -79,7 +79,7 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Return unit loads and springs of the pads into which the bearing seats of a shaft are divided.
+    """Divide the bearing seats of a shaft into pads; return the unit load and the spring of each pad.
 
     Each seat has `MODEL.sectors` pads around the axis and `MODEL.strips` along it. `stiffness` [N/m] is the radial
     stiffness of a bearing. A bearing presses on half of its seat. An elastic bed with the stiffness k per area
@@ -185,7 +185,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Solve for the response at the angles with the indices `angles`, shape (c,), without tension in pads."""
+        """Solve for the shaft's response at the angles with indices `angles`, shape (c,), without tension in pads."""
         weights = load_factors[:, angles]
         open_forces = np.column_stack(
             [
@@ -198,7 +198,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
         pad_forces = relief_forces - pads.springs @ displacements
         return Response(
             forces=applied_forces + relief_forces,
-            moved=displacements,
+            displacements=displacements,
             imbalance=weights.T @ imbalances,
             reaction=pad_forces.T @ part.motions,
             moments=np.tensordot(applied_forces + pad_forces, moment_weights, (0, 0)),
@@ -278,8 +278,8 @@ def _scale_to_unit_moment(grid: Grid, load: Array) -> Array:
 def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
     loads, _ = elastic.balance_loads(part, pads.press.toarray())
-    moved = elastic.displacements(part, loads)
-    return moved, np.asarray(pads.press.T @ moved)
+    displacements = elastic.displacements(part, loads)
+    return displacements, np.asarray(pads.press.T @ displacements)
 
 
 def section_moment_weights(points: Array, positions: Array) -> Array:

@@ -293,7 +293,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
 def _solve_part(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
-    """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by corner distance.
+    """Solve a part at all crank angles; return stress maxima, map, stress range, and bulk stress by corner distance.
 
     `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The stress range is None for
     parts other than `RANGE_PARTS`. The last result has pairs of the distance from sharp corners [m] and the largest
@@ -410,7 +410,7 @@ def _plateau_drop(stress: PartStress) -> float:
 
 
 def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
-    """Compute the relative change [1] of the bulk stress with half and twice the distance from corners, the larger.
+    """Compute the larger relative change [1] of the bulk stress with half or with twice the distance from corners.
 
     `corners` are the pairs of `field.vary_corner_distance`; the result is 0 if there are none.
     """

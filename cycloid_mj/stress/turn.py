@@ -160,12 +160,12 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
-    swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
-    sample_step = swept / max(rows.size - 1, 1)
-    if swept < 2 * np.pi - sample_step:
+    rotation = abs(crank[-1] - crank[0]) if rows.size else 0.0
+    sample_step = rotation / max(rows.size - 1, 1)
+    if rotation < 2 * np.pi - sample_step:
         span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
-            f"{run.label}: at constant speed and load the run lasts {span:.4g} s ({swept / (2 * np.pi):.3f} crank "
+            f"{run.label}: at constant speed and load the run lasts {span:.4g} s ({rotation / (2 * np.pi):.3f} crank "
             "turns), but at least one turn is needed. Simulate the design again with a longer --hold-s"
         )
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
@@ -174,8 +174,8 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
     """Raise LogError if the samples are so coarse that one sample would be used for more than two requested angles.
 
-    `crank_angles` [rad] are those of the `rows` of the run, `requested` are the angles [rad] at which samples are
-    needed.
+    `crank_angles` [rad] are those of the samples `rows` of the run, `requested` are the angles [rad] at which samples
+    are needed.
     """
     sample_step = float(np.median(np.abs(np.diff(crank_angles))))
     requested_step = 2 * np.pi / max(requested.size, 1)

@@ -141,7 +141,7 @@ def test_the_line_of_action_meets_the_circle_on_the_loaded_side():
 def test_the_line_of_action_is_the_same_in_another_frame():
     force, place = np.array([[3.0, -1.0]]), np.array([[0.2, 0.5]])
     origin, angle = np.array([[0.4, -0.3]]), np.array([0.7])
-    seen = Action(force, cross(place, force)).seen_from(origin, angle)
+    seen = Action(force, cross(place, force)).in_frame(origin, angle)
     turned = np.array([[np.cos(0.7), np.sin(0.7)], [-np.sin(0.7), np.cos(0.7)]])
     assert seen.force == pytest.approx(force @ turned.T)
     assert seen.moment == pytest.approx(cross((place - origin) @ turned.T, seen.force))

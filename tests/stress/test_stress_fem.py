@@ -80,8 +80,8 @@ def made_loads(part: str, place: npt.ArrayLike, force: npt.ArrayLike, half_width
 
 
 def ring_region(inner: float, outer: float) -> Region:
-    wall = Boundary(circle(outer, 1e-9), "outline", touched="line")
-    return Region("ring", (wall, Boundary(circle(inner, 1e-9), "hole", touched="line")), WIDTH)
+    wall = Boundary(circle(outer, 1e-9), "outline", contact="line")
+    return Region("ring", (wall, Boundary(circle(inner, 1e-9), "hole", contact="line")), WIDTH)
 
 
 def pressure(grid: Grid, loop: int, size: float) -> Array:
@@ -177,7 +177,7 @@ def test_cantilever() -> None:
     length, height, force = 60e-3, 6e-3, 100.0
     outline = np.array([[0, -0.5], [1, -0.5], [1, 0.5], [0, 0.5]]) * [length, height]
     settings = GridSettings(contact_edge=0.25, inner_edge=0.3)
-    grid = planar_grid(Region("ring", (Boundary(outline, "outline", touched="line"),), WIDTH), settings, height)
+    grid = planar_grid(Region("ring", (Boundary(outline, "outline", contact="line"),), WIDTH), settings, height)
     grid = replace(grid, fixed_nodes=np.flatnonzero(grid.points[:, 0] < 1e-9))
     loads = made_loads("ring", [[[length, 0.0]]], [[[0.0, -force]]], height / 2.2)
     found = stress_map(PIN, grid, loads, 0)
@@ -388,7 +388,7 @@ def test_superposition_equals_a_direct_solve() -> None:
     loads = shaft_loads(3)
     case = shaft_loading.shaft_case(Reducer(PIN), shaft, loads)
     answer = case.response(np.arange(3))
-    forces, moved = answer.forces, answer.moved
+    forces, moved = answer.forces, answer.displacements
     direct = np.zeros_like(moved)
     free = case.body.free
     whole = elastic.assemble_stiffness(shaft, STEEL) + case.body.springs
@@ -410,7 +410,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[0, :2, 1] = [-10.0, 10.0]
     force[1, 2:, 0] = [-7.0, 7.0]
     force[2] = force[0] + force[1]
-    moved = part_case(Reducer(PIN), grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
+    moved = part_case(Reducer(PIN), grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).displacements
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
@@ -538,7 +538,7 @@ def test_wrong_input_is_reported() -> None:
 
 def test_a_part_that_does_not_mesh_is_reported() -> None:
     bow = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]) * 1e-3
-    crossed = Region("ring", (Boundary(bow, "outline", touched="line"),), WIDTH)
+    crossed = Region("ring", (Boundary(bow, "outline", contact="line"),), WIDTH)
     with pytest.raises(CycloidError, match="cannot generate a finite-element mesh of the ring: one of its outlines"):
         planar_grid(crossed, GridSettings(), 1e-3)
 
@@ -546,7 +546,7 @@ def test_a_part_that_does_not_mesh_is_reported() -> None:
 def test_element_edges_are_shorter_where_curved_edges_would_fold(monkeypatch: pytest.MonkeyPatch) -> None:
     turns = np.arange(8) * np.pi / 4.0
     centres = 24.25e-3 * np.column_stack([np.cos(turns), np.sin(turns)])
-    pins = tuple(Boundary(circle(3e-3, 1e-8) + centre, "inset", touched="line") for centre in centres)
+    pins = tuple(Boundary(circle(3e-3, 1e-8) + centre, "inset", contact="line") for centre in centres)
     disc = Region("output", (Boundary(circle(30.475e-3, 1e-8), "outline"), *pins), WIDTH)
 
     def made(refinement: float) -> bool:
