@@ -79,8 +79,8 @@ def judge(motion: Series, log: str | None = None) -> Findings:
     """Compute the findings of a simulated run: measured values, their closed forms, and warnings.
 
     `motion` are the signals of the run. `log` is the path of the log, which is stored as `Findings.log`. If the log's
-    provenance lacks an entry, the time step is that of the design, the solver is ``mujoco``, and the other entries are
-    None.
+    provenance lacks an entry, the time step of the design and the solver ``mujoco`` are stated, and the other entries
+    are None.
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
@@ -131,7 +131,7 @@ def _crank(motion: Series) -> Crank:
 def _discs(motion: Series) -> tuple[Disc, ...]:
     """Return a `Disc` for each disc: its speed, transmission error, and path and speed of its point q.
 
-    The tuple is empty for a single disc, whose findings are those of the run.
+    The tuple is empty for a single disc, which the findings of the run describe.
     """
     count = motion.design.gear.discs
     series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
@@ -213,8 +213,8 @@ def _contacts(motion: Series) -> ContactSummary:
 def _crank_bearings(motion: Series) -> CrankBearings | None:
     """Return the largest force of any crank on a disc of an RV reducer, and the largest of their mean forces [N].
 
-    The mean force of a crank is that of a roller bearing (exponent 10/3) over full periods. Return None without cranks,
-    or if their forces were not logged.
+    The mean force of a crank is the equivalent load of a roller bearing (exponent 10/3) over full periods. Return None
+    without cranks, or if their forces were not logged.
     """
     kind = names.KINDS[names.CRANK]
     if not motion.run.pairs(kind):

@@ -189,7 +189,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     Parameters
     ----------
     run
-        Run with its ``design.toml``. With several discs, the series is that of the first, see `Series.of_disc`.
+        Run with its ``design.toml``. With several discs, the series describes the first disc, see `Series.of_disc`.
     q
         Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
@@ -274,7 +274,7 @@ def design_of(run: Run) -> Design:
     Raises
     ------
     LogError
-        The attachment is missing or not UTF-8 text, or its numbers of pins or lobes are not those of the run.
+        The attachment is missing or not UTF-8 text, or its numbers of pins or lobes differ from the run's.
     DesignError
         The attachment is not a valid design.
     """
@@ -296,7 +296,7 @@ def design_of(run: Run) -> Design:
 
 
 def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
-    """Raise LogError if the numbers of pins, lobes or output pins in the run's forces are not those of the design."""
+    """Raise LogError if the numbers of pins, lobes or output pins in the run's forces differ from the design's."""
     part_names = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
     pairs = reducer.mechanism.pairs
     for kind, part_name in part_names.items():

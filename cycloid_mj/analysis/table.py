@@ -98,7 +98,7 @@ def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
     """Yield the rows of contacts: their mean number, and the largest penetration [um] and force [N] of one contact.
 
     An RV reducer also has rows of the cranks: the largest force of a crank on a disc, and the largest of their mean
-    forces [N]. The mean is that of roller bearings, with the exponent 10/3.
+    forces [N]. The mean is the equivalent load of roller bearings, with the exponent 10/3.
     """
     contact = findings.contact_summary
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)

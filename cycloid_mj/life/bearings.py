@@ -214,7 +214,7 @@ def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
     """Compute the friction torque of a shaft or output bearing [N m] that a load P [N] causes: mu P d/2.
 
     This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
-    coefficient of the cam if that has a rolling bearing, or else that of needles in `ASSUMED_ROLLERS`.
+    coefficient of the cam if the cam has a rolling bearing, or else the coefficient of needles in `ASSUMED_ROLLERS`.
     """
     design = reducer.design
     mu = design.friction_of("cam") if design.gear.bearing == "rolling" else ASSUMED_ROLLERS.needle_friction
@@ -224,7 +224,7 @@ def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
 def cam_ratings(reducer: Reducer) -> Ratings:
     """Return the dynamic and static load rating C and C0 of the bearing of a cam [N], with their sources.
 
-    They are those of the design file, or else of a bearing from stock, or of a row of rollers in the disc's bore.
+    Values in the design file have priority, then a bearing from stock, then a row of rollers in the disc's bore.
     """
     design = reducer.design
     gear, bearing = design.gear, design.bearing
@@ -239,7 +239,7 @@ def cam_ratings(reducer: Reducer) -> Ratings:
 def _shaft_ratings(reducer: Reducer) -> Ratings:
     """Return the dynamic and static load rating C and C0 of a bearing of the shaft [N], with their sources.
 
-    They are those of the design file, or else of a bearing from stock, or of an assumed row of rollers on the shaft.
+    Values in the design file have priority, then a bearing from stock, then an assumed row of rollers on the shaft.
     """
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
@@ -280,7 +280,7 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
 def _output_roller_ratings(reducer: Reducer) -> Ratings:
     """Return the load ratings C (dynamic) and C0 (static) of the needles in an output roller [N], with their sources.
 
-    They are those of the design file, or else follow from assumed dimensions of the needles.
+    Values in the design file have priority; otherwise they follow from assumed dimensions of the needles.
     """
     design = reducer.design
     output, bearing = design.output, design.bearing
@@ -394,8 +394,8 @@ def _rate_bearing(
 def oil_viscosity(reducer: Reducer, pair: str = "cam") -> float:
     """Return the kinematic viscosity of the oil in the bearings [m2/s]; 0 if the design states no lubricant.
 
-    It is that of the design file. Otherwise it is that of the lubricant of the friction law ``film``, at its
-    temperature in the contacts of `pair`: "teeth", "output" or "cam" (`lubricant_temperature`).
+    If the design file states no viscosity, the lubricant of the friction law ``film`` determines it, at its temperature
+    in the contacts of `pair`: "teeth", "output" or "cam" (`lubricant_temperature`).
     """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:

@@ -187,8 +187,8 @@ class Datasheet(Presented):
 def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) -> Datasheet:
     """Compute the data sheet of a valid design: quantities in groups, curves over torque and speed, and assumptions.
 
-    The rated torque is that for a `life` [h] at the design's speed; by default (0) the life is that of the design.
-    `progress` is called with the number of finished steps and the number of all steps.
+    The rated torque is rated for a `life` [h] at the design's speed; the default, 0, stands for the life that the
+    design states. `progress` is called with the number of finished steps and the number of all steps.
     """
     design = reducer.design
     life = life or design.service.life
@@ -462,7 +462,7 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of the output flange: limits of tilting moment, radial and axial load, and tilting stiffness.
 
-    Load limits are those in addition to the nominal torque, except that of the axial load, which acts alone.
+    The limits are loads that may act together with the nominal torque, except the axial load, which acts alone.
     """
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     return (
@@ -525,7 +525,7 @@ def _threads(count: int, thread: float) -> str:
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the rows of a data sheet on mass [kg], inertia [kg cm2] and dimensions [mm].
 
-    They are those of the mechanism and of a drive with covers.
+    There are rows for the mechanism alone and for the drive with covers.
     """
     design = reducer.design
     gear, housing = design.gear, design.housing
@@ -704,7 +704,7 @@ def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent
     life_h
         Life for which the torque is rated [h]; by default that of the design.
     progress
-        Called with the number of finished steps and that of all.
+        Called with the number of finished steps and the number of all steps.
 
     Returns
     -------

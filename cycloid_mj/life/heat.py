@@ -37,8 +37,8 @@ half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance by expansion [um].
 
-    `loadings` are the solved forces at each point of the duty. Clearances are those of teeth, output pins and cam; for
-    them, all parts are assumed to have the temperature of the housing.
+    `loadings` are the solved forces at each point of the duty. For the clearances of teeth, output pins and cam, all
+    parts are assumed to have the temperature of the housing.
     """
     design = reducer.design
     service = design.service
@@ -151,7 +151,7 @@ def still_air_coefficient(
 def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> float:
     """Return the heat transfer coefficient of the housing [W/(m2 K)] at a temperature of its wall [°C].
 
-    It is that of the design, or `still_air_coefficient` if the design states none.
+    The design states it; otherwise it is `still_air_coefficient`.
     """
     service = reducer.design.service
     outer = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius

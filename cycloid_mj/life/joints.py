@@ -157,8 +157,8 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     """Rate the torque capacity of the screws and dowels of each clamped face, and of the ring between the covers.
 
-    If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are those on
-    crank, carrier and ring at the peak torque.
+    If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are the torques on
+    crank, carrier and ring at the peak torque of the output.
     """
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
@@ -364,7 +364,8 @@ def _thread_limit(
     """Return the limit of a screwed joint by stripping of its threads, or by pull-out of an insert.
 
     It has the preload of each screw [N] and the slip torque [N m]. `part` is the name of the part with the threads,
-    `material` its material; `insert` is None if they are cut in the part. `engaged_length` [m] is that of the threads.
+    `material` its material; `insert` is None if they are cut in the part. `engaged_length` [m] is the engaged length of
+    the threads.
     """
     shear = (
         JOINTS.plastic_shear * material.yield_strength

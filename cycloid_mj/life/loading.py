@@ -152,8 +152,8 @@ def solve_loading(
 
     The load always opposes the rotation, whatever the signs of torque and speed. `crank_angles` is the number of crank
     angles. The wind-up, which only emergency stops need, is NaN unless `with_wind_up` is set. `temperatures` [°C] of
-    the parts apply to clearances, moduli and lubricant, but not to the sizes of shaft and covers; by default they are
-    those of the reducer.
+    the parts apply to clearances, moduli and lubricant, but not to the sizes of shaft and covers; the default are the
+    temperatures of the reducer.
 
     Raises
     ------
@@ -226,8 +226,8 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
 
     The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
     turn slides where its friction is lower: on the flank or in its seat. The bores of sleeves and rollers wear evenly;
-    flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and `contact_loads` are those
-    of the equilibria over a turn.
+    flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and `contact_loads` are the
+    contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -335,7 +335,8 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
     """Return the phase of the ring pin of each contact [rad], shape (m, n): its angle from the disc's eccentric.
 
-    `crank` are crank angles [rad], shape (m,). The n contacts are those of each disc with each half of the ring.
+    `crank` are crank angles [rad], shape (m,). There are n contacts of the ring: all pins for each disc and each half
+    of the ring.
     """
     pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
     phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins

@@ -74,9 +74,9 @@ class NoLoadTorque:
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
     """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
 
-    `speed` is that of the crank [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is
-    that of the grease. The torque of bearings is Palmgren's load-independent torque M0, that of seals follows ISO/TR
-    14179-2; a preloaded pair adds the torque by its preload.
+    `speed` is the crank speed [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is the
+    temperature of the grease. Bearings have Palmgren's load-independent torque M0, and a preloaded pair also the
+    friction torque of its preload. Seals follow ISO/TR 14179-2.
 
     Friction that statics includes is left out: contacts of teeth and pins; seals, if the design sets a torque in
     ``[drag]``; and with the friction law ``film`` cam bearings and seals. Of an RV reducer, statics includes all

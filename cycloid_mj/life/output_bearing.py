@@ -253,8 +253,8 @@ def balls_of(bearing: StockBearing) -> BallRow:
 def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
     """Compute dimensions, load ratings and load limits of the bearings of the output's hub.
 
-    The load limit of each bearing is that for the life of the design, at most its static rating. The forces at the
-    nominal torque leave only a part of it for other loads.
+    The load limit of each bearing is the load for the life that the design requires, at most its static rating. The
+    forces at the nominal torque leave only a part of it for other loads.
 
     Raises
     ------

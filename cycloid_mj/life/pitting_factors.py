@@ -111,7 +111,7 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
 def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
     """Return the mean entrainment speed [m/s] and the reduced radius [m] of teeth, with the forces as weights.
 
-    The radius is that of the mean curvature.
+    The radius is the inverse of the mean curvature.
 
     Parameters
     ----------

@@ -120,7 +120,7 @@ def _extrapolate_torque_limit(
 ) -> tuple[float, RatedItem | None]:
     """Rate the reducer at a torque [N m], and extrapolate its torque limit from the weakest item (`weakest_torque`).
 
-    `speed` is that of the crank [rad/s], `life` the required life [h], and `crank_angles` the number of crank angles of
+    `speed` is the crank speed [rad/s], `life` the required life [h], and `crank_angles` the number of crank angles of
     the rating. Only items for whose key `limits_torque` returns True are considered. `with_stops` includes emergency
     stops. `parts` is "perfect" for the parts as designed, or "toleranced" for samples within the tolerances.
 
@@ -192,9 +192,9 @@ def rated_and_momentary_torque(
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
     """Estimate rated and momentary output torque [N m] from a rating at a single torque, by `weakest_torque`.
 
-    `rated_items` are the items of the rating at `torque` [N m] for a `life` [h]. Its peak torque must be `PEAK_FACTOR`
-    times its torque. The rated torque is at most the momentary torque. `reducer` is required only for an RV reducer
-    (`is_stop`), whose safety factors at the peak torque are inversely proportional to the torque.
+    `rated_items` are the items of the rating at `torque` [N m] for a `life` [h]. The peak torque of that rating must be
+    `PEAK_FACTOR` times `torque`. The rated torque is at most the momentary torque. `reducer` is required only for an RV
+    reducer (`is_stop`), whose safety factors at the peak torque are inversely proportional to the torque.
 
     Returns
     -------

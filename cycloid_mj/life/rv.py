@@ -44,8 +44,8 @@ class _Row:
 def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     """Rate an RV reducer over a duty cycle for a life [h]: life and safety of crank bearings, cycloid and planet teeth.
 
-    Speeds of the duty are those of the sun. Crank bearings carry the larger of the forces of ideal load sharing and of
-    the static balance with clearances and errors.
+    The speeds of the duty are speeds of the sun. Crank bearings carry the larger of the forces of ideal load sharing
+    and of the static balance with clearances and errors.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     """Yield the crank bearings in the discs, then those in the flanges, with load ratings and forces [N].
 
-    The forces are those under each of `torques` [N m], the output torques at the points of a duty.
+    Each has the forces under each of `torques` [N m], the output torques at the points of a duty.
     """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
@@ -140,8 +140,8 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
 
-    They are those of ideal load sharing or of the static balance, whichever have the larger mean load. `torque` [N m]
-    is that on the output.
+    They follow from ideal load sharing or from the static balance, whichever results in the larger mean load. `torque`
+    [N m] acts on the output.
     """
     shared, solved = ideal_rv(reducer, torque), balance_running(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
@@ -152,8 +152,8 @@ def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
     """Compute the magnitudes of the radial forces [N] on the bearings of n cranks in both flanges, shape (m, 2 n).
 
     The first n columns are the cranks in the first flange, the others the same cranks in the second flange. A crank is
-    a beam on two supports, in the middles of the flanges. `disc_forces` [N] are those between the n cranks and the D
-    discs at m crank angles, as vectors, shape (m, D, n, 2).
+    a beam on two supports, in the middles of the flanges. `disc_forces` [N] are the force vectors between the n cranks
+    and the D discs at m crank angles, shape (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
     support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
@@ -174,7 +174,8 @@ def _rate_bearing(
 
     The row has equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds` are the
     bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these shares
-    [1]. The static factor is that at `peak_torque` [N m]. The modified life requires a known viscosity of the oil.
+    [1]. The static factor is the static safety factor at `peak_torque` [N m]. The modified life requires a known
+    viscosity of the oil.
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -264,7 +265,7 @@ def _rate_teeth(
 def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
     """Return mean entrainment speed [m/s] at the design's speed, and reduced radius [m], of teeth under a torque [N m].
 
-    `torque` is that on the output.
+    `torque` acts on the output.
     """
     loads = balance_running(reducer, torque)
     surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)

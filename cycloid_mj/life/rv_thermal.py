@@ -51,7 +51,7 @@ def solve_rv_losses(
 ) -> tuple[tuple[dict[str, float], ...], Network]:
     """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
 
-    `temperatures` [°C] are those of the parts for losses and conductances, `capacities` [J/K] the heat capacities of
+    `temperatures` [°C] of the parts determine losses and conductances, `capacities` [J/K] are the heat capacities of
     the network's nodes, and `crank_angles` is the number of crank angles.
 
     Raises
@@ -110,8 +110,7 @@ def _row_conductance(
 ) -> float:
     """Sum the heat conductances of bearings [W/K] under their mean forces, from `forces` [N], shape (m, ...).
 
-    `rollers` is the number of rollers of a bearing, `radius` and `length` [m] are those of a roller, and `partners` the
-    materials of rollers and rings.
+    A bearing has `rollers` rollers with a `radius` and `length` [m]; `partners` are the materials of rollers and rings.
     """
     means = np.mean(forces.reshape(len(forces), -1), axis=0)
     return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in means)
@@ -131,7 +130,7 @@ def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
 def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] from the ring to the housing, and from housing and flanges to the air.
 
-    `wall_temperature` [°C] is that of the housing.
+    `wall_temperature` [°C] is the temperature of the housing's wall.
     """
     design = reducer.design
     outer, ends = design.housing.outer_radius, math.pi * reducer.flange_radius**2

@@ -218,7 +218,8 @@ def _at_temperature(reducer: Reducer, temperature: float) -> Reducer:
 def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     """Compute the no-load torque on the crank [N m] over its speed [rpm], a curve each for cold and warm parts.
 
-    The torque includes contacts, grease, bearings and seals. The temperatures are those of `SETTINGS`.
+    The torque includes contacts, grease, bearings and seals. The temperatures are 20 and 60 °C (`SETTINGS.cold` and
+    `warm`).
     """
     design = reducer.design
     speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)

@@ -193,9 +193,9 @@ class _Steady:
 def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
     """Solve for the steady losses and temperatures of the parts, by fixed-point iteration from 20 °C.
 
-    `points` are those of the duty. Losses and conductances depend on the temperatures, also through the clearances. If
-    the parts would jam at the next temperatures, the step is shortened. If they jam after the shortest step as well,
-    the result has the losses before that step and is not converged.
+    `points` are the points of the duty. Losses and conductances depend on the temperatures, also through the
+    clearances. If the parts would jam at the next temperatures, the step is shortened. If they jam after the shortest
+    step as well, the result has the losses before that step and is not converged.
     """
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
@@ -269,7 +269,7 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
 
     The losses at each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
     and in the steady state. If the iteration for the steady state did not converge, the losses are constant and equal
-    to those of its last round.
+    to the losses of its last round.
     """
     design = reducer.design
     duration = settings.time_constants * steady_state.network.time_constant
@@ -322,9 +322,9 @@ def _find_torque_limit(
 ) -> _TorqueLimit:
     """Return the largest torque of a duty that heat allows [N m], what limits it, and torque limits by duty factor.
 
-    The first torque is for the duty as it is; all its torques are scaled by the same factor. The other torque limits
-    are for a drive that runs for a share of the time, the duty factor, and rests otherwise (S3). For these, and for the
-    limit at the tightest time, losses are assumed to be linear in the torque.
+    The first torque is valid for the duty as it is, with all its torques scaled by the same factor. The other torque
+    limits are for a drive that runs for a share of the time, the duty factor, and rests otherwise (S3). For these, and
+    for the limit at the tightest time, losses are assumed to be linear in the torque.
 
     Parameters
     ----------
@@ -461,8 +461,8 @@ def _find_loss_limit(
 def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> _LossLimit:
     """Return the factor on all temperature rises over the air at which the first temperature limit is reached.
 
-    `rises` [K] are those of the parts. The factor is inf if no limit is reached up to `settings.largest`, and 0 if a
-    limit is exceeded without any rise.
+    `rises` [K] are the temperature rises of the parts. The factor is inf if no limit is reached up to
+    `settings.largest`, and 0 if a limit is exceeded without any rise.
     """
     from scipy.optimize import brentq
 
@@ -515,7 +515,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     """Rate the temperature difference of disc and ring [K] against the difference at which the teeth jam.
 
     `loadings` are the solved forces at each point of the duty; with rests (``service.duty_share``), the difference is
-    the mean over running and rest. Losses and conductances are those at 20 °C, without the iteration of `thermal`.
+    the mean over running and rest. Losses and conductances are computed at 20 °C, without the iteration of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)

@@ -102,7 +102,7 @@ def line_contact_conductance(force: Array, length: float, radius: float, partner
     """Compute the heat conductance of Hertzian line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
 
     Each side is a cylinder with the `radius` R [m] and the conductivity k that is heated over the contact's width 2 b:
-    pi k L/ln(4 R/b). Both sides are in series. `length` L [m] is that of the line, `partners` are both materials.
+    pi k L/ln(4 R/b). Both sides are in series. `length` [m] is the length L of the line, `partners` are both materials.
     """
     compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
@@ -182,8 +182,8 @@ def build_network(
 ) -> Network:
     """Build the thermal network of a drive (heat conductances between its parts and to the air) under solved loads.
 
-    `wall_temperature` [°C] is that of the housing. `capacities` [J/K] are those of `heat_capacities`; without them all
-    are 1 J/K, and the network is for steady temperatures only.
+    `wall_temperature` [°C] is the temperature of the housing's wall. `capacities` [J/K] are heat capacities by node
+    (`heat_capacities`); by default all are 1 J/K, and the network serves for steady temperatures only.
     """
     links = (
         *_contact_links(loading.reducer, loading.contacts),
@@ -272,8 +272,8 @@ def _face_links(design: Design) -> Iterator[Conductance]:
 def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] from the ring to the housing and from there to the air.
 
-    The housing is that of the covers; without covers, an end of the output disc passes heat to the air as well.
-    `wall_temperature` [°C] is that of the housing.
+    The covers are the housing; without covers, an end of the output disc passes heat to the air as well.
+    `wall_temperature` [°C] is the temperature of the housing's wall.
     """
     design = reducer.design
     outer = design.housing.outer_radius

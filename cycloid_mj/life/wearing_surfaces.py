@@ -209,7 +209,7 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
     """Return the sliding contacts over a turn by the kind of pair: teeth, output pins and plain cams.
 
-    `springs` and `contact_loads` are those of the equilibria over the turn.
+    `springs` and `contact_loads` are the contact springs and the forces at the crank angles of the turn.
     """
     design, teeth = reducer.design, springs.teeth
     slip = np.abs(springs.slip)
@@ -273,8 +273,8 @@ def _wrap(angle: Array) -> Array:
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
     """Compute the half width of Hertzian line contacts [m] under forces [N], in the shape of `force`.
 
-    `kind` is the kind of mating pair, `curvature` the relative curvature [1/m]; None: that of the pair in the design.
-    The result is limited to `hertz_reach` times `radius` [m].
+    `kind` is the kind of mating pair, `curvature` the relative curvature [1/m]; None: the constant curvature of the
+    pair. The result is limited to `hertz_reach` times `radius` [m].
     """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)

@@ -71,8 +71,8 @@ def solve_journal(
 ) -> JournalState:
     """Compute film thickness [m] and friction coefficient [1] of journal bearings with half sockets, from a table.
 
-    Above the tabulated Sommerfeld numbers S the friction is that of a concentric bearing (Petroff); below them the film
-    thickness is proportional to S.
+    Above the tabulated Sommerfeld numbers S, a concentric bearing is assumed for the friction (Petroff); below them,
+    the film thickness is proportional to S.
 
     Parameters
     ----------

@@ -97,15 +97,15 @@ def line_friction(
 ) -> MixedFriction:
     """Compute friction coefficient, film ratio and load share of the asperities [1] of line contacts in mixed friction.
 
-    The film thickness is the larger of those of the formulas for hard (piezoviscous-elastic) and for soft
-    (isoviscous-elastic) contacts.
+    The film thickness is computed by the formulas for hard (piezoviscous-elastic) and for soft (isoviscous-elastic)
+    contacts; the larger result is used.
 
     Parameters
     ----------
     law
         Lubricant and surfaces.
     force
-        Normal force [N]; where it is 0 the coefficient is that of a vanishing force.
+        Normal force [N]; where it is 0, the result is the limit for a vanishing force.
     entrainment, sliding
         Entrainment and sliding speed [m/s]; signs have no effect.
     radius, length

@@ -146,8 +146,8 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     In each run the output torque rises in proportion to time. The acceleration of the crank is then proportional to the
     excess of the torque over the break-away torque, so the break-away torque is where a line fitted to the acceleration
     is zero. It contains only the friction that weight and inertia of the parts cause; friction in proportion to the
-    load is part of the back-driving efficiency. Contact stiffness is that at the rated load. The result has the torque
-    and its error [N m] at each starting position, their mean and range, and whether the drive is self-locking.
+    load is part of the back-driving efficiency. Contact stiffnesses are valid at the rated load. The result has the
+    torque and its error [N m] at each starting position, their mean and range, and whether the drive is self-locking.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(reducer_of(start), solver), independent_starts(reducer)))
@@ -170,9 +170,9 @@ def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
 def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> StartFromRest:
     """Simulate back-driving with an output torque that rises linearly from 0 to `max_torque` [N m]; the crank is free.
 
-    The break-away torque is that at which the fitted acceleration is zero. It is NaN if the crank turns by less than a
-    share of the rotation of a crank without friction, or in too few samples. Its error is the largest change if only
-    the first quarter, or only the second half, of the motion is fitted.
+    The break-away torque is the torque at which the fitted acceleration is zero. It is NaN if the crank turns by less
+    than a share of the rotation of a crank without friction, or in too few samples. Its error is the largest change if
+    only the first quarter, or only the second half, of the motion is fitted.
     """
     forward = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")

@@ -354,7 +354,7 @@ def _curves(
 ) -> tuple[Curve, ...]:
     """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form.
 
-    `presses_by_kind` are from `_run_presses`, `closed_forms` have the same keys.
+    `presses_by_kind` are the simulated stops by case, from `_run_presses`; `closed_forms` have the same keys.
     """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
@@ -396,8 +396,8 @@ def _angle_rows(
 ) -> list[dict[str, Any]]:
     """Return a JSON object for each crank angle: both stops and backlash [arcmin], its closed form, and time steps [s].
 
-    `presses_by_kind` are from `_run_presses`. The stops are those with all clearances together. Backlash, closed form
-    and time step are objects with a value for each case of `_run_presses`.
+    `presses_by_kind` are the simulated stops by case, from `_run_presses`. The stops in the object are measured with
+    all clearances together. Backlash, closed form and time step are objects with a value for each case.
     """
     return [
         {

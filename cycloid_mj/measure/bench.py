@@ -94,7 +94,7 @@ def without_friction(reducer: Reducer) -> Reducer:
 
 
 def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
-    """Return the time step [s] of a run with locked crank: that of the design file, or the longest that stays stable.
+    """Return the time step [s] of a run with locked crank, from the design file or else the longest stable time step.
 
     With MuJoCo and moving pins, the longest time step is proportional to the stability limit 2 sqrt(m/k) of the pin
     with the largest ideal force F under the output `torque` [N m]. The pin has the mass m. Its seat has the secant

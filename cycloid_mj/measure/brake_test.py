@@ -27,9 +27,9 @@ all of its torque, as with induction motors (2 to 10 %)."""
 def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
     """Simulate a motor `torque` on the crank [N m] against a brake at constant output speed.
 
-    The returned run covers `periods` mesh periods after the oscillation has decayed. Contact stiffness is that at the
-    output torque without losses, `torque` times the ratio. With a torque of 0 the crank is free, and the output drives
-    it.
+    The returned run covers `periods` mesh periods after the oscillation has decayed. Contact stiffnesses are valid at
+    the output torque without losses, `torque` times the ratio. With a torque of 0 the crank is free, and the output
+    drives it.
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed

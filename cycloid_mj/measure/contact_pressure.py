@@ -79,7 +79,7 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
     """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
 
     The arrays have a row for each sample and a column for each mating pair. The crank angles are shifted by full turns,
-    so that the first is between 0 and 2 pi. Forces are the total forces of the mating pairs. Pressures are those at the
+    so that the first is between 0 and 2 pi. Forces are the total forces of the mating pairs. Pressures occur at the
     most loaded contact line of each pair; in a rolling cam bearing this is the line of one roller. Crank bearings and
     planets of an RV reducer have no pressure: the attribute `holds` is false for them.
     """

@@ -98,7 +98,7 @@ def loads(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; its crank speed is that of the run.
+        A design, or the name of a preset or a file; the run has its crank speed.
     load, quick
         Torque on the output [N m], by default the rated torque; whether to run some mesh periods instead of a turn.
     progress, solver
@@ -290,8 +290,8 @@ def _kind_quantities(
 ) -> Iterator[Quantity]:
     """Yield the quantities of one kind of contact: forces [N], number of loaded contacts, Hertz pressure [MPa], margin.
 
-    The margin is that of the pressure against first yield. All quantities have numerical errors. Springs, such as the
-    crank bearings of an RV reducer, have neither pressure nor margin.
+    The margin compares the pressure with the pressure at first yield. All quantities have numerical errors. Springs,
+    such as the crank bearings of an RV reducer, have neither pressure nor margin.
 
     Parameters
     ----------
@@ -371,7 +371,7 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
     """Compute, by kind of contact, the factor on the torque at which its largest pressure reaches a limit.
 
     `pressure_limit` is the limit relative to the yield strength of the material [1]. The factor assumes that pressure
-    grows with the square root of the force. Kinds whose largest pressure is 0, or that of a conformal contact, are
+    grows with the square root of the force. Kinds whose largest pressure is 0, or occurs in a conformal contact, are
     omitted.
     """
     pressures = {
@@ -427,8 +427,8 @@ def _contact_name(reducer: Reducer, contacts: ContactPressures, index: int) -> s
 def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
     """Yield magnitude [N] and direction [deg] of the cam's force on a `disc`, by its index, over the crank angle.
 
-    `contacts` are those of the cams. The direction is counter-clockwise from the eccentric; `phase` [rad] is the angle
-    of the eccentric on the crank.
+    `contacts` are the contacts of all cams. The direction is counter-clockwise from the eccentric; `phase` [rad] is the
+    angle of the eccentric on the crank.
     """
     angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""

@@ -57,8 +57,8 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
 def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     """Convert the losses to JSON values under the key ``build_up``.
 
-    ``losses`` are shares of the input power by part, ``efficiency`` is that of the run [1]. ``paper`` has the published
-    output rates [1], and the friction coefficient of the teeth at which the model has the same rate, or None.
+    ``losses`` are shares of the input power by part, ``efficiency`` is the efficiency of the run [1]. ``paper`` has the
+    published output rates [1], and the friction coefficient of the teeth at which the model has the same rate, or None.
     """
     frictions = {
         item.method: {"rate": item.rate, "friction_of_teeth": item.friction if item.friction == item.friction else None}

@@ -122,7 +122,7 @@ def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[
     """Return the assumptions of a measurement of the lost motion by simulation as sentences.
 
     They are about torque loop, time steps, friction, structure and contact stiffness. `data` are the loops, `period` is
-    that of the torque [s].
+    the period of the torque [s].
     """
     timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]

@@ -138,7 +138,7 @@ def stiffness(loop: HysteresisLoop) -> float:
 def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield lost motion and backlash [arcmin] that are read from the simulated torque loops of a drive.
 
-    Both are those of the drive as designed, and without friction and weight.
+    Both are evaluated for the drive as designed, and again without friction and weight.
     """
     static_values = [windup.lost_motion / ARCMINUTE for windup in data.statics]
     rigid_form = BACKLASH[data.reducer.LAYOUT](data)
@@ -213,8 +213,8 @@ BACKLASH_NAMES: Mapping[Layout, str] = {"central": "backlash of rigid parts", "r
 def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness [N m/arcmin], and the compliances of output, cam and mesh in series [arcmin/(N m)].
 
-    The stiffness is that of the design, and that without friction and weight. The compliances are without friction and
-    weight. An RV reducer, whose parts are not in series, has none.
+    The stiffness is evaluated for the drive as designed, and again without friction and weight; the compliances only
+    without friction and weight. An RV reducer, whose parts are not in series, has none.
     """
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
@@ -247,9 +247,9 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
     """Return the quantities of the loops that friction causes: width, work, and shift.
 
-    The width [arcmin] is that at half the nominal torque; width and work [mJ], the area inside a loop, are means over
-    the crank angles. The shift [arcmin] is the largest distance, over the crank angles, of the middle of a loop from
-    that of the loop without weight and friction.
+    The width of the loop [arcmin] is taken at half the nominal torque. Width and work [mJ], the area inside a loop, are
+    means over the crank angles. The shift [arcmin] is the distance between the middles of the loops with and without
+    weight and friction, the largest over the crank angles.
     """
     service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE

@@ -139,7 +139,8 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
 
     The force of the ring is the sum of its logged contact forces. The force of crank or output on its bearing is the
     sum of its contact forces, plus its weight, minus its mass times acceleration. The centroid of the shaft moves on a
-    circle at the measured crank speed; that of the output is on the axis, as is that of all cranks of an RV reducer.
+    circle at the measured crank speed. The centroid of the output is on the axis, and so is the common centroid of all
+    cranks of an RV reducer.
     """
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])
     mechanism = reducer.mechanism
@@ -177,8 +178,8 @@ def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
 def inertia_force(run: Run, reducer: Reducer, disc_accelerations: Sequence[Array]) -> Array:
     """Compute the force of discs and driven shaft on the housing by their accelerations alone [N], shape (m, 2).
 
-    `disc_accelerations` are those of the centre of each disc [m/s2], shape (m, 2) each. They are means from one sample
-    to the next, so m is one less than the number of samples.
+    `disc_accelerations` are the accelerations of the centre of each disc [m/s2], shape (m, 2) each. They are means from
+    one sample to the next, so m is one less than the number of samples.
     """
     masses, mechanism = moving_masses(reducer), reducer.mechanism
     pairs = zip(mechanism.discs, disc_accelerations, strict=True)

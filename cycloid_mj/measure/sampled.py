@@ -64,7 +64,7 @@ def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedFo
     values
         Values at a few crank angles, shape (k,).
     largest
-        Whether the error is that of the largest value.
+        True for the error of the largest value, False for the error of the smallest.
     closed_form
         Closed form that approximates the values; None without it.
 

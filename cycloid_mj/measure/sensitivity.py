@@ -45,7 +45,7 @@ class FrictionVariant:
 
     @property
     def name(self) -> str:
-        """Name of its run."""
+        """Name of the run with this variant: friction as designed, or the changed pair and its coefficient."""
         support_text = "" if self.pins == NONE else f", {self.pins} pins"
         return (
             f"friction as designed{support_text}"
@@ -137,7 +137,7 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
     """Return a table of the output rate of each friction variant, in percent and as a torque, and its change.
 
     The output rate is the output torque over that without losses. `rate_by_variant` are the rates [1]. The change, in
-    percentage points, is that from the design's friction with the same support of the ring's pins.
+    percentage points, is relative to the design's friction with the same support of the ring's pins.
     """
     rated_torque = reducer.design.rated_torque
     design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}

@@ -91,8 +91,8 @@ class InputEffect:
 def assumed_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range.
 
-    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes. Of
-    an RV reducer, the inputs are those of statics.
+    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes. An
+    RV reducer has the inputs that its statics depends on.
     """
     design = reducer.design
     mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
@@ -184,7 +184,8 @@ def plain_roller(reducer: Reducer) -> float:
 def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Table:
     """Return a table of a rate [%], such as the efficiency, at both ends of the range of each assumed input.
 
-    `rate` is the name of the rate, `design_rate` is that of the design [1], `effects` are those of the inputs.
+    `rate` is the name of the rate, `design_rate` is its value for the design [1], and `effects` are the effects of the
+    inputs on it.
     """
     rows = [
         (item.input.name, item.input.unit, item.input.low, item.input.high, 1e2 * item.value_low, 1e2 * item.value_high)
@@ -211,8 +212,8 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
     """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values.
 
-    `effects` are those of the inputs. ``sensitivity`` has the ends of each input, ``low`` and ``high``, in ``unit``,
-    and the rates there, ``value_low`` and ``value_high`` [1].
+    `effects` are the effects of the inputs on the rate. ``sensitivity`` has the ends of each input, ``low`` and
+    ``high``, in ``unit``, and the rates there, ``value_low`` and ``value_high`` [1].
     """
     low, high = spread(design_rate, effects)
     return {

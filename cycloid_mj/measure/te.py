@@ -70,8 +70,8 @@ def te(
     slow
         Slow speed of the driven shaft [rad/s], by default the design's speed times `TraceSettings.slow_share`.
     turns
-        Crank turns relative to the ring; N - 1 turns (N ring teeth) separate the orders of the ring from those of holes
-        or cranks.
+        Crank turns relative to the ring; N - 1 turns (N ring teeth) separate the orders of the ring from the orders of
+        holes or cranks.
     quick
         Whether to skip the slow runs and those with half the time step.
     progress, solver

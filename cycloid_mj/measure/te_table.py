@@ -72,9 +72,9 @@ def quantities(
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
     """Return curves of the transmission errors [arcsec] over the crank angle, and of some of their amplitude spectra.
 
-    `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. Spectra are those of
-    the `evaluated_conditions`. The loaded error is drawn first and in a panel of its own, because the unloaded error is
-    larger.
+    `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. Spectra are computed
+    for the `evaluated_conditions`. The loaded error is drawn first and in a panel of its own, because the unloaded
+    error is larger.
     """
     paces = dict.fromkeys(condition.pace for condition in traces)
     result = [
@@ -130,7 +130,7 @@ def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any
     """Return the strongest orders (cycles per crank turn) of each condition with their causes, as JSON values.
 
     `turns` is the number of crank turns. In the result, "turns_that_part_orders" is the smallest number of turns that
-    separates the orders of the ring from those of the holes, and "apart" is whether `turns` separates them.
+    separates the orders of ring and holes, and "apart" is whether `turns` separates them.
     """
     return {
         "turns": turns,
@@ -152,7 +152,8 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
 
     The backlash is the difference between both directions without load, the wind-up that between the loads. The order
     of subtraction makes both positive, whether the output is a carrier, which turns against the crank, or a ring, which
-    turns with the crank. `traces`, `finer` and `statics` are those of `quantities`.
+    turns with the crank. `traces` and `statics` are the simulated and static errors by condition; `finer` are runs with
+    half the time step, by load and pace.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {
@@ -195,7 +196,8 @@ def _cause_quantities(
 ) -> Iterator[Quantity]:
     """Yield the rms value of the orders of each cause [arcsec], with its strongest order in the note.
 
-    `traces`, `finer`, `statics` and `turns` are those of `quantities`.
+    `traces` and `statics` are the simulated and static errors by condition over crank `turns`; `finer` are runs with
+    half the time step, by load and pace.
     """
     turns_text = f"{turns} of {reducer.design.lobes} crank turns"
     neighbour_note = (

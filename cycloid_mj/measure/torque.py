@@ -59,7 +59,7 @@ def torque(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; its speed is that of the test.
+        A design, or the name of a preset or a file; the test has its speed.
     quick
         Whether to average over a shorter time, skip the run with half the time step, and vary only the common friction.
     progress, solver

@@ -196,8 +196,8 @@ def _unbalance_quantities(
 ) -> Iterator[Quantity]:
     """Yield static unbalance [g mm] and rocking couple [N m] of the solids, and the force rotating with the crank [N].
 
-    The force is that in the first of the `runs`. Its closed form is the sum of m c omega^2, with mass, eccentricity and
-    crank speed. `half_step_runs` are the runs with half the time step by load, for the error.
+    The force is evaluated in the first of the `runs`. Its closed form is the sum of m c omega^2, with mass,
+    eccentricity and crank speed. `half_step_runs` are the runs with half the time step by load, for the error.
     """
     unbalances, speed_squared = unbalance(reducer), reducer.orbit_speed**2
     has_counterweight = "housing_bare" in _signals(reducer)

@@ -92,10 +92,10 @@ class VibrationRun:
 def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, speed: float, turns: int) -> VibrationRun:
     """Simulate a design over some crank turns, after it has settled; return the vibration signals in that time.
 
-    The closed-form accelerations are subtracted from those of disc centre and output, and the mean is subtracted from
-    all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. `model`
-    is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on the output [N m]
-    and `speed` the speed of the driven shaft [rad/s].
+    The closed-form accelerations are subtracted from the accelerations of disc centre and output, and the mean is
+    subtracted from all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and
+    decimated. `model` is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on
+    the output [N m] and `speed` the speed of the driven shaft [rad/s].
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))
@@ -149,8 +149,8 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
 def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
     """Return the signals of a run with several discs: tilting moments and bearing forces by name, shape (n, 2) each.
 
-    The moments [N m] are those of the discs' forces on shaft and output; the forces [N] are those of both shaft
-    bearings. Of an RV reducer, there is only the moment on the carrier.
+    The discs' forces on shaft and output cause the moments [N m]; the forces [N] act on both shaft bearings. An RV
+    reducer has only the moment on the carrier.
     """
     if isinstance(reducer, RvReducer):
         return {"output_tilting": carrier_tilting(run, reducer)}

@@ -426,8 +426,8 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
     """Return the load-independent drag torques of crank and output [N m].
 
     Without the law ``film``, they are the values `drag` of the design. With this law, the torques of the seals follow
-    from ISO/TR 14179-2, unless the design sets `drag`. Palmgren's torque M0 of rolling bearings is added: that of the
-    cams on the crank, or in an RV reducer those of crank bearings on the crank and of main bearings on the output.
+    from ISO/TR 14179-2, unless the design sets `drag`. Palmgren's torque M0 of rolling bearings is added: of the cams
+    on the crank, or in an RV reducer of the crank bearings on the crank and of the main bearings on the output.
     `inputs` are factors on the inputs of the law.
 
     Returns

@@ -127,7 +127,7 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     the crank, alpha the angle of the contact normal, and l the distance of its centre from the pitch point.
 
     The holes slide on the output pins at c w N/(N-1). The cam of radius R slides at R w N/(N-1) under its total force;
-    a cam with a rolling bearing has the friction coefficient of the bearing instead. The mesh is that of
+    a cam with a rolling bearing has the friction coefficient of the bearing instead. For the mesh, see
     `ideal_mesh_loss`.
     """
     design = reducer.design
@@ -148,7 +148,7 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
 def ideal_mesh_loss(reducer: Reducer, crank: Array, friction: float) -> float:
     """Compute the friction loss of the mesh with ideal load sharing, relative to the power of the carrier.
 
-    Torque and speed of the carrier are those against the ring. The relative loss is the same at all torques.
+    Torque and speed of the carrier are taken relative to the ring. The relative loss is the same at all torques.
 
     Parameters
     ----------
@@ -164,9 +164,9 @@ def ideal_mesh_loss(reducer: Reducer, crank: Array, friction: float) -> float:
 
     Notes
     -----
-    Symbols are those of `ideal_losses`. A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's
-    centre with the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's rotation. The normal forces F under
-    the torque T are therefore larger by the factor 1/(1 - mu sum(F s)/T).
+    For the symbols, see `ideal_losses`. A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's
+    centre with the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's rotation. The normal forces F under the
+    torque T are therefore larger by the factor 1/(1 - mu sum(F s)/T).
     """
     gear = reducer.tooth_profile
     phases = profile.pin_angles(gear) + crank[:, np.newaxis]

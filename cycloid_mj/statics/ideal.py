@@ -47,7 +47,7 @@ def _ideal_rv_peak(reducer: RvReducer, kind: str, crank_angle: Array) -> float:
 def ideal_rv_losses(reducer: RvReducer, crank: Array, friction: float) -> tuple[float, float, float]:
     """Compute the friction losses of an RV reducer with ideal load sharing, relative to the power of the carrier.
 
-    Torque and speed of the carrier are those against the ring. The relative losses are the same at all torques.
+    Torque and speed of the carrier are taken relative to the ring. The relative losses are the same at all torques.
 
     Parameters
     ----------

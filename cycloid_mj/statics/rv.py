@@ -229,7 +229,7 @@ class RvLoads:
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Contact stiffness is that of the reducer `at_rated_load`.
+    Contact stiffnesses are valid at the rated load (`at_rated_load`).
 
     Raises
     ------
@@ -277,8 +277,8 @@ def _unknowns(reducer: RvReducer) -> int:
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """Return the displacement of each eccentric from its bore without load, and its gradient by the unknowns.
 
-    `crank` are crank angles against the ring [rad], shape (m,). D is the number of discs, n that of cranks, and u that
-    of the unknown displacements, which the module docstring lists.
+    `crank` are crank angles against the ring [rad], shape (m,). There are D discs, n cranks and u unknown
+    displacements, which the module docstring lists.
 
     Returns
     -------
@@ -314,8 +314,8 @@ def _needle_directions(reducer: RvReducer, crank: Array) -> Array:
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of each eccentric from its bore due to manufacturing errors [m], shape (m, D, n, 2).
 
-    D is the number of discs, n that of cranks; the last axis is x and y in the frame of the ring. `crank` are crank
-    angles against the ring [rad], shape (m,).
+    There are D discs and n cranks; the last axis is x and y in the frame of the ring. `crank` are crank angles against
+    the ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
@@ -375,7 +375,7 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
 
     Each of the n planets has two flanks. The first n flanks carry a counter-clockwise load on the carrier. The normal
     of a flank points from the sun to the planet, at the pressure angle to the circle of cranks. `crank` are crank
-    angles against the ring [rad], shape (m,). The u unknown displacements are those of the module docstring.
+    angles against the ring [rad], shape (m,). The u unknown displacements are listed in the module docstring.
 
     Returns
     -------
@@ -415,7 +415,7 @@ def compute_rv_friction(
 
     Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the
     tapered bearings of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of
-    contact (`PlanetMesh`). `coefficients` are by default those of the law ``coulomb``.
+    contact (`PlanetMesh`). The default of `coefficients` are the constant coefficients of the law ``coulomb``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     coefficients = coefficients or coulomb_coefficients(reducer)
@@ -611,8 +611,8 @@ def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Ar
     """Return forces [N], energy [J] and stiffness [N/m] of crank bearings with separate needles at given displacements.
 
     `offsets` are the displacements of the eccentrics in their bores [m], shape (m, D, n, 2), for D discs and n cranks;
-    the results have the shapes of those of `_bearing_forces`. Each needle is a spring along its direction, which closes
-    once the displacement exceeds the clearance.
+    the results have the shapes (m, D, n, 2), (m, D, n) and (m, D, n, 2, 2). Each needle is a spring along its
+    direction, which closes once the displacement exceeds the clearance.
     """
     directions = springs.needles
     stiffness = needle_share(directions.shape[1]) * springs.bearing_stiffness

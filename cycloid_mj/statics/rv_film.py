@@ -173,7 +173,8 @@ class RvFilmLosses:
     def contact_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute the mean powers lost to friction that grows with the forces [W], by its source.
 
-        The keys are "teeth", "crank bearings" and "planets". `inputs` are those of the film law.
+        The keys are "teeth", "crank bearings" and "planets". `inputs` are factors on the inputs of the film law, such
+        as the viscosity.
         """
         reducer = self.reducer
         teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient

@@ -332,8 +332,8 @@ def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_ang
 def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> tuple[float, Array]:
     """Compute the power lost with the law ``film``, for the design's own inputs of the law and for samples of them.
 
-    `load` is the torque on the output [N m]. Powers are means over `RvSheetSettings.rotation_angles` crank angles. The
-    result is that of `film_spread.lost_powers`: the power of the design [W], and of each sample [W], shape (samples,).
+    `load` is the torque on the output [N m]. Powers are means over `RvSheetSettings.rotation_angles` crank angles.
+    Returns the power lost with the design's inputs [W], and with the inputs of each sample [W], shape (samples,).
 
     Raises
     ------

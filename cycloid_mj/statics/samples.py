@@ -138,7 +138,7 @@ def solve_samples(
 ) -> list[SampleFigures]:
     """Solve for the equilibrium of every sample under each output torque, at crank angles over a turn.
 
-    The result is the same to the last bit for any number of threads. The stiffness of the springs is that of the
+    The result is the same to the last bit for any number of threads. All samples have the spring stiffnesses of the
     design.
 
     Parameters
@@ -306,8 +306,8 @@ def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_w
     """Compute the changes of the gaps of n contacts at k crank angles by profile waves, shape (k, n, 1 + 2 orders).
 
     The first column is the change by `common_waves` [m], amplitudes that all samples have; the others are the
-    derivatives by the amplitude of the cosine, then of the sine, of each of `orders` [1]. `springs` are those at k
-    crank angles. Gaps of output pins do not change.
+    derivatives by the amplitude of the cosine, then of the sine, of each of `orders` [1]. `springs` are the contact
+    springs at k crank angles. Gaps of output pins do not change.
     """
     phase, teeth = springs.contacts.phase, springs.teeth
     foot = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
@@ -324,7 +324,7 @@ def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Convert the deviations of the parts of each sample to those of each contact, for the compiled kernel.
+    """Convert the deviations of the parts of each sample to deviations of each contact, for the compiled kernel.
 
     Parameters
     ----------

@@ -136,7 +136,8 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
     """Return the index of the distance at which the largest stress reaches a plateau, searched from `first_index` on.
 
     `stress_by_distance` [Pa], shape (s,), is the largest stress beyond each of s increasing distances. The result is
-    the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value, or else that of the smallest drop.
+    the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value, or else the index with the smallest
+    drop.
     """
     first_index = min(first_index, len(stress_by_distance) - 1)
     drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(

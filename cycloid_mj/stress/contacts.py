@@ -302,7 +302,7 @@ def _in(seat: PartFrame, action: Action) -> Action:
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     """List force, position and patch width of each contact of a disc with ring, cam and output pins over a turn.
 
-    `disc` is its index from 0. In an RV reducer, the contacts are those with the ring and the cranks.
+    `disc` is its index from 0. A disc of an RV reducer has contacts with the ring and the cranks instead.
     """
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
@@ -322,8 +322,8 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
 def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
     """List force, position and patch width of the contacts of the cranks with the bores of a disc, in its frame.
 
-    `disc` is its index from 0. Position and width of a contact are those of the load on the bore; its line contact is
-    that of the most loaded needle.
+    `disc` is its index from 0. Position and width of a contact describe the load on the bore; its Hertz pressure is
+    computed for the most loaded needle.
     """
     frame, contacts = _disc(turn, disc), []
     bores = reducer.stage.crank_positions([0.0])[0]
@@ -340,8 +340,9 @@ def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartConta
 def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -> HertzStrip:
     """Compute Hertz's pressure [Pa] and half width [m] of the most loaded needle between an eccentric and a disc.
 
-    `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
-    eccentric, or the negative curvature of the bore. The result also states whether Hertz's theory is valid.
+    `force` [N] is the force of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is the
+    curvature of the eccentric, or the negative curvature of the bore. The result also states whether Hertz's theory is
+    valid.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(names.GEAR)
     load = force * STRIBECK / cranks.needles
@@ -356,7 +357,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
 def _ring_contacts(turn: Turn) -> list[PartContact]:
     """List force, position and patch width of the contacts of the ring over a turn.
 
-    They are those of its lobes with discs, or of its sockets with ring pins.
+    Its lobes have contacts with the discs, or its sockets with ring pins.
     """
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
@@ -511,7 +512,7 @@ def _contact(
 
 
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
-    """Return the radius of a round part [m], and that of the hole around it [m], which includes the clearance.
+    """Return the radii of a round part and of the hole around it [m]; the radius of the hole includes the clearance.
 
     `kind` is the kind of mating pair: "cam", "output" or "pin_socket".
     """

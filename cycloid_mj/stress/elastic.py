@@ -170,7 +170,7 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
     """Compute the resultants (c, r) of all support forces on a part: forces [N], then moments about the origin [N m].
 
-    Supports are fixed nodes and elastic supports. The order is that of the r `rigid_motions`.
+    Supports are fixed nodes and elastic supports. They are in the order of the r `rigid_motions`.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def unknowns(nodes: Integers, dimension: int) -> Integers:
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
     """Return the scikit-fem basis of the quadratic elements of a grid.
 
-    The basis is that of displacements if `vector`, otherwise that of scalars. Its quadrature is exact up to the
+    It is a basis for displacements if `vector` is true, otherwise for scalars. Its quadrature is exact up to the
     polynomial degree `order`.
     """
     skfem = import_package("skfem")

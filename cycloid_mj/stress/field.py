@@ -125,7 +125,7 @@ def solve(
     grid
         Finite-element grid of the part.
     loads
-        The loads on the same part.
+        Contact forces, weight and inertia of this part at crank angles.
     distance
         Distance from contact patches from which the stress counts as bulk stress [m]. The default is the distance at
         which the largest stress of all crank angles reaches a plateau (`search_distances`, from `grid.bulk_distance`).
@@ -133,7 +133,7 @@ def solve(
     Raises
     ------
     CycloidError
-        The loads are not those of the part, or its finite-element equations cannot be solved.
+        The loads belong to another part, or its finite-element equations cannot be solved.
     """
     reducer = reducer_of(design)
     case = part_case(reducer, grid, loads)
@@ -306,7 +306,7 @@ def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) ->
     """Compute displacement [m] and stresses [Pa] at all nodes of a part at the crank angle with `index`, for a picture.
 
     Nodes beyond a `distance` [m] from contacts count as bulk, except those next to sharp corners. The default distance
-    is that of the grid.
+    is `grid.bulk_distance`.
     """
     grid = part.grid
     node_displacements = part.case.response(np.array([index])).displacements

@@ -85,7 +85,7 @@ The largest stress, the largest contact pressure, and the smallest safety factor
 def part_figure(reducer: Reducer, kind: str, name: str) -> float:
     """Compute the largest bulk stress, contact pressure or safety of the parts of a kind, from a run of one turn.
 
-    `name` is that of the figure in `FIGURES_OF_PARTS`.
+    `name` is the name of the quantity in `FIGURES_OF_PARTS`.
 
     Raises
     ------
@@ -99,8 +99,8 @@ def part_figure(reducer: Reducer, kind: str, name: str) -> float:
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
     """Compute the torsional compliance that each part adds at the output [rad/(N m)], by name of the part.
 
-    The forces on the parts are those of a run without friction under the design's load, or its rated torque if that is
-    0. `mounts` are the seats of output pins and crank in plates; they add entries to the result, see
+    The forces on the parts are taken from a run without friction under the design's load, or its rated torque if that
+    is 0. `mounts` are the seats of output pins and crank in plates; they add entries to the result, see
     `part_compliance.compute_part_compliance`.
 
     Raises

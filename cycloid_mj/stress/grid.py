@@ -264,7 +264,7 @@ def quadratic_mesh(
     Returns
     -------
     mesh, vertices, middle_nodes
-        The mesh, the index of its node at each point (p,), and that of its node in the middle of each edge (e,).
+        The mesh, the index of its node at each point (p,), and the index of its node in the middle of each edge (e,).
 
     Raises
     ------
@@ -344,7 +344,7 @@ def _triangulate(
     Returns
     -------
     tuple
-        Points (p, 2) [m], first those of the loops in order, and the corners of triangles (m, 3).
+        Points (p, 2) [m], first the points of the loops in order, and the corners of triangles (m, 3).
 
     Raises
     ------

@@ -125,12 +125,12 @@ def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
 def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
     """Return positions and contact forces over a turn at crank angles [rad], shape (k,), from a run.
 
-    An RV reducer has no run (None); its positions and forces are those of the static balance.
+    For an RV reducer, which has no run (None), positions and forces follow from the static balance.
 
     Raises
     ------
     UsageError
-        There is no run and the reducer is no RV reducer, or the run is not that of the reducer.
+        There is no run and the reducer is no RV reducer, or the run is of another reducer.
     LogError
         The run contains no design or no forces, or too few samples at constant speed and load.
     """

@@ -205,7 +205,7 @@ def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
 def _beam_element(reducer: Reducer, length: float) -> Array:
     """Compute the stiffness matrix (4, 4) of a Timoshenko beam element of an output pin with `length` [m].
 
-    Unknowns are displacement [m] and slope [rad] of the first end, then those of the second; forces are [N] and [N m].
+    Unknowns are displacement [m] and slope [rad] of the first end, then of the second end; forces are [N] and [N m].
     """
     design = reducer.design
     bending, shearing = round_beam(design.material_of("output"), design.output.root_radius)

@@ -43,7 +43,7 @@ class QuadraticOutline:
 def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into quadratic edges; return their nodes, middles and target lengths [m].
 
-    Target lengths are those of `sizing`; corners of the polygon are nodes. The number of edges between two corners is
+    `sizing` determines the target lengths; corners of the polygon are nodes. The number of edges between two corners is
     the integral of 1/(target length) along the outline, rounded up. An outline has at least 12 edges.
     """
     points, corner, radius = _subdivide(polygon, sizing)
@@ -118,7 +118,7 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
     edge_length
         Edge lengths at the n points before the limitation [m].
     arc
-        Arc length at each point, then that of the closed outline [m], (n + 1,).
+        Arc length at each point, then the length of the closed outline [m], (n + 1,).
     growth
         Largest growth of the edge length per length of the outline [1].
     """

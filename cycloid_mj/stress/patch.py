@@ -61,7 +61,7 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     Raises
     ------
     CycloidError
-        The loads are those of another part, or a contact is not on the part's surface.
+        The loads belong to another part, or a contact is not on the part's surface.
     """
     _require_match(grid, loads)
     edges = _collect_edges(grid)

@@ -48,7 +48,7 @@ class ToothRootStress:
         return self.nominal * self.form_factor * self.correction_factor
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
-        """Convert the root stress to JSON values; keys end in their units.
+        """Convert the stress at a tooth root to JSON values; keys end in their units.
 
         ``safety_against_yield`` [1] is `yield_strength` [Pa] over the stress; None without stress.
         """
@@ -101,7 +101,7 @@ class RvStrength:
 def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
     """Compute the largest stresses of the cranks and of sun and planets over a turn, under the load of the design.
 
-    `angles` [rad], shape (k,), are those of the cranks relative to the carrier.
+    `angles` [rad], shape (k,), are angles of the cranks relative to the carrier.
 
     Raises
     ------
@@ -140,8 +140,8 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    `stations` (s,) [m] are positions layout z. A crank is a beam on supports in the middles of the flanges. Its torque
-    acts at the planet, and decreases layout each eccentric.
+    `stations` (s,) [m] are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
+    acts at the planet, and decreases along each eccentric.
     """
     gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)

@@ -163,7 +163,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     Raises
     ------
     CycloidError
-        The loads are not those of the cams of the shaft.
+        The loads do not act on the cams of the shaft.
     """
     shaft = shaft_dimensions(reducer)
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
@@ -211,8 +211,8 @@ def _cam_load_factors(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) 
     """Yield the factor (k,) of each unit load of a cam, in the order of `_cam_unit_loads`, at k crank angles.
 
     The sum of the unit loads times their factors is the load on the cam. First come the factors of the pressures [N]:
-    for each harmonic that of the cosine and that of the sine (order 0 has no sine). The last factor is the moment about
-    the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
+    for each harmonic the factor of the cosine and of the sine (order 0 has no sine). The last factor is the moment
+    about the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array
 def section_moment_weights(points: Array, positions: Array) -> Array:
     """Return the weights of nodal forces in the moments in s cross-sections of the shaft [m], shape (3 n, s, 3).
 
-    The moment in a section is that of the forces on all nodes with a smaller z. It is about x, y and z (last axis)
+    The moment in a section is caused by the forces on all nodes with a smaller z. It is about x, y and z (last axis)
     through the point of the section on the shaft's axis.
 
     Parameters

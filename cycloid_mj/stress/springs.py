@@ -86,7 +86,7 @@ class PartSprings:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the stiffness to JSON values; keys end in their units.
+        """Convert compliances and spring stiffnesses of the parts to JSON values; keys end in their units.
 
         ``parts_rad_per_nm`` has the compliance of each part, ``contacts_rad_per_nm`` the share of the contacts in it.
         ``springs_nm_per_rad`` has the springs of the design (``springs.*``) by their keys.

@@ -26,7 +26,7 @@ from cycloid_mj.stress.turn import DEGREES, Turn
 def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
     """Solve the static equilibrium of the running drive under its load; return contact springs and loads at k angles.
 
-    `angles` (k,) [rad] are those of the cranks relative to the carrier. Friction is that of the running drive.
+    `angles` (k,) [rad] are angles of the cranks relative to the carrier.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def _friction(reducer: RvReducer, springs: RvSprings) -> RunningFriction:
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Return positions and contact forces over a turn of the cranks in static equilibrium, as a run would log them.
 
-    `angles` [rad] (k,) are those of the cranks relative to the carrier. Weight and inertia are left out.
+    `angles` [rad] (k,) are angles of the cranks relative to the carrier. Weight and inertia are left out.
 
     Raises
     ------
@@ -85,8 +85,8 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
     """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m].
 
-    They are those on each disc, with moments about its centre, and those of the sockets on free ring pins, with moments
-    about the centre of the pin.
+    They act on each disc, with moments about its centre, and by the sockets on free ring pins, with moments about the
+    centre of the pin.
     """
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction

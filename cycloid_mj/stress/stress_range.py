@@ -65,8 +65,8 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     """Compute stress amplitude and mean stress of the nodes with the largest stress ranges, at most 1500.
 
     The stress range is the largest von Mises stress of the difference between two instants. The amplitude is half of
-    it. The mean is the von Mises stress of the mean of both instants, with the sign of its trace. A node with a single
-    state has the amplitude 0; a node without any state is left out.
+    this range. The mean is the von Mises stress of the mean of both instants, with the sign of its trace. A node with a
+    single state has the amplitude 0; a node without any state is left out.
 
     Parameters
     ----------

@@ -174,11 +174,12 @@ def stress_study(
     Parameters
     ----------
     run, reducer
-        The run, and the reducer that ran. An RV reducer has no run (None); its forces are those of its static balance.
+        The run, and the reducer that ran. For an RV reducer, which has no run (None), forces follow from the static
+        balance.
     parts
         Names of parts; by default every part of the design.
     settings
-        Settings; by default those of a full study.
+        Settings; by default the settings of a full study.
     log
         Name of the run's file, which the findings state.
     on_part
@@ -295,9 +296,10 @@ def _solve_part(
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
     """Solve a part at all crank angles; return stress maxima, map, stress range, and bulk stress by corner distance.
 
-    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The stress range is None for
-    parts other than `RANGE_PARTS`. The last result has pairs of the distance from sharp corners [m] and the largest
-    bulk stress beyond it [Pa], at the crank angle of the largest bulk stress; it is empty for parts without corners.
+    `map_angle` is the crank angle of the map [rad]; None: the angle of the largest bulk stress. The stress range is
+    None for parts other than `RANGE_PARTS`. The last result has pairs of the distance from sharp corners [m] and the
+    largest bulk stress beyond it [Pa], at the crank angle of the largest bulk stress; it is empty for parts without
+    corners.
     """
     part = assemble_part(reducer, grid, loads)
     has_range = names.family(grid.part) in RANGE_PARTS
@@ -333,7 +335,7 @@ def _compare_with_finer_grid(
     """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
 
     Bulk stress is the largest stress beyond a distance from contacts and sharp corners. `stress` is the solution on
-    `grid`; the first of the angles is that of its largest bulk stress.
+    `grid`; its largest bulk stress occurs at the first of the angles.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
@@ -364,8 +366,8 @@ def _stress_with_other_supports(
     """Compute the bulk stress [Pa] of a part with other supports than the design's, such as a clamped rim.
 
     Returns pairs of the support as text, "key = value", and the stress; none for parts without a choice of supports
-    (`SUPPORTS`). The stress is the largest at five crank angles, the first of which is that of the largest bulk stress
-    in `stress`.
+    (`SUPPORTS`). The stress is the largest at five crank angles; the first of them is the angle at which the bulk
+    stress in `stress` is largest.
     """
     if part not in SUPPORTS:
         return ()

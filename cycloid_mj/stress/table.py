@@ -48,7 +48,7 @@ def contact_table(findings: StressFindings) -> list[list[str]]:
 def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
     """Yield the stress of each section of the cranks and gears of an RV reducer as a row of text.
 
-    The columns are those of `STRENGTH_HEADER`.
+    The columns are named in `STRENGTH_HEADER`.
     """
     sections = [(item.name, item.nominal, item.stress) for item in strength.shoulders]
     sections += [(f"tooth root of {item.part}", item.nominal, item.stress) for item in strength.roots]

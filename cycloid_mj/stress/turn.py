@@ -71,15 +71,15 @@ class Turn:
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Return the logged columns of a run in its last turn, at the samples nearest to crank angles [rad], shape (k,).
 
-    The turn is the last at constant speed and load. Angles and forces are relative to the ring. The run must be that of
-    the design of `reducer`, unless this is None.
+    The turn is the last at constant speed and load. Angles and forces are relative to the ring. The run must be a run
+    of the design of `reducer`, unless this is None.
 
     Raises
     ------
     LogError
         The run contains no design or no forces, or too few samples at constant speed and load.
     UsageError
-        The run is that of another design.
+        The run is a run of another design.
     """
     logged_design = design_of(run)
     if logged_design.layout != Reducer.LAYOUT:
@@ -174,8 +174,8 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
     """Raise LogError if the samples are so coarse that one sample would be used for more than two requested angles.
 
-    `crank_angles` [rad] are those of the samples `rows` of the run, `requested` are the angles [rad] at which samples
-    are needed.
+    `crank_angles` [rad] are the angles of the samples `rows` of the run, `requested` are the angles [rad] at which
+    samples are needed.
     """
     sample_step = float(np.median(np.abs(np.diff(crank_angles))))
     requested_step = 2 * np.pi / max(requested.size, 1)

@@ -89,10 +89,10 @@ def solve_by_arclength(
 ) -> float:
     """Solve for displacements z (u,) [m] by pseudo-arclength continuation in friction and clearance.
 
-    `springs` are those at all crank angles, `k` is the index of an angle, and `load` (u,) [N] the generalised load.
-    `tolerance` [N] is the residual norm of a solution. `z` is an output array. `path` is a result of `allocate_path`;
-    `path` and `system` are overwritten. Returns the residual norm [N]: infinity if the path ends before full friction
-    and clearance, or if friction wedges parts.
+    `springs` are the springs at all crank angles, `k` is the index of an angle, and `load` (u,) [N] the generalised
+    load. `tolerance` [N] is the residual norm of a solution. `z` is an output array. `path` is a result of
+    `allocate_path`; `path` and `system` are overwritten. Returns the residual norm [N]: infinity if the path ends
+    before full friction and clearance, or if friction wedges parts.
 
     Notes
     -----
@@ -155,7 +155,8 @@ def solve_scaled(
 ) -> float:
     """Solve for equilibrium with scaled clearances and friction by Newton's method; return the residual norm [N].
 
-    The foot point of every tooth is computed. The method is that of `newton`, without damping and warm start.
+    The foot point of every tooth is computed. The method is the same as in `newton`, but without damping and warm
+    start.
 
     Parameters
     ----------
@@ -307,10 +308,10 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the continuation path at a `point`; return the sign of the determinant there.
 
-    The tangent is ``path.tangent``. The determinant is that of the augmented system of residual and path. If the system
-    is singular, the result is 0 and the tangent is unchanged. The tangent points forwards along the path; this
-    direction follows from `sign`, the sign of the determinant at the beginning of the path. `k` is the index of the
-    crank angle, `load` (u,) [N] the generalised load.
+    The tangent is ``path.tangent``. The system is the augmented system of residual and path. If the system is singular,
+    the result is 0 and the tangent is unchanged. The tangent points forwards along the path; this direction follows
+    from `sign`, the sign of the determinant at the beginning of the path. `k` is the index of the crank angle, `load`
+    (u,) [N] the generalised load.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -342,9 +343,9 @@ def _predict_and_correct(
     `path.next_point` is at the arc length `length` [1] from `path.point` (Euler predictor, Newton corrector).
 
     The step fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of
-    the old one along the new tangent. The tangent is then unchanged. `sign` is an argument of `_update_tangent`,
-    `tolerance` [N] is the residual norm of a solution, `k` the index of the crank angle, and `load` (u,) [N] the
-    generalised load.
+    the old one along the new tangent. The tangent is then unchanged. `sign` is the sign of the determinant at the
+    beginning of the path, `tolerance` [N] is the residual norm of a solution, `k` the index of the crank angle, and
+    `load` (u,) [N] the generalised load.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):
@@ -404,8 +405,9 @@ def _pass_corner(
     """Step to a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
     Tangents are computed at distances of 1e-7 to 1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are
-    tried. The arguments are those of `_predict_and_correct`. Returns the length of the successful step [1], 0 if there
-    is none.
+    tried. `k` is the index of the crank angle, `load` (u,) [N] the generalised load, `sign` the sign of the determinant
+    at the beginning of the path, and `tolerance` [N] the residual norm of a solution. Returns the length of the
+    successful step [1], 0 if there is none.
     """
     unknown_count = load.size
     tangent = path.corner_tangent

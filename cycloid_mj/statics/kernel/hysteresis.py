@@ -195,10 +195,9 @@ def _follow_path(
 ) -> tuple[Residual, int]:
     """Follow the equilibrium of springs with friction along a `path` of loads (m, u) [N], with a given workspace.
 
-    Arguments and results are those of `follow_path`: friction elements `friction_elements`, displacement of the output
-    `max_motion` [m] above which a step is halved, output arrays `positions` (rows,) and `z` (rows, u) [m], residual and
-    number of filled rows. `increment`, `old` and `new` are the workspace, from `_allocate_increment` and
-    `_allocate_state`.
+    `max_motion` [m] is the displacement of the output above which a step is halved. `positions` (rows,) and `z` (rows,
+    u) [m] are output arrays. Residual and number of filled rows are returned, as by `follow_path`. `increment`, `old`
+    and `new` are the workspace, from `_allocate_increment` and `_allocate_state`.
     """
     count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
@@ -289,7 +288,7 @@ def _assemble_two_steps(
 ) -> float:
     """Assemble a step from rest to the displacements of `old`, then one to those of `new`; return its energy.
 
-    The energy [J], and residual and tangent in `increment`, are those of the second step, under ``increment.load``.
+    Returned energy [J], and residual and tangent in `increment`, refer to the second step, under ``increment.load``.
     `rest` is the unloaded state before both steps. With `fixed_limits`, the friction limits follow from the normal
     forces of `old`.
     """
@@ -497,7 +496,7 @@ def _assemble_step(
     """Assemble residual and tangent of a load step at the displacements of `new`, and write them to `increment`.
 
     `old` is the state before the step. The forces of springs, friction and lossy material are written to `new`. With
-    `fixed_limits`, the limits of friction and material are those of `increment`; the residual is then the negative
+    `fixed_limits`, the limits of friction and material are taken from `increment`; the residual is then the negative
     gradient of the energy, and the tangent is symmetric.
 
     Returns
@@ -582,7 +581,7 @@ def _add_cam(
     """Add the contact of a disc and its cam, with friction, to residual and tangent of a step; return its energy [J].
 
     `disc` is the index of the disc, `old` and `new` are the states before and after the step, and `fixed_limits` is
-    whether the friction limits are those of `increment`, which also contains residual and tangent.
+    whether the friction limits are taken from `increment`, which also contains residual and tangent.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -616,7 +615,7 @@ def _add_contact(
     The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` (u,) must be the gradient
     of the depth. A further spring along the normal, which slips at a limit, represents the force that the material
     retains during unloading. `old` is the state before the step; the forces are written to `new`. With `fixed_limits`,
-    the limits of friction and material are those of `increment`.
+    the limits of friction and material are taken from `increment`.
     """
     spring_force = stiffness * depth
     retained_stiffness, share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]

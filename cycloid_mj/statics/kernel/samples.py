@@ -241,9 +241,9 @@ def _write_sample_figures(
     force
         Contact forces (k, n) [N].
     row
-        Output array. 0, 1: mean and range, over the crank angles, of the average rotation of the discs [rad]. 2, 3: the
-        same of the rotation of the output [rad]. 4 to 6: largest force on a tooth, an output pin and a cam [N]. 7: mean
-        number of loaded teeth.
+        Output array. 0, 1: mean and range, over the crank angles, of the average rotation of the discs [rad]. 2, 3:
+        mean and range of the rotation of the output [rad]. 4 to 6: largest force on a tooth, an output pin and a cam
+        [N]. 7: mean number of loaded teeth.
     """
     angles, discs = len(z), cam_position.shape[1]
     for body in range(2):

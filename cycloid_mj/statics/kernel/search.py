@@ -143,8 +143,8 @@ def balance_briefly(
 ) -> Residual:
     """Solve for static equilibrium at each crank angle from index `first_angle` on, without continuation along a path.
 
-    The other arguments are those of `balance`; the workspace `system` counts the assemblies. If there is no solution at
-    an angle, the result has the index of the angle, and `system.path_start` its start values. With `extrapolate` and a
+    For the other arguments, see `balance`; the workspace `system` counts the assemblies. If there is no solution at an
+    angle, the result has the index of the angle, and `system.path_start` its start values. With `extrapolate` and a
     `first_angle` above 0, the first solution is warm-started as after a difficult angle (`SearchSettings.short_work`),
     and the count of assemblies continues.
     """
@@ -217,10 +217,10 @@ def _solve_with_continuation(
 ) -> float:
     """Solve for equilibrium at the crank angle `k` (index) by Newton's method, or if that fails by continuation.
 
-    `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
-    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With `warm_start`, contacts that
-    carried a force in `system` count as closed in the first step of Newton's method. `system` is overwritten. Returns
-    the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
+    `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are the
+    start values of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With `warm_start`,
+    contacts that carried a force in `system` count as closed in the first step of Newton's method. `system` is
+    overwritten. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
     """
     has_friction = springs.friction_per_force.shape[0] > 0
     schedules = _SCHEDULES if has_friction else _FRICTIONLESS_SCHEDULES
@@ -269,10 +269,10 @@ def _continue_by_arclength(
 ) -> float:
     """Solve for equilibrium at the crank angle `k` (index) by `solve_by_arclength`, after Newton's method failed.
 
-    `springs` are those at all crank angles, `load` (u,) [N] is the generalised load. The solution is written to `z`
-    (u,) [m]. The start values are those of Newton's method, `system.path_start` (u,). A path is followed for each of
-    `PARAMETER_ORDERS`, the orders in which friction and clearance are increased, until one reaches a residual norm of
-    at most `tolerance` [N]. Returns the smallest residual norm [N]; `smallest_norm` is that of the earlier attempts.
+    `springs` are the springs at all crank angles, `load` (u,) [N] is the generalised load. The solution is written to
+    `z` (u,) [m]. The start values are `system.path_start` (u,). A path is followed for each of `PARAMETER_ORDERS`, the
+    orders in which friction and clearance are increased, until one reaches a residual norm of at most `tolerance` [N].
+    Returns the smallest residual norm [N]; `smallest_norm` is the smallest of the earlier attempts.
     """
     has_friction = springs.friction_per_force.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):

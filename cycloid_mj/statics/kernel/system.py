@@ -260,13 +260,13 @@ def _sum_contacts(
 
     Only contacts that may have closed since the neighbour list was built are evaluated. Their forces are written to
     `system.spring_forces`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the
-    sum so far, and `has_friction` whether friction acts. The other arguments are those of `assemble`: crank angle `k`,
-    displacements `z` (u,) [m], `stiffness_factor`, `use_foot_points` and `rebuild_list`.
+    sum so far, and `has_friction` whether friction acts. `k` is the index of the crank angle, `z` (u,) [m] are the
+    displacements; `stiffness_factor`, `use_foot_points` and `rebuild_list` are explained in `assemble`.
 
     Returns
     -------
     tuple
-        The sums over the contacts, and `energy` plus that of the contacts [J].
+        The sums over the contacts, and `energy` plus the energy of the contacts [J].
     """
     spring_forces, row, kept_closed, margin = system.spring_forces, system.row, system.kept_closed, system.margin
     rotates, disc_of, radius = springs.rotates, springs.disc, springs.radius
@@ -356,13 +356,13 @@ def _add_cam(
 ) -> tuple[_DiscSums, float]:
     """Add the contact of a disc and its cam to the sums of the disc; add its friction to `system`.
 
-    The arguments are those of `assemble`: index `k` of the crank angle, displacements `z` (u,) [m], factors on
-    stiffness and friction. `disc` is the index of the disc, `sums` and `energy` [J] are the sums so far.
+    `k` is the index of the crank angle, and `z` (u,) [m] are the displacements; `stiffness_factor` and `friction` are
+    factors on stiffness and friction [1]. `disc` is the index of the disc, `sums` and `energy` [J] are the sums so far.
 
     Returns
     -------
     tuple
-        The new sums, and `energy` plus that of the contact [J].
+        The new sums, and `energy` plus the energy of the contact [J].
     """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
@@ -447,9 +447,9 @@ def _add_bent_pins(
     """Add output pins that bend to residual and tangent; return the energy of their contacts and of the pins [J].
 
     The forces f of the discs on a pin solve the linear complementarity problem K^-1 f + B f + w >= 0, f >= 0. K is the
-    contact stiffness, w are the gaps of the straight pin, and B is the `bending` of the springs. The arguments are
-    those of `assemble`: crank angle `k`, displacements `z` (u,) [m], factors `stiffness_factor` and `friction`, and
-    `rebuild_list`.
+    contact stiffness, w are the gaps of the straight pin, and B is the `bending` of the springs. `k` is the index of
+    the crank angle, `z` (u,) [m] are the displacements, and `stiffness_factor` and `friction` are factors on stiffness
+    and friction [1]; for `rebuild_list` see `assemble`.
     """
     discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
