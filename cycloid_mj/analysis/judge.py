@@ -193,8 +193,8 @@ def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
     error = angle.error[motion.evaluation_mask]
-    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.evaluation_mask])]
-    return TransmissionError(ARCSECONDS * float(np.mean(swings)), ARCSECONDS * _mean(angle.error, motion))
+    ranges = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.evaluation_mask])]
+    return TransmissionError(ARCSECONDS * float(np.mean(ranges)), ARCSECONDS * _mean(angle.error, motion))
 
 
 def _contacts(motion: Series) -> ContactSummary:

@@ -206,7 +206,7 @@ class WearLife(Presented):
     def tables(self) -> tuple[Table, ...]:
         """Return two tables on the wear of a drive: accuracy, forces and depths over time, and wear of each surface.
 
-        Those over time are for the typical case of wear.
+        The first table is for the typical case of wear.
         """
         surfaces = tuple(
             (
@@ -226,7 +226,7 @@ class WearLife(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert lives [h], lost motion over time [arcmin], recorded figures and surfaces to JSON; unlimited: None."""
+        """Convert lives [h], lost motion over time [arcmin], records, surfaces to JSON; an unlimited life is None."""
         names = [key for key, _ in self.columns]
         return dict(
             to_json_values(

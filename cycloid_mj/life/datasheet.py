@@ -267,7 +267,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
     groups |= rv_further_groups(reducer)
     advance()
     curves = (
-        life_curve(reducer, life, limits.momentary[0], limits.lasting[0], advance),
+        life_curve(reducer, life, limits.momentary[0], limits.rated_alone[0], advance),
         rv_efficiency_curve(reducer, CURVES.torque_shares),
         rv_wind_up_curve(reducer, CURVES.torsion_shares),
         *(no_load_curves(reducer) if reducer.design.has_film else ()),

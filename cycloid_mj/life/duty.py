@@ -131,7 +131,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _parse_point(location: str, row: dict[str, str]) -> DutyPoint:
-    """Convert a row of the file (column -> text) to a point of the duty cycle.
+    """Convert a row of the duty-cycle file (column -> text) to a point of the duty cycle.
 
     Raises
     ------

@@ -63,7 +63,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "4 M/(pi r^3) against Y",
         "nominal stress: a notch yields without failing; forces in proportion to the torque",
     )
-    jump = torque_item(
+    tooth_skipping = torque_item(
         "peak_jump",
         "emergency stop: skipped tooth",
         peak_torque,
@@ -71,7 +71,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
-    items = [pin_shear, pin_bending, jump]
+    items = [pin_shear, pin_bending, tooth_skipping]
     for key, (consequence, factor, strength_name, source) in KINDS.items():
         limits = {}
         for kind in worst.pressures:

@@ -60,13 +60,15 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
-    warm, cool = (service.ambient_temperature + share * lost / (coefficient * area) for coefficient in STILL_AIR)
+    highest_temperature, lowest_temperature = (
+        service.ambient_temperature + share * lost / (coefficient * area) for coefficient in STILL_AIR
+    )
     yield rate_housing_temperature(
         reducer,
         temperature,
         "dT = losses/(h A)",
         f"{lost:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
-        f"at h = {film:.3g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"at h = {film:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C at 8 to 15) "
         f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C",
     )

@@ -64,7 +64,7 @@ class RatedItem:
     kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, required_life: float) -> float:
-        """Return the safety factor, or the life divided by a required life [h]; 1 is just sufficient.
+        """Return the margin of a rated item: its safety factor, or its life over a required life [h]; 1 is just enough.
 
         It is inf for an item without a limit.
         """
@@ -97,7 +97,7 @@ class RatedItem:
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
     def judgement(self, required_life: float) -> Judgement:
-        """Return whether the item passes, fails or causes a warning, for a required life [h].
+        """Return whether the rated item passes, fails or causes a warning, for a required life [h].
 
         A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). An item without a
         limit is not judged.

@@ -59,8 +59,8 @@ class JointTorques:
     def torque_between(self, parts: Sequence[str]) -> float:
         """Return the torque [N m] that the named mating parts transmit to each other.
 
-        It is the torque on the crank for joints of motor, shaft or cams; that on the carrier for joints of output,
-        flange or driven machine; that on the ring for all others.
+        It is the torque on the crank for joints of motor, shaft or cams, the torque on the carrier for joints of
+        output, flange or driven machine, and the torque on the ring for all others.
         """
         if MOTOR in parts or names.SHAFT in parts or any(names.family(part) == names.CAM for part in parts):
             return self.crank
@@ -289,8 +289,8 @@ def _foreign_thread(sizes: Casing, joint: Joint) -> float:
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
     """Return the preload of each screw [N] and the slip torque [N m] of a joint that the screws allow (VDI 2230).
 
-    The preload is the usual one of their property class. The note states the range of the torque over the assumed
-    friction.
+    The preload is usual for their property class. The note of the result states the range of the torque over the
+    assumed friction.
     """
     preload = screwed_joint.thread.usual_preload(strength.PROOF_STRESS[screwed_joint.property_class])
     torque = strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius)
@@ -408,7 +408,7 @@ def _mean_head(thread: strength.Thread) -> float:
 
 def _hole_source(reducer: Reducer, joint: Joint) -> str:
     """Return the formula of the force at which the holes of a dowel yield, with its source."""
-    if any(_material(reducer, mate).is_plastic for mate in joint.parts):
+    if any(_material(reducer, part).is_plastic for part in joint.parts):
         return "tilting in holes of plastic, 0.414 d s R_e (Johansen, EN 1995-1-1, 8.6)"
     return "yield of the hole, d s R_e (Roloff/Matek)"
 
@@ -416,9 +416,9 @@ def _hole_source(reducer: Reducer, joint: Joint) -> str:
 def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
     """Compute the torque [N m] that the dowels of a face transmit: the sum of pin force times radius."""
     (part,) = joint.bought
-    mates = [_material(reducer, mate) for mate in joint.parts]
-    strengths = [mate.yield_strength for mate in mates]
-    if any(mate.is_plastic for mate in mates):
+    materials = [_material(reducer, name) for name in joint.parts]
+    strengths = [material.yield_strength for material in materials]
+    if any(material.is_plastic for material in materials):
         force = strength.tilting_dowel_force(joint.diameter, (joint.length, joint.length), (strengths[0], strengths[1]))
     else:
         force = strength.dowel_force(joint.diameter, joint.length, min(strengths))
@@ -428,7 +428,7 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     """Rate the joints of the crank: the motor's shaft glued into its bore, and cams on the shaft.
 
-    `torques` are those on crank, carrier and ring at the peak torque.
+    `torques` are the torques on crank, carrier and ring at the peak torque of the output.
     """
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
     bore, shrunk = sizes.motor_bore, shrink_fit(reducer, sizes)
@@ -537,7 +537,7 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: flo
     (part,) = joint.bought
     sizes = dict(part.dimensions)
     key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
-    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
+    softest = min(_material(reducer, part_name).yield_strength for part_name in joint.parts)
     return torque_item(
         _slug(joint),
         joint.name,

@@ -116,7 +116,7 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
-    """Return type (a key of `BEARING_FACTORS`), number of equal bearings and mean diameter [m] of a bearing."""
+    """Return type of a bearing (key of `BEARING_FACTORS`), number of equal bearings, and mean diameter [m]."""
     design = reducer.design
     if bearing.key == "cam_bearing":
         stock_bearing = cam_bearing(reducer)

@@ -52,17 +52,17 @@ NOT_COMPUTED = (
 class RvTorqueLimits:
     """Rated torque, rated torque of the bearings, and momentary torque, each with the item that limits it [N m].
 
-    `lasting` is the rated torque without the limit of the momentary torque.
+    `rated_alone` is the rated torque without the limit of the momentary torque.
     """
 
-    lasting: tuple[float, RatedItem]
+    rated_alone: tuple[float, RatedItem]
     bearings: tuple[float, RatedItem]
     momentary: tuple[float, RatedItem]
 
     @property
     def rated(self) -> tuple[float, RatedItem]:
         """Rated torque [N m] and its limiting item; it is at most the momentary torque."""
-        return min(self.lasting, self.momentary, key=lambda limit: limit[0])
+        return min(self.rated_alone, self.momentary, key=lambda limit: limit[0])
 
 
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
@@ -74,8 +74,8 @@ def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
         There is no rated torque for that life.
     """
     speed = reducer.design.drive.speed
-    lasting, bearings = (rated_torque(reducer, speed, life, limits) for limits in (None, is_bearing_life))
-    return RvTorqueLimits(lasting, bearings, momentary_torque(reducer))
+    rated_alone, bearings = (rated_torque(reducer, speed, life, limits) for limits in (None, is_bearing_life))
+    return RvTorqueLimits(rated_alone, bearings, momentary_torque(reducer))
 
 
 def rv_performance_groups(
@@ -140,7 +140,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
 
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the rows of backlash, lost motion, stiffness, and transmission errors by load, errors and tolerances.
+    """Yield the rows of backlash, lost motion, stiffness, and transmission errors by load, deviations and tolerances.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
@@ -175,14 +175,14 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the rows of efficiency, torques without load, temperature rise and thermal limits.
+    """Yield the rows of efficiency, no-load torques, temperature rise and thermal limits.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
     design = reducer.design
-    included = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
+    losses_text = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
     law = f"; {film_text(reducer)}" if design.has_film else ""
-    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {included}{law}"
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {losses_text}{law}"
     yield with_name(static.quantities["efficiency"], "Efficiency", condition)
     if design.has_film:
         place = f"on the sun, main bearings without preload{law}"
@@ -283,7 +283,7 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
-    """Compute the efficiency [%] over the output torque [N m] at the design's speed; `shares` of the nominal torque."""
+    """Compute the efficiency [%] at the design's speed over the torque [N m], in `shares` of the nominal torque."""
     torques = np.array(shares) * reducer.design.rated_torque
     efficiency = 100.0 * np.array(
         [shaft_powers(reducer.but(load={"torque": torque}), torque).efficiency for torque in torques.tolist()]

@@ -154,7 +154,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 def _find_speed_limit(
     reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
 ) -> float:
-    """Return the largest crank speed [rad/s] that heat allows; the speeds of all points of a duty are scaled alike."""
+    """Return the largest crank speed [rad/s] that heat allows, with all speeds of a duty scaled by the same factor."""
     share, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )

@@ -178,7 +178,7 @@ class ThermalState(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert temperatures [°C], losses [W], torque limits [N m] and the warm-up to JSON; infinite limits: None."""
+        """Convert temperatures [°C], losses [W], torque limits [N m] and warm-up to JSON; infinite limits are None."""
         return dict(
             to_json_values(
                 {

@@ -177,8 +177,10 @@ def lost_motion(reducer: Reducer) -> float:
     still = at_rest(reducer)
     springs = springs_of(still, turn_evenly(reducer), friction=False)
     small = LOST_MOTION_SHARE * reducer.design.rated_torque
-    ahead, behind = (loads(still, springs, side * small, warm_start=True).output_turn for side in (1.0, -1.0))
-    return float(np.mean(ahead - behind))
+    positive_turn, negative_turn = (
+        loads(still, springs, side * small, warm_start=True).output_turn for side in (1.0, -1.0)
+    )
+    return float(np.mean(positive_turn - negative_turn))
 
 
 def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -> Iterator[WearState]:

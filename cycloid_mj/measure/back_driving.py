@@ -122,7 +122,7 @@ class BreakAway:
 
     @property
     def _over_starts(self) -> str:
-        """Text: range of the break-away torque over the starts, and numbers of starts with and without motion."""
+        """Phrase with the range of the break-away torque, and the numbers of starts with and without motion."""
         count, turning = len(self.starts), len(self.turning)
         if count == 1:
             return "one start, as there is no gravity"

@@ -170,7 +170,7 @@ def prepare_bench(
 
 
 def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Solver = "planar") -> Run:
-    """Simulate a design of `prepare_bench` at a locked crank angle [rad] with output `torque` [N m] over time [s]."""
+    """Simulate a design from `prepare_bench` at a locked crank angle [rad] with an output `torque` [N m] over time."""
     timestep, driven_angle = reducer.design.settings.timestep, float(reducer.member.driven_angle(crank_angle))
     if solver == "planar":
         model = _build_planar_model(

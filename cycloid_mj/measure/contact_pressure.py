@@ -51,8 +51,8 @@ class ContactPressures:
     @property
     def mean_force(self) -> float:
         """Mean force of the loaded contacts [N]; 0 where there is none."""
-        carried = self.force[self.carries]
-        return float(carried.mean()) if carried.size else 0.0
+        loaded_forces = self.force[self.carries]
+        return float(loaded_forces.mean()) if loaded_forces.size else 0.0
 
     @property
     def carrying(self) -> float:
@@ -90,8 +90,8 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
     for kind in reducer.mechanism.kinds:
         vector, contact = run.forces(kind), reducer.contacts[kind]
         if not contact.HAS_PRESSURE:
-            absent = np.zeros(vector.shape[:2])
-            contacts[kind] = ContactPressures(kind, shifted_angle, vector, absent, absent > 0.0)
+            no_pressure = np.zeros(vector.shape[:2])
+            contacts[kind] = ContactPressures(kind, shifted_angle, vector, no_pressure, no_pressure > 0.0)
             continue
         curvature = relative_curvature(reducer, kind, reducer.member.against_ring(driven_angle))
         force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share

@@ -213,9 +213,10 @@ def _eccentric_direction(run: Run) -> Array:
     return np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
 
 
-def _sum_forces(run: Run, stems: list[str]) -> Array:
+def _sum_forces(run: Run, base_names: list[str]) -> Array:
     """Add the logged forces of some pairs [N], shape (n, 2)."""
     axes = [
-        run.block([names.column(stem, along) for stem in stems]).sum(axis=1) for along in (names.FORCE_X, names.FORCE_Y)
+        run.block([names.column(base_name, component) for base_name in base_names]).sum(axis=1)
+        for component in (names.FORCE_X, names.FORCE_Y)
     ]
     return np.stack(axes, axis=1)

@@ -167,7 +167,7 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
 
 def creep_variants(inputs: Sequence[Input]) -> set[Design]:
     """Collect the ends of the range of the creep speed, which shows how much friction is missing below it."""
-    return {end for each in inputs if "creep_speed" in each.low_values for end in each.ends}
+    return {end for assumed_input in inputs if "creep_speed" in assumed_input.low_values for end in assumed_input.ends}
 
 
 def input_effects(inputs: Sequence[Input], rates: Mapping[Any, float]) -> tuple[InputEffect, ...]:

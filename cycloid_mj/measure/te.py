@@ -162,7 +162,7 @@ def _run_traces(
 
 
 def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> ErrorCurves:
-    """Compute the errors of disc and output [arcsec] under a condition by statics, over a number of crank turns."""
+    """Compute the transmission errors of disc and output [arcsec] of a condition by statics, over some crank turns."""
     design = reducer.design
     # eight in a mesh period
     points = 8 * design.ring.teeth * turns + 1

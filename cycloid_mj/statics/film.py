@@ -313,9 +313,9 @@ class FilmContacts:
         return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
-        """Compute the film friction of all contacts under the force of each kind of pair at the design's load.
+        """Compute the film friction of all contacts under the ideal peak forces of their kinds at the design's load.
 
-        That force is the ideal peak force of the kind (`reducer.contact`).
+        The ideal peak forces are computed in `reducer.contact`.
         """
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))

@@ -51,7 +51,7 @@ RANGES: Mapping[str, InputRange] = {
 
 
 def boundary_range(reducer: Reducer) -> InputRange:
-    """Return the range of the boundary friction coefficient: that of greased steel, or of a plastic at the flanks.
+    """Return the range of the boundary friction coefficient of greased steel, or of a greased plastic at the flanks.
 
     For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
     """

@@ -62,7 +62,8 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     def residual(displacements: Array, friction: float) -> Array:
         """Compute the residual forces divided by the largest component of the load [1], shape (u,).
 
-        `displacements` (u,) are divided by `length_unit`; `friction` is the multiple of the design's friction.
+        `displacements` (u,) are multiples of the deflection `length_unit` [m]; `friction` is the multiple of the
+        design's friction.
         """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * friction_per_force)

@@ -87,7 +87,7 @@ class Samples:
 def identical_samples(reducer: Reducer, count: int) -> Samples:
     """Return the deviations of `count` identical drives, which all have the errors of the design, as read-only arrays.
 
-    Use `dataclasses.replace` to change them. They are the input of the statics of many samples.
+    Use `dataclasses.replace` to change them. They are an input of `solve_samples`.
     """
     design = reducer.design
     errors, clearance, modification = reducer.deviations, design.clearance, design.modification

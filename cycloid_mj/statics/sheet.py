@@ -155,7 +155,7 @@ class Sheet(Presented):
         return known_difference(quantity) if self.has_known_differences else None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values.
+        """Convert the static data sheet to JSON values.
 
         ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest relative
         difference from the runs that ``known_difference_from`` names, or None. ``parts`` says whether the parts are
@@ -223,7 +223,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute a sheet with the quantities of `parts` under a load [N m]; None: the default of `load_of`."""
+    """Compute a data sheet with the quantities of some `parts` under a load [N m]; None: the default of `load_of`."""
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
@@ -554,7 +554,7 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def shaft_powers(reducer: Reducer, torque: float, poses: int = POSES) -> Powers:
     """Compute the mean powers of input, output and friction [W] under a torque on the output [N m].
 
-    The means are over `poses` crank angles. The reducer has any layout.
+    The means are over `poses` crank angles. The reducer may have a central crank or be an RV reducer.
     """
     if isinstance(reducer, RvReducer):
         return rv_sheet.rv_powers(reducer, torque, poses)

@@ -140,13 +140,13 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
     drop.
     """
     first_index = min(first_index, len(stress_by_distance) - 1)
-    drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(
+    relative_drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(
         stress_by_distance[first_index:-1], np.finfo(float).tiny
     )
-    flat_steps = np.flatnonzero(drops < MAX_PLATEAU_DROP)
+    flat_steps = np.flatnonzero(relative_drops < MAX_PLATEAU_DROP)
     if len(flat_steps):
         return first_index + int(flat_steps[0])
-    return first_index + int(drops.argmin()) if len(drops) else first_index
+    return first_index + int(relative_drops.argmin()) if len(relative_drops) else first_index
 
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:

@@ -210,8 +210,8 @@ def _levels(z0: float, z1: float, layer: float) -> Array:
 def _within_pins(reducer: Reducer, section: Grid) -> Mask:
     """Return which triangles (m,) of the output's section are in its pins."""
     middle = section.points[section.cells[:, :3]].mean(axis=1)
-    apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(reducer), axis=2)
-    return np.asarray(apart.min(axis=1) < reducer.design.output.root_radius)
+    distances = np.linalg.norm(middle[:, np.newaxis] - output_centres(reducer), axis=2)
+    return np.asarray(distances.min(axis=1) < reducer.design.output.root_radius)
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:

@@ -59,7 +59,7 @@ class Notch:
         return math.hypot(self.bending_factor * self.bending, math.sqrt(3.0) * self.torsion_factor * self.torsion)
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
-        """Convert the notch to JSON values; keys end in their units.
+        """Convert the stress at a notch to JSON values; keys end in their units.
 
         ``safety_against_yield`` [1] is `yield_strength` [Pa] over the stress; None without stress.
         """

@@ -127,8 +127,8 @@ def _distribute_pressure(
     nodes, forces
         Nodes (a, q, 3) of the edges under the q points of each patch, and forces on them (a, q, 3, 2) [N].
     """
-    finest = float(np.min(edges.length[edge]))
-    count = 8 + 4 * int(np.ceil(half_width.max() / finest))
+    shortest_edge = float(np.min(edges.length[edge]))
+    count = 8 + 4 * int(np.ceil(half_width.max() / shortest_edge))
     node = np.arange(1, count + 1) * np.pi / (count + 1)
     weight = 2 / (count + 1) * np.sin(node) ** 2
     first_node, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]

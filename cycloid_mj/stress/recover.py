@@ -233,9 +233,9 @@ def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
     points_per_cell = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")
     valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
-    slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
+    position = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
     cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
-    cells[corners.ravel()[order], slot] = order // corners.shape[1]
+    cells[corners.ravel()[order], position] = order // corners.shape[1]
     table = (points_per_cell * cells[..., np.newaxis] + np.arange(points_per_cell)).reshape(len(cells), -1)
     is_used = np.repeat(cells >= 0, points_per_cell, axis=1)
     return np.where(is_used, table, 0), is_used

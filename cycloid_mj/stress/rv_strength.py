@@ -179,7 +179,7 @@ def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
     """
     planet, gears = reducer.planet, reducer.stage_gears
     tangential = force * math.cos(planet.pressure_angle)
-    for part, gear, mate in zip((SUN, PLANET), gears, reversed(gears), strict=True):
-        root = tooth_root(gear, mate, reducer.crank_radius)
+    for part, gear, mating_gear in zip((SUN, PLANET), gears, reversed(gears), strict=True):
+        root = tooth_root(gear, mating_gear, reducer.crank_radius)
         nominal = tangential / (planet.face_width * planet.module)
         yield ToothRootStress(part, tangential, nominal, root.form_factor, root.correction_factor)

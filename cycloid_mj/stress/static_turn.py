@@ -91,16 +91,16 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction
     owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner
-    stem = names.PIN if design.ring.kind == "pin" else names.LOBE
+    base_name = names.PIN if design.ring.kind == "pin" else names.LOBE
     on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
     for disc in range(springs.discs):
         wrenches = np.zeros_like(on_pins)
         for contact in np.flatnonzero(springs.disc == disc):
-            own = directions[:, contact, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
-            wrenches[owners[contact]] += loads.pins[:, contact, np.newaxis] * own
+            contact_direction = directions[:, contact, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
+            wrenches[owners[contact]] += loads.pins[:, contact, np.newaxis] * contact_direction
         centre = design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, disc]
         on_pins += [_wrench_about(wrench, centre) for wrench in wrenches]
-        for name, wrench in zip(names.all_numbered(stem, design.ring.teeth), wrenches, strict=True):
+        for name, wrench in zip(names.all_numbered(base_name, design.ring.teeth), wrenches, strict=True):
             yield from _wrench_columns(names.of_disc(name, disc, springs.discs), wrench)
         for number, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
             force = loads.cranks[:, disc, number]

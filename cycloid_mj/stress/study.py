@@ -305,11 +305,11 @@ def _solve_part(
     has_range = names.family(grid.part) in RANGE_PARTS
     states = dict.fromkeys(sample_angles(len(loads.angle)).tolist() if has_range else (), np.zeros(0))
 
-    def keep(index: int, state: Array) -> None:
+    def store_state(index: int, state: Array) -> None:
         if index in states:
             states[index] = state.copy()
 
-    stress = solve_maxima(part, on_state=keep)
+    stress = solve_maxima(part, on_state=store_state)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
     stress_range = critical_stress_range(part, states, stress.bulk_distance) if has_range else None

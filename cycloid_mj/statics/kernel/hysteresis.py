@@ -473,7 +473,7 @@ def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> Non
 def _update_limits(
     friction_elements: FrictionElements, increment: _Increment, state: _ElastoplasticState, share: float
 ) -> None:
-    """Move the fixed limits of `increment` by a `share` [1] towards those that follow from the forces of `state`."""
+    """Move the fixed limits of `increment` by a `share` [1] towards the limits under the forces of `state`."""
     for i in range(increment.friction_limit.size):
         spring_force = state.spring_force[i]
         increment.retained_limit[i] += share * (

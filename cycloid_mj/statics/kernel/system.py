@@ -620,8 +620,8 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
     """Compute deflection, direction and energy of the contact of a bore with its cam, a circle in a circle.
 
-    `x` and `y` [m] are the position of the bore's centre relative to the cam's. With negative `clearance` [m], both
-    sides are in contact.
+    `x` and `y` [m] are the position of the bore's centre relative to the centre of the cam. With negative `clearance`
+    [m], both sides are in contact.
     """
     distance = math.sqrt(x * x + y * y)
     depth, inverse = distance - clearance, 1.0 / distance if distance > 0.0 else 0.0
