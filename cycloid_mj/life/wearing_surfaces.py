@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.geometry import profile
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.reducer import Reducer, RvReducer
@@ -69,6 +70,8 @@ class WearingSurface:
     contact_coordinate: Array | None = None
     lever: float = 1.0
     opening: float = 1.0
+
+    place = deprecated_attribute("WearingSurface", "place", "contact_coordinate")
 
     @property
     def cells(self) -> int:

@@ -16,6 +16,7 @@ import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.design.layouts import Layout
 from cycloid_mj.reducer import Reducer, RvReducer
 
@@ -39,6 +40,8 @@ class Cause:
     """Function from multiples of the base, shape (n,), to a mask of those that are its orders."""
     why: str
     """The orders, and the reason, in words."""
+
+    place = deprecated_attribute("Cause", "place", "signal")
 
     def rms(self, orders: Orders) -> float:
         """Compute the rms value of its orders in a spectrum of this base."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
@@ -30,6 +31,8 @@ class Planes:
 
     force: Array
     axial_position: Array
+
+    place = deprecated_attribute("Planes", "place", "axial_position")
 
     @property
     def net(self) -> Array:

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.design import Material
@@ -41,6 +42,8 @@ class Boundary:
     role: str
     contact: ContactWidth = ""
     is_fixed: bool = False
+
+    touched = deprecated_attribute("Boundary", "touched", "contact")
 
 
 @dataclass(frozen=True)

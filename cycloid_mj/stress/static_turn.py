@@ -85,7 +85,7 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
     """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m].
 
-    They act on each disc, with moments about its centre, and by the sockets on free ring pins, with moments about the
+    Forces on a disc have moments about its centre; forces of the sockets on free ring pins have moments about the
     centre of the pin.
     """
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
