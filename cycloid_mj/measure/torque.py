@@ -357,7 +357,7 @@ def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
 
 
 def _friction_text(reducer: Reducer) -> str:
-    """Return a phrase with the friction coefficients of all pairs and bearings, or with the film law's lubricant."""
+    """Return a phrase with the friction coefficients of sliding pairs and bearings, or the film law's lubricant."""
     design = reducer.design
     if design.has_film:
         return film_text(reducer)

@@ -101,11 +101,11 @@ def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [
-        lift
+        distribution
         @ distribute_contacts(
-            section.grid, loads if len(section.lifts) == 1 else select_contacts(loads, discs == disc)
+            section.grid, loads if len(section.distributions) == 1 else select_contacts(loads, discs == disc)
         ).loads
-        for disc, lift in enumerate(section.lifts)
+        for disc, distribution in enumerate(section.distributions)
     ]
     return sum(disc_loads[1:], disc_loads[0]).tocsc()
 

@@ -152,14 +152,14 @@ class SectionGrid:
         The planar grid, of n2 nodes.
     nodes
         The solid's node over each node of the section (h, n2) at the heights where contact forces act; -1 for none.
-    lifts
+    distributions
         For each disc, the sparse matrix (n, 2 n2) that distributes loads on the section (2 n2,) to the solid's unknowns
         in the plane of this disc. A part that belongs to one disc has a single matrix.
     """
 
     grid: Grid
     nodes: Integers
-    lifts: tuple[Any, ...]
+    distributions: tuple[Any, ...]
 
 
 def planar_grid(

@@ -233,7 +233,7 @@ def test_forces_on_output_and_shaft_act_in_the_planes_of_their_discs() -> None:
     design = case_k("output.support=both_ends")
     grid = part_grid(design, "output", GridSettings(refinement=0.35, solid=True))
     assert grid.section is not None
-    for lift, plane in zip(grid.section.lifts, design.gear.disc_planes, strict=True):
+    for lift, plane in zip(grid.section.distributions, design.gear.disc_planes, strict=True):
         force = (lift @ np.ones(lift.shape[1])).reshape(-1, 3)[:, 0]
         assert force @ grid.points[:, 2] / force.sum() == pytest.approx(plane, abs=1e-12)
         pressed = grid.points[force != 0.0, 2]
