@@ -204,7 +204,10 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
 
 
 def _lying_screw(clamp: CamClamp) -> RoundPart:
-    """Return a screw along x, its head on the side of +x and the face under it at x = 0, as slices along the axis."""
+    """Return a screw along x as slices along the axis of the crank.
+
+    Its head is on the side of +x, and the face under the head is at x = 0.
+    """
     bolt, blocks = clamp.bolt, []
     core = 0.5 * (bolt.thread - stock.pitch(bolt.thread))
     for radius, start, end in ((core, -clamp.length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)):

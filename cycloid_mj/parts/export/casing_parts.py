@@ -195,7 +195,10 @@ def _phase(cam: Segment) -> float:
 
 
 def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], spline: SplineContour) -> Iterator[Segment]:
-    """Yield the pieces of a shaft, cam or spacer with the splines of the cams: on the shaft from first to last cam."""
+    """Yield the pieces of a shaft, cam or spacer with the splines that join cams and shaft.
+
+    On the shaft, the splines extend from the first to the last cam.
+    """
     if family != names.SHAFT:
         yield from (replace(piece, holes=(spline,)) for piece in pieces)
         return
@@ -210,7 +213,7 @@ def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], splin
 
 
 def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a crank in one piece, its collar between two discs narrower by a neck at both sides."""
+    """Yield the segments of a one-piece crank for two discs: the collar between them gets a neck at both sides."""
     neck = CircleContour(reducer.design.shaft.radius)
     length = disc_collar_neck(reducer, sizes)
     for segment in segments:

@@ -80,27 +80,30 @@ class SplineContour:
     angle: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return for each spline its flanks, the arc on its top, and the arc of the minor circle beyond it."""
+        """Return the outline of a straight-sided spline joint: for each tooth its flanks, its top and the arc after it.
+
+        The argument `splines` has no effect, because lines and arcs are exact.
+        """
         half_foot, half_top = self._half_angles
         step, loop = 2.0 * math.pi / self.count, list[Curve]()
         for middle in self._middles:
-            rise, fall = (
-                [(radius * math.cos(at), radius * math.sin(at)) for radius, at in ends]
+            rising_flank, falling_flank = (
+                [(radius * math.cos(angle), radius * math.sin(angle)) for radius, angle in ends]
                 for ends in (
                     ((self.minor, middle - half_foot), (self.major, middle - half_top)),
                     ((self.major, middle + half_top), (self.minor, middle + half_foot)),
                 )
             )
             loop += [
-                LineSegment(rise[0], rise[1]),
+                LineSegment(rising_flank[0], rising_flank[1]),
                 Arc((0.0, 0.0), self.major, middle - half_top, middle + half_top),
-                LineSegment(fall[0], fall[1]),
+                LineSegment(falling_flank[0], falling_flank[1]),
                 Arc((0.0, 0.0), self.minor, middle + half_foot, middle + step - half_foot),
             ]
         return tuple(loop)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, counter-clockwise."""
+        """Return the outline of a straight-sided spline joint as a polygon (n, 2) [m], counter-clockwise."""
         half_foot, half_top = self._half_angles
         step, pieces = 2.0 * math.pi / self.count, list[Array]()
         for middle in self._middles:
@@ -128,7 +131,7 @@ class SlottedContour:
     slot: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the outer arc from one side of the slot to the other, one side, the bore, and the other side."""
+        """Return the outline of a slotted eccentric: outer arc, one side of the slot, bore, and the other side."""
         half, (outer, inner) = 0.5 * self.slot, self._ends
         start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
         return (
