@@ -162,6 +162,11 @@ def planar_joints(body: str) -> tuple[str, str, str]:
     return column(body, "x"), column(body, "y"), column(body, "angle")
 
 
+def tilt_joints(body: str) -> tuple[str, str]:
+    """Name the joints of a pin that tilts: about x and y. They are not columns of the log."""
+    return column(body, "tilt_x"), column(body, "tilt_y")
+
+
 def planar_speeds(body: str) -> tuple[str, str, str]:
     """Name the columns of the speeds of a body that moves in the plane: along x and y, and of its rotation."""
     return column(body, "vx"), column(body, "vy"), column(body, "speed")

@@ -1237,6 +1237,11 @@ class Design(Section, Presented):
         return self.ring.halves if pair in (self.tooth_pair, self.seat_pair) else 1
 
     @property
+    def has_tilting_pins(self) -> bool:
+        """True if moving pins or sleeves tilt in simulations: two discs displace each of them in different planes."""
+        return self.ring.has_pin_bodies and self.gear.discs == 2 and self.ring.halves == 1
+
+    @property
     def seat_pair(self) -> str:
         """Kind of mating pair that carries a moving pin: pin_socket or pin_sleeve; empty where none moves."""
         return "pin_socket" if self.ring.has_sockets else "pin_sleeve" if self.ring.has_sleeves else ""

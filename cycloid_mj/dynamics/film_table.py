@@ -59,15 +59,19 @@ class FilmRows:
     table
         The `film_table`.
     kind, pin
-        Row of each pair, and index of its ring pin or lobe; 0 where it has none.
+        Row of each pair, and index of its ring pin or lobe; 0 where it has none. Teeth of a second disc that tilts
+        the pins have the indices after those of the first disc.
     pins
-        Number of ring pins or lobes.
+        Number of ring pins or lobes, for each plane in which tilting pins are displaced.
+    second_plane
+        Number of pins before those in the second plane; 0 without tilting pins.
     """
 
     table: Array
     kind: npt.NDArray[np.int32]
     pin: npt.NDArray[np.int32]
     pins: int
+    second_plane: int
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
@@ -88,12 +92,14 @@ def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
         design.seat_pair: SEAT,
     }
     ring_kinds = (design.tooth_pair, design.seat_pair)
-    owners = [pair.owner if pair.kind in ring_kinds else 0 for pair in pairs]
+    second_plane = design.ring.mate_count if design.has_tilting_pins else 0
+    owners = [pair.owner + second_plane * pair.disc if pair.kind in ring_kinds else 0 for pair in pairs]
     return FilmRows(
         film_table(reducer),
         np.array([rows[pair.kind] for pair in pairs], dtype=np.int32),
         np.array(owners, dtype=np.int32),
         max(owners) + 1,
+        second_plane,
     )
 
 

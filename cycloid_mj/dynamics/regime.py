@@ -109,12 +109,11 @@ def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
 def _shared_pin_warnings(reducer: Reducer) -> Iterator[str]:
     """Yield a warning if warm discs preload the teeth, so that several discs press the same moving pin at a time.
 
-    A pin body is rigid, does not tilt, and has a single contact with its seat. A real pin tilts: one disc displaces it
-    at another disc by a seventh of the displacement at its own (rigid pin on an elastic foundation). Massless pins have
-    a seat for each disc, as in statics.
+    With two discs, a pin tilts, and has a contact with its seat in the plane of each disc. With more discs, it does not
+    tilt, and has a single contact with its seat. Massless pins have a seat for each disc, as in statics.
     """
     design = reducer.design
-    if design.gear.discs > 1 and design.ring.has_pin_bodies and tooth_play(design) < 0.0:
+    if design.gear.discs > 1 and not design.has_tilting_pins and design.ring.has_pin_bodies and tooth_play(design) < 0:
         massless = "massless_sleeved" if design.ring.has_sleeves else "massless"
         yield (
             f"ring.pins = {design.ring.pins}: warm discs preload the teeth, and a pin that several discs press moves "

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import moving_masses, output_inertia, turning_inertia
+from cycloid_mj.parts import moving_masses, output_inertia, pin_mass_matrix, turning_inertia
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
 
@@ -271,10 +271,15 @@ def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
 
 @once
 def _masses(reducer: Reducer) -> tuple[float, float, float]:
-    """Return the mass of a disc [kg], the inertia of the output [kg m2] and the mass of a moving pin [kg], or 0."""
-    masses = moving_masses(reducer)
-    pin = masses[names.PIN].mass if reducer.design.ring.has_pin_bodies else 0.0
-    return masses[reducer.gears[0]].mass, output_inertia(reducer), pin
+    """Return the mass of a disc [kg], the inertia of the output [kg m2] and the mass of a moving pin [kg], or 0.
+
+    That of a tilting pin is its effective mass at the plane of a disc.
+    """
+    pin = 0.0
+    if reducer.design.ring.has_pin_bodies:
+        mass = pin_mass_matrix(reducer)
+        pin = float(mass[0, 0] - mass[0, 1] ** 2 / mass[1, 1]) if len(mass) > 1 else float(mass[0, 0])
+    return moving_masses(reducer)[reducer.gears[0]].mass, output_inertia(reducer), pin
 
 
 MUJOCO_RULE = StepRule(choose_step, SETTINGS.min_steps_per_tooth, ACCURACY)

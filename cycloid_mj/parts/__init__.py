@@ -9,6 +9,7 @@ from cycloid_mj.parts.body_inertia import (
     input_inertia,
     moving_masses,
     output_inertia,
+    pin_mass_matrix,
     play_inertia,
     turning_inertia,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "output_solid",
     "part_sections",
     "parts",
+    "pin_mass_matrix",
     "pin_radius",
     "pin_solid",
     "play_inertia",

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.array import significant, significant_tensor
+from cycloid_mj.base.array import Array, significant, significant_tensor
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, RvReducer, once
@@ -24,6 +24,21 @@ def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     if any(load in surfaces.bodies for surfaces in reducer.mechanism.surfaces if surfaces.role == Role.PIN):
         masses[load] = _add_pins(masses[load], masses["pin"], reducer)
     return masses
+
+
+def pin_mass_matrix(reducer: Reducer) -> Array:
+    """Return the mass matrix of a moving pin for its motion in the planes of its contacts [kg], shape (planes, planes).
+
+    A pin of two discs tilts, so it has a plane of contact for each disc. With the mass m, the transverse inertia I
+    about the centre and the distance 2 a of the planes, the elements are m/4 + I/(4 a^2) on the diagonal and m/4 -
+    I/(4 a^2) beside it. Otherwise the pin does not tilt, and the matrix is its mass.
+    """
+    pin = moving_masses(reducer)[names.PIN]
+    if not reducer.design.has_tilting_pins:
+        return np.array([[pin.mass]])
+    low, high = reducer.design.gear.disc_planes
+    tilting = float(pin.inertia[0, 0]) / (high - low) ** 2
+    return 0.25 * pin.mass + tilting * np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
 def output_inertia(reducer: Reducer) -> float:

@@ -200,6 +200,7 @@ class EachStep:
             "warning_stride": data.warning.number.strides[0],
             "impact": self._impacts.ctypes.data if self._impacts.size else 0,
             "pins": self._on_pins.shape[1],
+            "second_plane": self._film.second_plane if self._film else 0,
             "due": 1,
             "every": self._every,
             "width": 8 * self._width,
@@ -375,7 +376,8 @@ def _apply_film(run: StepState) -> None:
 
     The coefficient depends on the normal force, and at ring pins on the phase of the pin: the angle between the
     directions of the pin and of the disc's centre. Contacts of teeth are set before those of seats, because the disc
-    that presses hardest on a moving pin determines the phase of the pin in its seat.
+    that presses hardest on a moving pin determines the phase of the pin in its seat. A tilting pin has a phase in the
+    plane of each disc.
     """
     if not run.film:
         return
@@ -409,6 +411,8 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
             write_float(run.pin_force + 8 * pin, force)
             write_float(run.pin_cosine + 8 * pin, cosine)
     elif kind == SEAT:
+        if read_float(contact + run.pos + 16) > 0.0:  # z of the contact; that of the middle of all discs is 0
+            pin += run.second_plane
         cosine = read_float(run.pin_cosine + 8 * pin)
     previous = read_float(contact + run.friction)
     coefficient = look_up(run.film, kind, cosine, force)

@@ -50,6 +50,15 @@ def _position(data: int, layout: Layout, geom: int) -> tuple[float, float, float
 
 
 @njit(inline="always")
+def _centre_at(data: int, layout: Layout, geom: int, z: float) -> tuple[float, float]:
+    """Return the point of the axis of a geom, which may be tilted, at a position z of the world [m]."""
+    x, y, middle = _position(data, layout, geom)
+    xmat = read_address(data + layout.geom_xmat) + 72 * geom
+    height = (z - middle) / read_float(xmat + 64)
+    return x + height * read_float(xmat + 16), y + height * read_float(xmat + 40)
+
+
+@njit(inline="always")
 def _pose(data: int, layout: Layout, geom: int) -> Pose:
     """Return the pose of a geom in the plane of the world."""
     x, y, _ = _position(data, layout, geom)
@@ -105,11 +114,12 @@ def write_pin_contact(
         read_float(user + 24),
         read_float(user + 32),
     )
-    px, py, _ = _position(data, layout, pin)
+    z = _position(data, layout, teeth)[2]
+    px, py = _centre_at(data, layout, pin, z)
     contact = pin_touch(_teeth(model, layout, teeth), ring_pin, _pose(data, layout, teeth), px, py, margin)
     if not contact.exists:
         return 0
-    _write_touch(address, contact.touch, _position(data, layout, teeth)[2], sign)
+    _write_touch(address, contact.touch, z, sign)
     return 1
 
 
@@ -138,17 +148,24 @@ def write_round_contacts(
 
     `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `inner` and `outer`
     indices of geoms. `sign` is 1 if `inner` is the first geom, else -1, which reverses the normal; contacts have gaps
-    below `margin` [m].
+    below `margin` [m]. They are in the middle plane of the outer geom, or in two planes on both sides of it if one of
+    the geoms is a tilting pin.
     """
-    # the contact of a pin through all discs is in the plane of the disc
-    (x, y, _), (outer_x, outer_y, z) = _position(data, layout, inner), _position(data, layout, outer)
+    middle = _position(data, layout, outer)[2]
     user, seat = _user(model, layout, outer), _pose(data, layout, outer)
     outer_arc = PartialCircle(
         _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8)
     )
-    count = inner_touches(contacts, x - outer_x, y - outer_y, x, y, _radius(model, layout, inner), outer_arc, margin)
-    for address in range(contacts, contacts + STRIDE * count, STRIDE):
-        _write_touch(address, read_touch(address), z, sign)
+    distance, count = read_float(user + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
+    for plane in range(2 if distance > 0.0 else 1):
+        z = middle + (distance if plane else -distance)
+        x, y = _centre_at(data, layout, inner, z)
+        outer_x, outer_y = _centre_at(data, layout, outer, z)
+        dx, dy, start = x - outer_x, y - outer_y, contacts + STRIDE * count
+        in_plane = inner_touches(start, dx, dy, x, y, _radius(model, layout, inner), outer_arc, margin)
+        for address in range(start, start + STRIDE * in_plane, STRIDE):
+            _write_touch(address, read_touch(address), z, sign)
+        count += in_plane
     return count
 
 

@@ -23,7 +23,7 @@ INDEX = ("surface", "pair", "origin", "reach", "teeth")
 """Addresses of the arrays of a ``PairIndex``."""
 
 _OWN = ("warning_number", "saved_qvel", "timestep", "half_timestep", "orbits", "circling", "impact", "sources", "drags")
-_FILM = ("film", "film_kind", "film_pin", "pin_force", "pin_cosine", "pins")
+_FILM = ("film", "film_kind", "film_pin", "pin_force", "pin_cosine", "pins", "second_plane")
 _SIZES = ("nv", "nu", "nuser_geom", "surfaces", "pairs", "source_count", "drag_count", "discs", "islands")
 _WARNINGS = ("warning_kinds", "warning_stride")
 _STEPS = ("sum", "peak", "command", "last", "left", "due", "every", "rows", "width")
@@ -44,6 +44,8 @@ film, film_kind, film_pin
     Addresses of the `film_table`, and of row and ring pin of each pair; 0 with the friction law ``coulomb``.
 pin_force, pin_cosine, pins
     Addresses of the force of a disc on each ring pin and the cosine of its phase there, and the number of pins.
+second_plane
+    Index of the first pin in the plane of the second disc if pins tilt, else 0.
 sources, drags
     Addresses of the addresses of sampled values, and of the constraint rows of drags.
 nv, nu, nuser_geom, surfaces, pairs, source_count, drag_count, discs, islands, warning_kinds

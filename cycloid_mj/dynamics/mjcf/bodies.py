@@ -28,17 +28,17 @@ it above a creep of some mrad/s."""
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]) -> None:
+def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties], tilting_pins: bool = False) -> None:
     """Add every body of the mechanism with its joints to an editable model, and its inertia if it moves.
 
-    `masses` are the mass properties by part.
+    `masses` are the mass properties by part, `tilting_pins` is whether moving pins tilt.
     """
     # MuJoCo factorises from the last degree of freedom backwards: each pin is coupled with the gear only, so with pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.mechanism.bodies:
         parent = spec.body(body.carrier) if body.carrier else spec.worldbody
         element = parent.add_body(name=body.name, pos=mujoco_position(body.place, body.plane))
-        _add_joints(element, body, reducer)
+        _add_joints(element, body, reducer, tilting_pins and body.part == names.PIN)
         if body.joints:
             set_inertia(element, masses[body.part])
 
@@ -133,15 +133,18 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
     body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
 
 
-def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
+def _add_joints(element: Any, body: Body, reducer: Reducer, tilts: bool) -> None:
     """Add the joints of a body to its `element` of an editable model: slide joints along x and y, if any, and a hinge.
 
-    The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant.
+    The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant. If
+    the body `tilts`, there are hinges about x and y, too, before the hinge about its own axis.
     """
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     *slides, rotation = body.joints or [""]
     for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):
         element.add_joint(name=name, type=slide, axis=axis, ref=origin)
+    for name, axis in zip(names.tilt_joints(body.name) if tilts else (), (_X, _Y), strict=False):
+        element.add_joint(name=name, type=hinge, axis=axis)
     if rotation:
         element.add_joint(name=rotation, type=hinge, axis=_Z, **_shaft_attributes(reducer, rotation))
 
@@ -158,8 +161,8 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Return the attributes ``quat`` and ``userdata`` of the geom of surface `i`, which the collision function reads.
 
-    `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; sockets the
-    cosine and sine of half their arc; planets the numbers of their mesh. Ring pins have their outward direction, for
+    `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; seats of
+    moving pins those of `_seat_numbers`; planets the numbers of their mesh. Ring pins have their outward direction, for
     the start of the contact search, or zeros if it varies in a run; massless pins add play, compliance ratio and
     opening of their seats. Other surfaces have no data. Attributes that a surface does not need are omitted.
     """
@@ -170,12 +173,8 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
         return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": clockwise_quaternion(angle)}
-    if surfaces.role == Role.OUTER and surfaces.half_angle < np.pi:
-        half_angle = surfaces.half_angle
-        return {
-            "quat": clockwise_quaternion(angle),
-            "userdata": [significant(np.cos(half_angle)), significant(np.sin(half_angle))],
-        }
+    if surfaces.role == Role.OUTER and (numbers := _seat_numbers(reducer, surfaces)):
+        return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in numbers]}
     if isinstance(reducer, RvReducer) and surfaces.role == Role.PLANET:
         return {"userdata": [significant(number) for number in mesh_numbers(reducer.planet_mesh, i)]}
     if surfaces.role != Role.PIN:
@@ -189,6 +188,19 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
     softness = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
     min_cosine = 1.0 + np.cos(surfaces.half_angle)
     return {"userdata": [*outward_direction, *map(significant, (float(surfaces.play[i]), softness, min_cosine))]}
+
+
+def _seat_numbers(reducer: Reducer, surfaces: Surfaces) -> list[float]:
+    """Return the numbers that the collider reads of the seats of moving pins; empty for bores, holes and closed seats.
+
+    They are the cosine and sine of half the arc of a socket, 0 for a closed circle. Seats of tilting pins add the
+    distance of their two planes of contact from their middle [m].
+    """
+    half_angle, design = surfaces.half_angle, reducer.design
+    arc = [np.cos(half_angle), np.sin(half_angle)] if half_angle < np.pi else []
+    if surfaces.disc is None and design.has_tilting_pins:
+        return [*(arc or [0.0, 0.0]), design.gear.disc_planes[-1]]
+    return arc
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:

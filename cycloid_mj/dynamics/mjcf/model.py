@@ -1,7 +1,8 @@
 """``Design`` -> ``MjSpec``: the mechanism's bodies and pairs with their contact physics, actuators and sensors.
 
 Frame: +x right, +y up, z along the crank axis; crank angle counter-clockwise, zero with the gear centre at (0, +c).
-The gear and the free pins move in the plane (two slides and a hinge); shaft and output turn on hinges.
+The gear and the free pins move in the plane (two slides and a hinge); shaft and output turn on hinges. A pin of two
+discs has two more hinges, so that it can tilt.
 """
 
 from collections.abc import Mapping, Sequence
@@ -118,7 +119,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
             userface=shape.faces.ravel().tolist(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
         )
-    add_bodies(spec, reducer, masses)
+    add_bodies(spec, reducer, masses, tilting_pins=reducer.design.has_tilting_pins)
     add_shapes(spec, reducer)
     crank = crank_inertia(reducer, masses)
     inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}

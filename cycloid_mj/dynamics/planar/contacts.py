@@ -33,7 +33,7 @@ OPEN, STICKS, SLIDES, SLIDES_BACK = range(4)
 """States of a contact. A sticking contact creeps; a sliding one transmits the Coulomb limit."""
 
 CONTACT = np.dtype(
-    [(name, np.int64) for name in ("pair", "disc", "pin", "shaft", "crank", "state")]
+    [(name, np.int64) for name in ("pair", "disc", "pin", "pin_shift", "shaft", "crank", "state")]
     + [(name, np.float64) for name in ("nx", "ny", "side")]
     + [(f"{part}_{arm}", np.float64) for part in ("disc", "pin", "shaft", "crank") for arm in ("normal", "tangent")]
     + [(f"{part}_centre", np.float64) for part in ("disc", "shaft", "crank")]
@@ -47,6 +47,8 @@ pair
 disc, pin, shaft, crank
     Index of the first unknown of the disc (or sun) and of the pin, and of the unknowns of a shaft about the reducer's
     axis and of a crank of an RV reducer; -1 where there is none.
+pin_shift
+    Number of unknowns from those of the pin's position in the plane of disc 1 to those in the plane of the contact.
 state
     One of `OPEN`, `STICKS`, `SLIDES`, `SLIDES_BACK`.
 nx, ny
@@ -97,8 +99,8 @@ def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
     discs, teeth = len(system.offset), len(system.place)
     per_tooth = MAX_TOUCHES if system.lobes else 1
-    max_contacts = discs * teeth * per_tooth + 2 * teeth * system.free + len(system.cams) * (1 + len(system.studs))
-    max_contacts += system.bearing_contacts + 2 * system.cranks
+    max_contacts = discs * teeth * per_tooth + 2 * teeth * len(system.pin_mass)
+    max_contacts += len(system.cams) * (1 + len(system.studs)) + system.bearing_contacts + 2 * system.cranks
     return np.zeros(max_contacts, dtype=CONTACT)
 
 
@@ -110,6 +112,7 @@ class MatingSurfaces(NamedTuple):
     disc: int
     pin: int
     shaft: int
+    pin_shift: int
 
 
 @njit
@@ -141,18 +144,19 @@ def find_contacts(
     crank_pose, address = shaft_pose(q, crank), np.int64(scratch.ctypes.data)
     count, pair = NONE, NONE
     for disc in range(discs):
-        mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft)
+        mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft, NONE)
         if lobes is not None:
             count = _find_lobe_contacts(system, lobes, contacts, count, mating, ring, address, q, v, half_step)
         else:
             count = _find_pin_contacts(system, contacts, count, mating, ring, q, v, half_step)
         pair += teeth
     if system.free:
-        count = _find_seat_contacts(system, contacts, count, pair, ring, address, q, v, half_step)
+        for plane in range(len(system.pin_mass)):
+            count = _find_seat_contacts(system, contacts, count, pair, plane, ring, address, q, v, half_step)
         pair += teeth
     bore = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
-        mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank)
+        mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank, NONE)
         pair += 1
         cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
@@ -161,7 +165,7 @@ def find_contacts(
     for disc in range(len(system.cams)):
         frame = disc_pose(q, 3 * disc, 0.0)
         for stud in range(len(system.studs)):
-            mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft)
+            mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft, NONE)
             pair += 1
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
             hx, hy = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
@@ -193,7 +197,7 @@ def _find_lobe_contacts(
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
     for i in range(len(lobes)):
-        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft)
+        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft, NONE)
         px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
         for k in range(lobe_touches(address, teeth, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
@@ -221,11 +225,13 @@ def _find_pin_contacts(
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
     gear, teeth, pin_values = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
+    planes = len(system.pin_mass)
+    shift = plane_shift(disc) if planes > 1 else NONE
     for i in range(len(system.place)):
         pin_unknown, shaft = -1, mating.shaft
         if system.free:
-            pin_unknown, shaft = first_pin + 3 * i, -1
-            px, py = q[pin_unknown], q[pin_unknown + 1]
+            pin_unknown, shaft = first_pin + (2 * planes + 1) * i, -1
+            px, py = q[pin_unknown + shift], q[pin_unknown + shift + 1]
         else:
             px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
         pin = RingPin(
@@ -235,7 +241,7 @@ def _find_pin_contacts(
         if not result.exists:
             continue
         contact, touch = contacts[count], result.touch
-        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft)
+        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft, shift)
         _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
         set_film_friction(system, contact, _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
         count += 1
@@ -253,6 +259,7 @@ def _find_seat_contacts(
     contacts: Contacts,
     count: int,
     pair: int,
+    plane: int,
     ring: Pose,
     address: int,
     q: Array,
@@ -261,22 +268,24 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `pair` is the index of the first pin's pair, `ring` the pose of the ring, `address` that of `scratch`. `q` and `v`
-    are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `pair` is the index of the first pin's pair, `plane` that of the plane of the contacts, `ring` the pose of the ring,
+    `address` that of `scratch`. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time
+    step [s].
     """
-    first_pin = len(system.inertia)
+    first_pin, shift = len(system.inertia), plane_shift(plane)
     for i in range(len(system.place)):
-        pin_unknown = first_pin + 3 * i
-        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft)
+        pin_unknown = first_pin + (2 * len(system.pin_mass) + 1) * i
+        px, py = q[pin_unknown + shift], q[pin_unknown + shift + 1]
+        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft, shift)
         sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
         if system.sleeved:
             outer = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
-            inner = Round(sx, sy, q[pin_unknown], q[pin_unknown + 1], system.inner[i], 1.0)
+            inner = Round(sx, sy, px, py, system.inner[i], 1.0)
         else:
             ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
             outer = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
-            inner = Round(q[pin_unknown], q[pin_unknown + 1], sx, sy, system.inner[i], -1.0)
-        cosine = _pin_cosine(contacts, count, pin_unknown) if system.film.size else 1.0
+            inner = Round(px, py, sx, sy, system.inner[i], -1.0)
+        cosine = _pin_cosine(contacts, count, pin_unknown, shift) if system.film.size else 1.0
         count += _find_round_contacts(
             system, contacts, count, mating, inner, outer, _SEAT, cosine, address, q, v, half_step
         )
@@ -284,16 +293,17 @@ def _find_seat_contacts(
 
 
 @njit
-def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
+def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int, shift: int) -> float:
     """Return the cosine of the phase [1] of a moving pin relative to the disc that presses on it most; 1 without force.
 
-    `pin_unknown` is the index of the pin's first unknown. Only the first `count` contacts, those with discs, are
-    considered. See `phase_cosine`.
+    `pin_unknown` is the index of the pin's first unknown, `shift` the number of unknowns to those in the plane of the
+    seat. Only the first `count` contacts, those with discs, in this plane are considered. See `phase_cosine`.
     """
     largest, cosine = -1.0, 1.0
     for k in range(count):
         contact = contacts[k]
-        if contact.pin == pin_unknown and contact.disc >= 0 and contact.normal_force > largest:
+        is_same = contact.pin == pin_unknown and contact.pin_shift == shift
+        if is_same and contact.disc >= 0 and contact.normal_force > largest:
             largest, cosine = contact.normal_force, contact.cosine
     return cosine
 
@@ -311,6 +321,12 @@ def set_film_friction(system: System, contact: Contact, kind: int, cosine: float
     contact.friction = look_up(np.int64(system.film.ctypes.data), kind, cosine, contact.normal_force)
     if contact.normal_force > 0.0:
         contact.state = friction_state(contact, relative_speeds(contact, v)[1])
+
+
+@njit
+def plane_shift(plane: int) -> int:
+    """Return the number of unknowns of a pin before x and y in the plane of a disc: x, y and rotation, x, y."""
+    return 2 * plane + 1 if plane > 0 else NONE
 
 
 @njit
@@ -418,6 +434,7 @@ def _fill_contact(
     """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1
+    contact.pin_shift = mating.pin_shift
     nx, ny = sign * touch.nx, sign * touch.ny
     contact.gap, contact.nx, contact.ny = touch.gap, nx, ny
     contact.side = 1.0 if mating.disc < 0 else -1.0
@@ -426,7 +443,8 @@ def _fill_contact(
         ax, ay = touch.x - q[mating.disc], touch.y - q[mating.disc + 1]
         contact.disc_normal, contact.disc_tangent = ax * ny - ay * nx, ax * nx + ay * ny
     if mating.pin >= 0:
-        ax, ay = touch.x - q[mating.pin], touch.y - q[mating.pin + 1]
+        x, y = mating.pin + mating.pin_shift, mating.pin + mating.pin_shift + 1
+        ax, ay = touch.x - q[x], touch.y - q[y]
         contact.pin_normal, contact.pin_tangent = ax * ny - ay * nx, ax * nx + ay * ny
     if mating.shaft >= 0:
         contact.shaft_normal = touch.y * nx - touch.x * ny
@@ -503,8 +521,9 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
         normal += nx * v[disc] + ny * v[disc + 1] + contact.disc_normal * v[disc + 2]
         tangent += nx * v[disc + 1] - ny * v[disc] + contact.disc_tangent * v[disc + 2]
     if pin >= 0:
-        normal += contact.side * (nx * v[pin] + ny * v[pin + 1] + contact.pin_normal * v[pin + 2])
-        tangent += contact.side * (nx * v[pin + 1] - ny * v[pin] + contact.pin_tangent * v[pin + 2])
+        vx, vy = v[pin + contact.pin_shift], v[pin + contact.pin_shift + 1]
+        normal += contact.side * (nx * vx + ny * vy + contact.pin_normal * v[pin + 2])
+        tangent += contact.side * (nx * vy - ny * vx + contact.pin_tangent * v[pin + 2])
     if shaft >= 0:
         normal += contact.shaft_normal * v[shaft]
         tangent += contact.shaft_tangent * v[shaft]
@@ -525,7 +544,8 @@ def rolling_speed(contact: Contact, v: Array) -> float:
     if disc >= 0:
         speed += contact.nx * v[disc + 1] - contact.ny * v[disc] + contact.disc_centre * v[disc + 2]
     if pin >= 0:
-        speed += contact.side * (contact.nx * v[pin + 1] - contact.ny * v[pin])
+        vx, vy = v[pin + contact.pin_shift], v[pin + contact.pin_shift + 1]
+        speed += contact.side * (contact.nx * vy - contact.ny * vx)
     if shaft >= 0:
         speed += contact.shaft_centre * v[shaft]
     if contact.crank >= 0:

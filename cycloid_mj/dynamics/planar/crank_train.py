@@ -20,6 +20,7 @@ from cycloid_mj.dynamics.contact.crank_train import flank_normal, planet_flanks,
 from cycloid_mj.dynamics.contact.gap import Pose, outwards
 from cycloid_mj.dynamics.film_table import CAM, OUTPUT
 from cycloid_mj.dynamics.planar.contacts import (
+    NONE,
     Contact,
     Contacts,
     MatingSurfaces,
@@ -92,7 +93,7 @@ def find_crank_contacts(
     for disc in range(discs):
         pose = disc_pose(q, 3 * disc, 0.0)
         for i in range(cranks):
-            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier), first_crank + i
+            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier, NONE), first_crank + i
             pair += 1
             ax, ay = outwards(carrier_pose, train.axes[i, 0], train.axes[i, 1])
             ex, ey = outwards(shaft_pose(q, crank), train.eccentrics[disc, i, 0], train.eccentrics[disc, i, 1])
@@ -119,7 +120,7 @@ def find_crank_contacts(
                 set_film_friction(system, contact, _BEARING, 1.0, v)
                 count += 1
     for i in range(cranks):
-        mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier)
+        mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier, NONE)
         count = _find_planet_contacts(system, train, contacts, count, mating, first_crank + i, i, q, v, half_step)
     return count
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.dynamics.planar.contacts import (
+    NONE,
     OPEN,
     SLIDES,
     SLIDES_BACK,
@@ -27,6 +28,7 @@ from cycloid_mj.dynamics.planar.contacts import (
     Contacts,
     friction_state,
     njit,
+    plane_shift,
     relative_speeds,
     rolling_speed,
 )
@@ -46,10 +48,10 @@ class Equations(NamedTuple):
     matrix, right
         Equations of the other unknowns, shapes (n, n), (n,).
     pins, pins_right
-        Diagonal blocks and right sides of the pins, shapes (3 N, 3), (3 N,).
+        Diagonal blocks and right sides of the pins, shapes (w N, w), (w N,), with w unknowns of each pin.
     pin_columns, pin_rows
-        Coupling blocks: columns of each pin in the other equations, and rows of the others in its own, shapes (n N, 3),
-        (3 N, n).
+        Coupling blocks: columns of each pin in the other equations, and rows of the others in its own, shapes (n N, w),
+        (w N, n).
     coupled
         Whether a pin touches a body that moves, shape (N,).
     settled
@@ -71,14 +73,14 @@ class Equations(NamedTuple):
 
 def allocate_equations(system: System) -> Equations:
     """Allocate the matrices and vectors of a step of the planar solver for a reducer."""
-    size, pins = len(system.inertia), len(system.place) * system.free
+    size, pins, width = len(system.inertia), len(system.place) * system.free, 2 * len(system.pin_mass) + 1
     return Equations(
         matrix=np.zeros((size, size)),
         right=np.zeros(size),
-        pins=np.zeros((3 * pins, 3)),
-        pins_right=np.zeros(3 * pins),
-        pin_columns=np.zeros((size * pins, 3)),
-        pin_rows=np.zeros((3 * pins, size)),
+        pins=np.zeros((width * pins, width)),
+        pins_right=np.zeros(width * pins),
+        pin_columns=np.zeros((size * pins, width)),
+        pin_rows=np.zeros((width * pins, size)),
         coupled=np.zeros(pins, dtype=np.int64),
         settled=np.zeros(pins, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
@@ -197,23 +199,42 @@ def _assemble(
             else:
                 right[i] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
-    mass, inertia = system.pin[0], system.pin[1]
+    width = pins.shape[1]
     for i in range(len(coupled)):
-        pin_unknown, row = size + 3 * i, 3 * i
-        for m in range(row, row + 3):
-            for k in range(3):
+        pin_unknown, row = size + width * i, width * i
+        for m in range(row, row + width):
+            pins_right[m] = 0.0
+            for k in range(width):
                 pins[m, k] = 0.0
-        pins[row, 0], pins[row + 1, 1], pins[row + 2, 2] = mass / pin_span, mass / pin_span, inertia / pin_span
-        pins_right[row] = mass / pin_span * v0[pin_unknown] + mass * gx
-        pins_right[row + 1] = mass / pin_span * v0[pin_unknown + 1] + mass * gy
-        pins_right[row + 2] = inertia / pin_span * v0[pin_unknown + 2]
+        _add_pin_inertia(system, equations, v0, row, pin_unknown, pin_span)
         if coupled[i]:
-            for m in range(3):
+            for m in range(width):
                 for k in range(size):
                     pin_columns[size * i + k, m] = 0.0
                     pin_rows[row + m, k] = 0.0
             coupled[i] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
+
+
+@njit
+def _add_pin_inertia(
+    system: System, equations: Equations, v0: Array, row: int, pin_unknown: int, pin_span: float
+) -> None:
+    """Add inertia and gravity of a pin to its block of the equations, whose first row is `row`.
+
+    `pin_unknown` is the index of its first unknown, `v0` are the speeds of all unknowns at the beginning of the step,
+    and `pin_span` is the time [s] in which forces accelerate pins.
+    """
+    pins, pins_right, gx, gy = equations.pins, equations.pins_right, system.gravity[0], system.gravity[1]
+    for plane in range(len(system.pin_mass)):
+        x = plane_shift(plane)
+        for other in range(len(system.pin_mass)):
+            mass, k = system.pin_mass[plane, other], plane_shift(other)
+            pins[row + x, k], pins[row + x + 1, k + 1] = mass / pin_span, mass / pin_span
+            pins_right[row + x] += mass / pin_span * v0[pin_unknown + k] + mass * gx
+            pins_right[row + x + 1] += mass / pin_span * v0[pin_unknown + k + 1] + mass * gy
+    pins[row + 2, 2] = system.pin_inertia / pin_span
+    pins_right[row + 2] = system.pin_inertia / pin_span * v0[pin_unknown + 2]
 
 
 class LeverArms(NamedTuple):
@@ -333,28 +354,30 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
     shaft, crank = contact.shaft, contact.crank
     shaft_arms = _shaft_arms(contact.shaft_normal, contact.shaft_tangent, contact.shaft_centre, sliding)
     crank_arms = _shaft_arms(contact.crank_normal, contact.crank_tangent, contact.crank_centre, sliding)
-    pin_index = (pin_unknown - size) // 3
-    pin_row, column_row = 3 * pin_index, size * pin_index
+    width, shift = equations.pins.shape[1], contact.pin_shift
+    pin_index = (pin_unknown - size) // width
+    pin_row, column_row = width * pin_index, size * pin_index
     if pin_unknown >= 0 and (disc >= 0 or shaft >= 0):
         equations.coupled[pin_index] = 1
     if disc >= 0:
         body = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
-        _add_force_derivative(matrix, disc, disc, body, body, tangent)
-        _add_force(right, disc, body, tangent)
+        _add_force_derivative(matrix, disc, disc, body, body, tangent, NONE, NONE)
+        _add_force(right, disc, body, tangent, NONE)
         if shaft >= 0:
-            _couple_shaft(shaft_arms, tangent, body, matrix, disc, shaft, matrix, shaft, disc)
+            _couple_shaft(shaft_arms, tangent, body, matrix, disc, shaft, matrix, shaft, disc, NONE)
         if crank >= 0:
-            _couple_shaft(crank_arms, tangent, body, matrix, disc, crank, matrix, crank, disc)
+            _couple_shaft(crank_arms, tangent, body, matrix, disc, crank, matrix, crank, disc, NONE)
         if pin_unknown >= 0:
             pin_arms = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-            _add_force_derivative(pin_rows, pin_row, disc, pin_arms, body, tangent)
-            _add_force_derivative(pin_columns, column_row + disc, 0, body, pin_arms, tangent)
+            _add_force_derivative(pin_rows, pin_row, disc, pin_arms, body, tangent, shift, NONE)
+            _add_force_derivative(pin_columns, column_row + disc, 0, body, pin_arms, tangent, NONE, shift)
     if pin_unknown >= 0:
         body = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-        _add_force_derivative(equations.pins, pin_row, 0, body, body, tangent)
-        _add_force(equations.pins_right, pin_row, body, tangent)
+        _add_force_derivative(equations.pins, pin_row, 0, body, body, tangent, shift, shift)
+        _add_force(equations.pins_right, pin_row, body, tangent, shift)
         if shaft >= 0:
-            _couple_shaft(shaft_arms, tangent, body, pin_rows, pin_row, shaft, pin_columns, column_row + shaft, 0)
+            shaft_row = column_row + shaft
+            _couple_shaft(shaft_arms, tangent, body, pin_rows, pin_row, shaft, pin_columns, shaft_row, 0, shift)
     if shaft >= 0:
         _add_shaft(matrix, right, shaft, shaft_arms, tangent)
     if crank >= 0:
@@ -397,23 +420,33 @@ def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent
 
 
 @njit
-def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) -> None:
-    """Add the force at the predicted speeds to the right side of a body's equations."""
+def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
+    """Add the force at the predicted speeds to the right side of a body's equations.
+
+    `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the rotation.
+    """
     for a in range(3):
-        right[first_row + a] += (
+        right[first_row + a + (shift if a < 2 else 0)] += (
             tangent.force * side.pushed[a] + tangent.rolling_force * side.centre[a] - tangent.friction * side.tangent[a]
         )
 
 
 @njit
 def _add_force_derivative(
-    target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
+    target: Array,
+    row: int,
+    column: int,
+    loaded_body: LeverArms,
+    moving_body: LeverArms,
+    tangent: Tangent,
+    row_shift: int,
+    column_shift: int,
 ) -> None:
     """Add the derivative of a contact's force on one body with respect to the speeds of a body to a matrix, `target`.
 
     It is a block of shape (3, 3) whose first element is at `row` and `column`. `loaded_body` and `moving_body` are the
     lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
-    function of the speeds.
+    function of the speeds. Rows and columns of x and y are displaced by `row_shift` and `column_shift`.
     """
     for a in range(3):
         normal_term, creep_term, roll_term = (
@@ -422,7 +455,7 @@ def _add_force_derivative(
             tangent.geometric * loaded_body.centre[a],
         )
         for b in range(3):
-            target[row + a, column + b] += (
+            target[row + a + (row_shift if a < 2 else 0), column + b + (column_shift if b < 2 else 0)] += (
                 normal_term * moving_body.normal[b]
                 + creep_term * moving_body.tangent[b]
                 + roll_term * moving_body.centre[b]
@@ -440,31 +473,36 @@ def _couple_shaft(
     rows: Array,
     shaft_row: int,
     first_column: int,
+    shift: int,
 ) -> None:
     """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of the equations.
 
     The derivative of the body's force with respect to the shaft's speed is added to `columns`, from `row` on at
     `column`. That of the shaft's torque with respect to the body's speeds is added to `rows`, at `shaft_row` from
     `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body, `tangent` is the
-    contact force as a linear function of the speeds.
+    contact force as a linear function of the speeds. Rows and columns of the body's x and y are displaced by `shift`.
     """
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
-        columns[row + a, column] += (
+        moved = a + (shift if a < 2 else 0)
+        columns[row + moved, column] += (
             tangent.slope * body.pushed[a] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
         )
-        rows[shaft_row, first_column + a] += (
+        rows[shaft_row, first_column + moved] += (
             tangent.slope * arms.pushed * body.normal[a] + creep_term * arms.tangent + roll_term * arms.centre
         )
 
 
 @njit
 def _condense_pins(system: System, equations: Equations) -> None:
-    """Eliminate the three unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
+    """Eliminate the unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
 
     For `_recover_pins`, `pins_right` and `pin_rows` of the equations are multiplied by the inverse of each pin's own
     block.
     """
+    if equations.pins.shape[1] > 3:
+        _condense_tilting_pins(system, equations)
+        return
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
@@ -489,6 +527,53 @@ def _condense_pins(system: System, equations: Equations) -> None:
                 matrix[a, b] -= (
                     p0 * pin_rows[pin_row, b] + p1 * pin_rows[pin_row + 1, b] + p2 * pin_rows[pin_row + 2, b]
                 )
+
+
+@njit
+def _condense_tilting_pins(system: System, equations: Equations) -> None:
+    """Apply `_condense_pins` to pins with unknowns in several planes, by Gauss-Jordan elimination without pivoting.
+
+    The block of a pin is its positive definite mass matrix with the slopes of its contacts.
+    """
+    matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
+    pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
+    size, width = len(right), pins.shape[1]
+    coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
+    for i in range(len(coupled)):
+        first, column_row = width * i, size * i
+        columns = coupled_size if coupled[i] else 0
+        for pivot in range(width):
+            scale = 1.0 / pins[first + pivot, pivot]
+            _scale_row(pins, first + pivot, scale, width)
+            _scale_row(pin_rows, first + pivot, scale, columns)
+            pins_right[first + pivot] *= scale
+            for row in range(width):
+                factor = pins[first + row, pivot]
+                if row == pivot or factor == 0.0:
+                    continue
+                _subtract_row(pins, first + row, first + pivot, factor, width)
+                _subtract_row(pin_rows, first + row, first + pivot, factor, columns)
+                pins_right[first + row] -= factor * pins_right[first + pivot]
+        for a in range(columns):
+            for m in range(width):
+                factor = pin_columns[column_row + a, m]
+                if factor == 0.0:
+                    continue
+                right[a] -= factor * pins_right[first + m]
+                for b in range(columns):
+                    matrix[a, b] -= factor * pin_rows[first + m, b]
+
+
+@njit
+def _scale_row(matrix: Array, row: int, factor: float, columns: int) -> None:
+    for k in range(columns):
+        matrix[row, k] *= factor
+
+
+@njit
+def _subtract_row(matrix: Array, row: int, other: int, factor: float, columns: int) -> None:
+    for k in range(columns):
+        matrix[row, k] -= factor * matrix[other, k]
 
 
 @njit
@@ -532,14 +617,14 @@ def _recover_pins(equations: Equations, v: Array) -> None:
     `equations` has the products with the inverse of each pin's block that the elimination leaves.
     """
     coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
-    size = len(equations.right)
+    size, width = len(equations.right), equations.pins.shape[1]
     for i in range(len(coupled)):
-        for m in range(3):
-            value = pins_right[3 * i + m]
+        for m in range(width):
+            value = pins_right[width * i + m]
             if coupled[i]:
                 for b in range(size):
-                    value -= pin_rows[3 * i + m, b] * v[b]
-            v[size + 3 * i + m] = value
+                    value -= pin_rows[width * i + m, b] * v[b]
+            v[size + width * i + m] = value
 
 
 @njit
@@ -562,12 +647,12 @@ def _update_states(
     are the midpoint speeds at which the `count` contacts were linearised, `half_step` is half of the time step [s].
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
-    size, no_change = len(equations.right), equations.settled
+    size, width, no_change = len(equations.right), equations.pins.shape[1], equations.settled
     for i in range(len(no_change)):
         no_change[i] = 1
     for k in range(count):
         contact = contacts[k]
-        old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - size) // 3
+        old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - size) // width
         one_at_a_time = pin >= 0 or not change_all
         normal_force = _update_forces(contact, predicted, v, half_step)
         largest = max(largest, contact.normal_force)

@@ -5,6 +5,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
+from cycloid_mj.parts import pin_mass_matrix
 from cycloid_mj.reducer import Reducer, RvReducer
 
 
@@ -32,9 +33,10 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
         float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
     )
     s, c = np.sin(ring_angle), np.cos(ring_angle)
+    other_planes = len(pin_mass_matrix(reducer)) - 1 if reducer.mechanism.pins else 0
     for pin in reducer.mechanism.pins:
         x, y = pin.place + [position.get(joint, 0.0) for joint in pin.joints[:2]]
         x, y = c * x - s * y, s * x + c * y
-        positions += [x, y, ring_angle + position.get(pin.joints[2], 0.0)]
-        speeds += [-ring_speed * y, ring_speed * x, ring_speed]
+        positions += [x, y, ring_angle + position.get(pin.joints[2], 0.0), *[x, y] * other_planes]
+        speeds += [-ring_speed * y, ring_speed * x, ring_speed, *[-ring_speed * y, ring_speed * x] * other_planes]
     return np.array(positions), np.array(speeds)

@@ -15,7 +15,15 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation, cacheable
 from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
-from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find_contacts, njit
+from cycloid_mj.dynamics.planar.contacts import (
+    MAX_TOUCHES,
+    OPEN,
+    Contacts,
+    allocate_contacts,
+    find_contacts,
+    njit,
+    plane_shift,
+)
 from cycloid_mj.dynamics.planar.crank_train import CrankTrain, find_crank_contacts
 from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve_step
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
@@ -254,12 +262,14 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
         rim_shift = radius * (midpoint[body + 2] - predicted[body + 2])
         if half_step * half_step * (x * x + y * y + rim_shift * rim_shift) > tolerance * tolerance:
             return True
+    planes = len(system.pin_mass)
     for i in range(len(system.inner)):
-        pin_unknown = size + 3 * i
-        x, y = midpoint[pin_unknown] - predicted[pin_unknown], midpoint[pin_unknown + 1] - predicted[pin_unknown + 1]
         tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
-        if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
-            return True
+        for plane in range(planes):
+            k = size + (2 * planes + 1) * i + plane_shift(plane)
+            x, y = midpoint[k] - predicted[k], midpoint[k + 1] - predicted[k + 1]
+            if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
+                return True
     return False
 
 
@@ -322,7 +332,8 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
     `q` and `v` are positions and speeds of all unknowns (`Motion`), `command` (2,) the commands of output and input.
     The columns of a floating sun's position and velocity come after those of its rotation, which is the input. Angles
-    of cranks are relative to the carrier, positions of pins to the seats in the ring.
+    of cranks are relative to the carrier, positions of pins to the seats in the ring. The position of a tilting pin is
+    that of its middle.
     """
     size, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
@@ -342,10 +353,14 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
         column += 2
     ring_angle, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     s, c = math.sin(ring_angle), math.cos(ring_angle)
-    for pin_unknown in range(size, len(q), 3):
-        pin = (pin_unknown - size) // 3
-        row[column] = c * q[pin_unknown] + s * q[pin_unknown + 1] - system.seated[pin, 0]
-        row[column + 1] = c * q[pin_unknown + 1] - s * q[pin_unknown] - system.seated[pin, 1]
+    width = 2 * len(system.pin_mass) + 1
+    for pin_unknown in range(size, len(q), width):
+        pin = (pin_unknown - size) // width
+        x, y = q[pin_unknown], q[pin_unknown + 1]
+        if width > 3:
+            x, y = 0.5 * (x + q[pin_unknown + 3]), 0.5 * (y + q[pin_unknown + 4])
+        row[column] = c * x + s * y - system.seated[pin, 0]
+        row[column + 1] = c * y - s * x - system.seated[pin, 1]
         row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - speed
         column += 4
     return column
@@ -409,7 +424,7 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
 
     `q` and `v` (unknowns,) are positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns, in the order that the
     module ``system`` describes. The first `size` unknowns are those of discs, sun, output and cranks; the others are
-    x, y and rotation of each moving pin.
+    those of moving pins.
 
     Returns
     -------
@@ -429,10 +444,14 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
         s, c = math.sin(angle), math.cos(angle)
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         potential -= gx * (c * mx - s * my) + gy * (s * mx + c * my)
-    for pin_unknown in range(size, len(q), 3):
-        potential -= system.pin[0] * (gx * q[pin_unknown] + gy * q[pin_unknown + 1])
-        kinetic += (
-            0.5 * system.pin[0] * (v[pin_unknown] ** 2 + v[pin_unknown + 1] ** 2)
-            + 0.5 * system.pin[1] * v[pin_unknown + 2] ** 2
-        )
+    planes = len(system.pin_mass)
+    for pin_unknown in range(size, len(q), 2 * planes + 1):
+        translation = 0.0
+        for plane in range(planes):
+            k = pin_unknown + plane_shift(plane)
+            for other in range(planes):
+                mass, m = system.pin_mass[plane, other], pin_unknown + plane_shift(other)
+                potential -= mass * (gx * q[m] + gy * q[m + 1])
+                translation += 0.5 * mass * (v[k] * v[m] + v[k + 1] * v[m + 1])
+        kinetic += translation + 0.5 * system.pin_inertia * v[pin_unknown + 2] ** 2
     return potential, kinetic

@@ -1,7 +1,8 @@
 """A reducer in the plane as arrays, the input of the compiled planar solver.
 
 The unknowns are x, y and rotation of each disc, the rotations of output and crank, and x, y and rotation of each moving
-pin, in this order, in the frame of the foundation. All other bodies are at rest or rotate with the output. In an RV
+pin, in this order, in the frame of the foundation. A pin that tilts has x and y in the planes of both discs: x, y and
+rotation, then x and y in the plane of the second disc. All other bodies are at rest or rotate with the output. In an RV
 reducer, x, y and rotation of the sun follow the discs, and the rotations of all cranks follow that of the output.
 """
 
@@ -23,7 +24,7 @@ from cycloid_mj.dynamics.mjcf.bodies import collider_attributes, crank_inertia, 
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
 from cycloid_mj.dynamics.mjcf.model import servo_gains
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import moving_masses
+from cycloid_mj.parts import moving_masses, pin_mass_matrix
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
 from cycloid_mj.reducer.impact import ImpactLaw
@@ -82,8 +83,9 @@ class System(NamedTuple):
         Contact law of each disc and kind, records of `LAW`, shape (D, 4).
     inertia
         Mass or inertia of bodies, output, and crank or cranks [kg], [kg m2], by unknown.
-    pin
-        Mass [kg] and inertia [kg m2] of a moving pin.
+    pin_mass, pin_inertia
+        Mass matrix of a moving pin for its motion in the planes of its contacts [kg], shape (planes, planes), and its
+        inertia about its axis [kg m2]; shape (0, 0) and 0 without moving pins.
     gravity
         Acceleration [m/s2], shape (2,).
     unbalance
@@ -126,7 +128,8 @@ class System(NamedTuple):
     cam: float
     laws: npt.NDArray[np.void]
     inertia: Array
-    pin: Array
+    pin_mass: Array
+    pin_inertia: float
     gravity: Array
     unbalance: Array
     drag: Array
@@ -206,7 +209,8 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
         "outer": outer,
         "arc": arc,
         "laws": _contact_laws(reducer),
-        "pin": np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
+        "pin_mass": pin_mass_matrix(reducer) if pin else np.zeros((0, 0)),
+        "pin_inertia": float(pin.inertia[2, 2]) if pin else 0.0,
         "gravity": np.array([design.environment.gravity_x, design.environment.gravity_y]),
     }
 
