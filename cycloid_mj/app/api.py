@@ -17,17 +17,11 @@ from cycloid_mj.app.state import apply_changes, at_load, changed_values, differe
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
-from cycloid_mj.design.layouts import Layout
+from cycloid_mj.explore.tolerance_zones import has_tolerances
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.sheet import load_of
 
 Content = Mapping[str, Any]
-
-TABS: Mapping[Layout, tuple[str, ...]] = {
-    "central": ("figures", "turn", "error", "losses", "life", "scatter", "stress", "solid", "compare", "make"),
-    "rv": ("figures", "turn", "error", "losses", "life", "compare", "make"),
-}
-"""Layout -> the tabs with results. Tolerances, stress and assembly of RV reducers are computed by commands."""
 
 MAX_NAME_LENGTH = 80
 """Characters of a file's name in messages."""
@@ -91,8 +85,9 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     return {
         "design": changed_values(design),
         "name": design.name,
-        "tabs": TABS[design.layout],
-        "files": [kind for kind in artifacts.FILES if design.layout == "central" or kind not in artifacts.WITHOUT_RV],
+        "layout": design.layout,
+        "toleranced": has_tolerances(reducer),
+        "files": [kind for kind in artifacts.FILES if kind not in artifacts.LEFT_OUT[design.layout]],
         "head": summary.geometry_figures(reducer, content.get("required")),
         "load_nm": abs(design.load.torque),
         "controls": [asdict(control) for control in controls(design)],

@@ -15,6 +15,7 @@ from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import Design, dump
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.parts.export import (
     CHORD_ERROR,
     Format,
@@ -119,8 +120,8 @@ FILES: Mapping[str, tuple[str, Callable[[Design, BuildOptions], dict[str, bytes]
 }
 """Kind -> text of its button, and the function that returns the files as {name: content}."""
 
-WITHOUT_RV = ("3mf", WHOLE_DRIVE)
-"""Kinds of files that RV reducers do not have: they are not printed, and have no covers."""
+LEFT_OUT: Mapping[Layout, tuple[str, ...]] = {"central": (), "rv": ("3mf", WHOLE_DRIVE)}
+"""Layout -> kinds of files that it does not have: RV reducers are not printed, and have no covers."""
 
 
 def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
@@ -139,7 +140,7 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
         Motor, printer offset and bed.
     """
     design = parse_design(values)
-    if design.layout == "rv" and kind in WITHOUT_RV:
+    if kind in LEFT_OUT[design.layout]:
         raise DesignError(f"{design.name}: an RV reducer has no covers and no print plate: download single files")
     if kind == WHOLE_DRIVE:
         files = build_files(

@@ -8,15 +8,18 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.app.state import at_load, parse_design
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.explore.jam import find_jams, stops_study
+from cycloid_mj.explore.rv_samples import ERRORS
 from cycloid_mj.explore.sampling import list_batches, tolerance_zones
-from cycloid_mj.explore.tolerances import balance_batch, tolerance
+from cycloid_mj.explore.tolerance_zones import has_tolerances
+from cycloid_mj.explore.tolerances import Tolerances, balance_batch, tolerance
 from cycloid_mj.figures import SAMPLED, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 
 @dataclass(frozen=True)
@@ -36,8 +39,11 @@ class MonteCarloSettings:
 STUDY = MonteCarloSettings()
 
 
-TOLERANCE_KEYS = ("mesh", "cam", "output", "pin_position", "eccentricity")
-"""Tolerances that are set to the half width of the page."""
+TOLERANCES: Mapping[Layout, tuple[str, tuple[str, ...]]] = {
+    "central": ("tolerance", ("mesh", "cam", "output", "pin_position", "eccentricity")),
+    "rv": ("crank_tolerance", tuple(ERRORS)),
+}
+"""Layout -> table of the design file and its keys, which are set to the half width of the page."""
 
 UNITS = ("arcmin", "arcsec")
 """Units of the figures that are shown."""
@@ -68,13 +74,19 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     UsageError
         The design has no tolerances, or the half width is out of range.
     """
-    reducer = at_load(Reducer(set_tolerances(parse_design(values), spread_um)))
-    zones = tolerance_zones(reducer)
-    if not zones:
+    reducer = at_load(reducer_of(set_tolerances(parse_design(values), spread_um)))
+    if not has_tolerances(reducer):
+        table, _ = TOLERANCES[reducer.LAYOUT]
         raise UsageError(
             "this design has no tolerances: enter one tolerance for all dimensions (greater than 0, at most "
-            f"{STUDY.max_half_width_um:g} um), or set the table [tolerance] of the design file"
+            f"{STUDY.max_half_width_um:g} um), or set the table [{table}] of the design file"
         )
+    return STUDIES[reducer.LAYOUT](reducer, on_progress)
+
+
+def _study_central(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict[str, Any]:
+    """Return the result of `study_tolerances` for a drive with a central crank: statics of each sample."""
+    zones = tolerance_zones(reducer)
     columns: dict[str, Array] = {}
     for batch in list_batches(STUDY.samples):
         block = balance_batch(reducer, zones, STUDY.seed, ANGLES, (batch, tuple(SAMPLED)))
@@ -83,7 +95,7 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
             key: np.concatenate([columns[key], block_values]) if columns else block_values
             for key, block_values in block.items()
         }
-        distributions = _distributions(reducer, columns)
+        distributions = _distributions(columns, find_jams(columns), condition(reducer))
         count = distributions["samples"]
         on_progress(
             {"doing": f"{count} of {STUDY.samples} samples", "share": count / STUDY.samples, "seen": distributions}
@@ -91,9 +103,27 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
         if jams_early:
             return distributions
     on_progress({"doing": "computing the error budget", "share": 1.0, "seen": distributions})
-    study = tolerance(reducer.design, STUDY.budget_samples, STUDY.seed)
+    return {**distributions, **_budget_json(tolerance(reducer.design, STUDY.budget_samples, STUDY.seed))}
+
+
+def _study_rv(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict[str, Any]:
+    """Return the result of `study_tolerances` for an RV reducer, from the closed form of its transmission error."""
+    on_progress({"doing": f"{STUDY.samples} samples", "share": 0.0})
+    study = tolerance(reducer.design, STUDY.samples, STUDY.seed)
+    return {**_distributions(study.figures, study.jams, study.condition), **_budget_json(study)}
+
+
+STUDIES: Mapping[Layout, Callable[[Reducer, Callable[[Any], None]], dict[str, Any]]] = {
+    "central": _study_central,
+    "rv": _study_rv,
+}
+"""Layout -> function that computes the study of the tolerances tab."""
+
+
+def _budget_json(study: Tolerances) -> dict[str, Any]:
+    """Convert the error budget of a study to JSON values: ``budget``, ``budget_of`` and ``no_budget``."""
     shares = [{"source": share.source, "share": share.total} for share in study.budget]
-    return {**distributions, "budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
+    return {"budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
 
 
 def set_tolerances(design: Design, spread_um: Any) -> Design:
@@ -115,17 +145,18 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
             f"the tolerance is {spread_um!r} um, which is out of range: choose a value greater than 0 and at most "
             f"{STUDY.max_half_width_um:g} um"
         )
-    zone = f"uniform {spread_um:g}"
-    return design.but(tolerance=dict.fromkeys(TOLERANCE_KEYS, zone))
+    zone, (table, keys) = f"uniform {spread_um:g}", TOLERANCES[design.layout]
+    return design.but(**{table: dict.fromkeys(keys, zone)})
 
 
-def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
+def _distributions(columns: Mapping[str, Array], jams: Mask, condition_text: str) -> dict[str, Any]:
     """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
 
-    `columns` are the computed quantities of the samples by key, shape (samples,) each. Jammed samples are left out of
-    the histograms, and so are quantities with fewer than two solved samples or in a unit not in `UNITS`.
+    `columns` are the computed quantities of the samples by key, under a condition in words, and `jams` is which samples
+    jam, shape (samples,) each. Jammed samples are left out of the histograms, and so are quantities with fewer than two
+    solved samples or in a unit not in `UNITS`.
     """
-    jams, charts = find_jams(columns), list[dict[str, Any]]()
+    charts = list[dict[str, Any]]()
     for key, values in columns.items():
         catalogue_figure, solved = figure(key), values[~jams & np.isfinite(values)]
         if catalogue_figure.unit not in UNITS or len(solved) < 2:
@@ -134,4 +165,4 @@ def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, 
         low, middle, high = np.percentile(solved, [5.0, 50.0, 95.0]).tolist()
         histogram = {"counts": counts.tolist(), "edges": edges.tolist(), "p05": low, "p50": middle, "p95": high}
         charts.append({"name": catalogue_figure.name, "unit": catalogue_figure.unit, **histogram})
-    return {"samples": len(jams), "jam": float(jams.mean()), "charts": charts, "condition": condition(reducer)}
+    return {"samples": len(jams), "jam": float(jams.mean()), "charts": charts, "condition": condition_text}

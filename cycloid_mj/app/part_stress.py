@@ -1,39 +1,71 @@
-"""Stress of each kind of part: the largest by finite elements, and the contact and fatigue stress of the rating."""
+"""Stress of each kind of part: the largest away from contacts, and the contact and fatigue stress of the rating."""
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, cast
 
 from cycloid_mj.app.state import at_load, parse_design
 from cycloid_mj.app.verdicts import rated_item
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import judge
+from cycloid_mj.base.names import CRANK, PLANET, SUN
 from cycloid_mj.base.units import MEGAPASCAL
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures import figure
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.items import rate_for_verdict
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.stress.figures import for_one_turn
+from cycloid_mj.stress.rv_strength import compute_rv_strength
+from cycloid_mj.stress.study import QUICK
 
-PARTS = {
-    "output": ("output pins", "output", ("output", "peak")),
-    "gear": ("disc", "gear", ("gear", "tooth", "bore", "hole")),
-    "shaft": ("crank", "shaft", ("shaft", "crank", "cam", "key")),
-    "pin": ("ring pins", "pin", ("pin",)),
-    "ring": ("ring", "housing", ("housing", "ring")),
+
+class StressedPart(NamedTuple):
+    """A kind of part: its name, the part that names its material, and words of the rated items that belong to it."""
+
+    name: str
+    material: str
+    words: tuple[str, ...]
+
+
+PARTS: Mapping[Layout, Mapping[str, StressedPart]] = {
+    "central": {
+        "output": StressedPart("output pins", "output", ("output", "peak")),
+        "gear": StressedPart("disc", "gear", ("gear", "tooth", "bore", "hole")),
+        "shaft": StressedPart("crank", "shaft", ("shaft", "crank", "cam", "key")),
+        "pin": StressedPart("ring pins", "pin", ("pin",)),
+        "ring": StressedPart("ring", "housing", ("housing", "ring")),
+    },
+    "rv": {
+        SUN: StressedPart("sun", "shaft", (SUN,)),
+        "gear": StressedPart("disc", "gear", ("gear", "tooth")),
+        CRANK: StressedPart("cranks", "shaft", (CRANK,)),
+        PLANET: StressedPart("planets", "shaft", (PLANET,)),
+        "pin": StressedPart("ring pins", "pin", ("pin",)),
+        "ring": StressedPart("ring", "housing", ("housing", "ring")),
+    },
 }
-"""Kind of part in the keys of the catalogue -> its name, the part that names its material, and words of the rated items
-that belong to it; the first kind with a word of an item has it."""
+"""Layout -> kind of part, as in the keys of the catalogue -> the part. The first kind with a word of a rated item has
+this item; items without any such word belong to the ring."""
+
+CLOSED_FORMS = {
+    CRANK: "Largest stress at the ends of the eccentrics over a turn of the cranks: beam theory with notch factors",
+    SUN: "Stress at the root of a tooth that carries the largest force of a mesh alone: ISO 6336-3",
+    PLANET: "Stress at the root of a tooth that carries the largest force of a mesh alone: ISO 6336-3",
+}
+"""Parts of an RV reducer whose stress has a closed form, and this form."""
 
 COLOURS = ("#313695", "#4575b4", "#74add1", "#fdae61", "#f46d43", "#a50026")
 """Colours from no stress to the limit and above: the ends of the map RdYlBu of ColorBrewer, in reverse."""
 
 
 def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
-    """Compute the largest stress of each kind of part over a crank turn by finite elements, and compare it with yield.
+    """Compute the largest stress of each kind of part over a crank turn, and compare it with yield.
 
-    A part that does not yield away from its contacts can still fail at its surface or by fatigue. The result therefore
-    also has the contact and fatigue stresses of the rating at the same load. `values` is the design as the page sends
-    it, see `parse_design`. `on_progress` is called before each part with the results of the ``parts`` so far.
+    It is the stress by finite elements; cranks and gears of an RV reducer have closed forms. A part that does not yield
+    away from its contacts can still fail at its surface or by fatigue. The result therefore also has the contact and
+    fatigue stresses of the rating at the same load. `values` is the design as the page sends it, see `parse_design`.
+    `on_progress` is called before each part with the results of the ``parts`` so far.
 
     Returns
     -------
@@ -46,16 +78,17 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     CycloidError
         The extra ``fem`` is not installed, or the run failed.
     """
-    design = parse_design(values)
-    reducer = Reducer(design)
-    parts = _collect_rated_stress(rate_for_verdict(at_load(reducer)))
-    for number, (kind, (name, part, _)) in enumerate(PARTS.items()):
-        on_progress({"doing": f"stress of the {name}", "share": number / len(PARTS), "parts": list(parts.values())})
-        entry = figure(f"{kind}_stress_mpa")
-        largest = entry.value(reducer)
+    reducer = reducer_of(parse_design(values))
+    parts = _collect_rated_stress(reducer.LAYOUT, rate_for_verdict(at_load(reducer)))
+    kinds = PARTS[reducer.LAYOUT]
+    for number, (kind, part) in enumerate(kinds.items()):
+        on_progress(
+            {"doing": f"stress of the {part.name}", "share": number / len(kinds), "parts": list(parts.values())}
+        )
+        name, largest, definition = _largest_stress(reducer, kind, part.name)
         if not math.isnan(largest):
-            limit = design.material_of(part).yield_strength / MEGAPASCAL
-            parts[kind]["bulk"].append(_bulk_row(entry.name, largest, limit, entry.definition))
+            limit = reducer.design.material_of(part.material).yield_strength / MEGAPASCAL
+            parts[kind]["bulk"].append(_bulk_row(name, largest, limit, definition))
     if not any(part["bulk"] for part in parts.values()):
         raise CycloidError(
             "the finite-element analysis found no stress away from the contacts in any part of this design: check the "
@@ -64,18 +97,28 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     return {"parts": [part for part in parts.values() if part["rated"] or part["bulk"]]}
 
 
-def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
-    """Return the contact and fatigue stresses of a rating as rows for the page: kind of part -> dict of its rows.
+def _largest_stress(reducer: Reducer, kind: str, part_name: str) -> tuple[str, float, str]:
+    """Return name, value [MPa] and definition of the largest stress of a kind of part; NaN if it has none."""
+    if kind in CLOSED_FORMS:
+        strength = compute_rv_strength(cast(RvReducer, reducer_of(for_one_turn(reducer.design))), QUICK.turn)
+        return f"largest stress of the {part_name}", strength.largest[kind] / MEGAPASCAL, CLOSED_FORMS[kind]
+    entry = figure(f"{kind}_stress_mpa")
+    return entry.name, entry.value(reducer), entry.definition
+
+
+def _collect_rated_stress(layout: Layout, rating: Rating) -> dict[str, dict[str, Any]]:
+    """Return the contact and fatigue stresses of a rating as rows for the page, by kind of part of a layout.
 
     A kind has its ``name``, the rows ``rated`` with value, limit and bar of each stress, and an empty list ``bulk``.
     """
+    kinds = PARTS[layout]
     parts: dict[str, dict[str, Any]] = {
-        kind: {"name": name, "rated": [], "bulk": []} for kind, (name, *_) in PARTS.items()
+        kind: {"name": part.name, "rated": [], "bulk": []} for kind, part in kinds.items()
     }
     for item in rating.items.values():
         if item.unit == "MPa":
             words = set(item.key.split("_"))
-            kind = next((kind for kind, (*_, part_words) in PARTS.items() if words & set(part_words)), "ring")
+            kind = next((kind for kind, part in kinds.items() if words & set(part.words)), "ring")
             parts[kind]["rated"].append(_add_bar(rated_item(item, rating.life), item.margin(rating.life)))
     return parts
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 from cycloid_mj.app.controls import with_symbols
 from cycloid_mj.app.drive import parse_options
@@ -13,6 +13,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design import PRESETS
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import find_likely_critical_samples
@@ -45,6 +46,31 @@ RV_FIELDS = (
     *("cooling", "layout"),
 )
 """Fields that the search for RV reducers supports; it ignores all others."""
+
+
+class FormKind(NamedTuple):
+    """The search for drives of one layout.
+
+    Attributes
+    ----------
+    fields
+        Fields of the form that the search supports; it ignores all others.
+    require
+        Function that returns the requirement of the values of these fields, and of the motor.
+    search
+        Function that returns the drives, as `size_drive`.
+    name
+        First part of the names of the drives; empty for their process.
+    has_covers
+        Whether the drives have covers, which decide on their size.
+    """
+
+    fields: tuple[str, ...]
+    require: Callable[[Mapping[str, Any], MotorName], Requirement]
+    search: Callable[[Any, Callable[[Answer], None]], Answer]
+    name: str
+    has_covers: bool
+
 
 NAMES = {
     "ratio": "ratio",
@@ -99,15 +125,28 @@ def parse_form(form: Any) -> Requirement:
     values.pop("motor", None)
     if "duty_percent" in values:
         values["duty"] = values.pop("duty_percent") / 100.0
-    if values.pop("layout", "central") == "rv":
-        return _require_rv({key: value for key, value in values.items() if key in (*RV_FIELDS, "duty")})
+    kind = FORM_KINDS[cast("Layout", values.pop("layout", "central"))]
+    return kind.require({key: value for key, value in values.items() if key in (*kind.fields, "duty")}, motor)
+
+
+def _require_central(values: Mapping[str, Any], motor: MotorName) -> Requirement:
+    """Return the requirement of a drive with a central crank."""
     return required(**values, motor=motor)
 
 
-def _require_rv(values: Mapping[str, Any]) -> Requirement:
+def _require_rv(values: Mapping[str, Any], _motor: MotorName) -> Requirement:
     """Return the requirement of an RV reducer; missing fields have the defaults of ``design new --layout rv``."""
     own = {"duty": DUTY_SHARE, **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}), **values}
     return required(**own, kind=RvRequirement)
+
+
+FORM_KINDS: Mapping[Layout, FormKind] = {
+    "central": FormKind(
+        (*INTEGERS, *NUMBERS, *WORDS, "custom"), _require_central, lambda *args: size_drive(*args), "", True
+    ),
+    "rv": FormKind(RV_FIELDS, _require_rv, lambda *args: size_rv(*args), "rv", False),
+}
+"""Layout -> its search for drives."""
 
 
 def fill_form(requirement: Requirement) -> dict[str, Any]:
@@ -119,9 +158,8 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
     def limit(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")
 
-    is_rv = isinstance(requirement, RvRequirement)
     values = {
-        "layout": "rv" if is_rv else "central",
+        "layout": requirement.LAYOUT,
         "ratio": requirement.ratio,
         "diameter_mm": limit(MILLIMETRES * requirement.diameter),
         "torque_nm": requirement.torque,
@@ -138,7 +176,7 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
         "fit": requirement.fit,
         "custom": requirement.custom,
     }
-    return {key: value for key, value in values.items() if not is_rv or key in RV_FIELDS}
+    return {key: value for key, value in values.items() if key in FORM_KINDS[requirement.LAYOUT].fields}
 
 
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
@@ -153,9 +191,7 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     def report(answer: Answer) -> None:
         on_progress({"answer": _answer_json(answer, motor)})
 
-    if isinstance(requirement, RvRequirement):
-        return _answer_json(size_rv(requirement, report), motor)
-    return _answer_json(size_drive(requirement, report), motor)
+    return _answer_json(FORM_KINDS[requirement.LAYOUT].search(requirement, report), motor)
 
 
 def load_search() -> None:
@@ -194,16 +230,15 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
 
     Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
     """
-    form, reason = fill_form(requirement), ""
-    is_rv = isinstance(requirement, RvRequirement)
-    name = f"{'rv' if is_rv else requirement.process}-{requirement.ratio}"
+    form, reason, kind = fill_form(requirement), "", FORM_KINDS[requirement.LAYOUT]
+    name = f"{kind.name or requirement.process}-{requirement.ratio}"
     design = drive.design.but(name=name, load={"torque": requirement.torque})
     # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
     figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(reducer_of(design))}
-    if is_rv:  # it has no covers
+    if not kind.has_covers:
         figures["drive_diameter_mm"] = figures["outer_diameter_mm"]
     figures["carried_torque_nm"] = carried_torque(figures["rated_torque_nm"], figures["momentary_torque_nm"])
-    if motor != "auto" and not is_rv:
+    if motor != "auto" and kind.has_covers:
         covered, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}

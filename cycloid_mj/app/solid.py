@@ -2,8 +2,9 @@
 
 import base64
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,15 +12,19 @@ from cycloid_mj.app.drive import BuildOptions, reducer_at_reference
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design.layouts import Layout
+from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, mesh
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import casing_or_none
 from cycloid_mj.parts.export.insertion import Move, assembly_moves
 from cycloid_mj.parts.export.order import ALONG
+from cycloid_mj.parts.export.rv_assembly import RV_ALONG, RV_COLOURS, place_rv_parts, rv_assembly_parts
 from cycloid_mj.parts.export.step import PlacedPart
-from cycloid_mj.parts.parts import tint
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.parts import Colour, tint
+from cycloid_mj.parts.rv import CARRIER, NEEDLE, SUN
+from cycloid_mj.reducer import Reducer, RvReducer
 
 EXPLODED_GAP = 0.06
 """Distance between the families of parts of the exploded view, relative to the outer radius of the housing."""
@@ -27,8 +32,82 @@ EXPLODED_GAP = 0.06
 GROUPS = {"hub": "hub of the output", "flange": "output flange"}
 """Words for groups of parts that are not named after a part."""
 
-MOVES = {names.SHAFT: "crank", names.OUTPUT: "output"}
-"""Body -> what it moves with. Discs orbit with a phase each; other bodies are fixed."""
+MOVES = {names.SHAFT: "crank", **dict.fromkeys((names.OUTPUT, names.ROLLER, CARRIER), "output"), SUN: "sun"}
+"""Body -> what it moves with. Discs, and the cranks of an RV reducer, move about an axis of their own; other bodies are
+fixed."""
+
+NO_STEPS = "the view has no steps of assembly. Screws, main bearings and covers of an RV reducer are not modelled"
+"""Why the view of an RV reducer has no covers and no steps of assembly."""
+
+
+@dataclass(frozen=True)
+class _Assembly:
+    """The parts of a drive at the crank angle 0, and their motion.
+
+    Attributes
+    ----------
+    parts, components
+        Parts by name, and their copies with positions.
+    colours, along
+        Colour of each family of parts, and families or parts in their order along the axis of the exploded view.
+    moves, reason
+        Moves that assemble the drive, in order; and why there are none, else empty.
+    motions
+        Name of a motion -> turns of a part about its own axis, and of this axis about that of the reducer, per crank
+        turn against the ring.
+    """
+
+    parts: Mapping[str, Part]
+    components: Sequence[PlacedPart]
+    colours: Mapping[str, Colour]
+    along: Sequence[str]
+    moves: Sequence[Move]
+    reason: str
+    motions: Mapping[str, tuple[float, float]]
+
+
+def _assemble_central(reducer: Reducer, options: BuildOptions) -> _Assembly:
+    """Return the parts of a drive with a central crank, with covers if these fit."""
+    sizes, reason = casing_or_none(reducer, options.motor)
+    return _Assembly(
+        assembly_parts(reducer, sizes),
+        place_parts(reducer, 0.0, sizes),
+        COLOURS,
+        ALONG,
+        assembly_moves(reducer, sizes) if sizes else (),
+        f"Without covers: {reason}" if reason else "",
+        _motions(reducer) | {"crank": (1.0, 1.0)},
+    )
+
+
+def _assemble_rv(reducer: Reducer, _options: BuildOptions) -> _Assembly:
+    """Return the parts of an RV reducer, which has no covers."""
+    reducer = cast(RvReducer, reducer)
+    motions = _motions(reducer)
+    carrier_rate, _ = motions["output"]
+    sun_rate = float(1 / reducer.kinematics.crank_per_sun)
+    return _Assembly(
+        rv_assembly_parts(reducer),
+        tuple(place_rv_parts(reducer)),
+        RV_COLOURS,
+        RV_ALONG,
+        (),
+        f"The parts are in place: {NO_STEPS}.",
+        motions | {"crank": (1.0, carrier_rate), "sun": (sun_rate, sun_rate)},
+    )
+
+
+def _motions(reducer: Reducer) -> dict[str, tuple[float, float]]:
+    """Return the motions that the parts of all layouts have, as in `_Assembly`; the ring is at rest."""
+    disc_rate = -1.0 / reducer.design.lobes
+    return {"": (0.0, 0.0), "output": (disc_rate, disc_rate), "disc": (disc_rate, 1.0)}
+
+
+ASSEMBLIES: Mapping[Layout, Callable[[Reducer, BuildOptions], _Assembly]] = {
+    "central": _assemble_central,
+    "rv": _assemble_rv,
+}
+"""Layout -> function that returns the parts of its 3-D view."""
 
 
 def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
@@ -39,8 +118,9 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     dict
         ``parts``: list of dicts with ``name``, ``colour`` (RGBA, 0 to 1), ``corners`` of triangles (float32 [mm] in
         base64, shape (triangles, 3, 3)) and ``copies``, a dict for each place of the part, see `_component_json`.
-        ``steps``: the moves of the assembly in words. ``orbit``: eccentricity [mm]; ``gear_rate``: turns of a disc per
-        crank turn. ``reason``: why the covers do not fit, else empty.
+        ``steps``: the moves of the assembly in words. ``motions``: name of a motion -> turns of a part about its axis
+        and of its axis about that of the reducer, per crank turn. ``reason``: why there are no covers or no steps, a
+        sentence; else empty.
 
     Raises
     ------
@@ -48,50 +128,61 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
         The chosen motor does not fit, or a part cannot be manufactured.
     """
     reducer = reducer_at_reference(reducer)
-    design = reducer.design
-    sizes, reason = casing_or_none(reducer, options.motor)
-    geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
-    ordered_moves = assembly_moves(reducer, sizes) if sizes else ()
-    steps, shifts = _number_steps(ordered_moves), _exploded_shifts(reducer, geometry, components)
-    phases = dict(zip(reducer.gears, map(float, reducer.phases), strict=True))
+    assembly = ASSEMBLIES[reducer.LAYOUT](reducer, options)
+    steps, shifts = _number_steps(assembly.moves), _exploded_shifts(reducer, assembly)
+    axes = _axes(reducer)
     parts = [
         {
             "name": name.replace("_", " "),
-            "colour": list(tint(COLOURS[names.family(name)], name)),
+            "colour": list(tint(assembly.colours[names.family(name)], name)),
             "corners": _triangles(part),
             "copies": [
-                _component_json(component, phases, steps.get(component.name, 0), shifts[names.family(component.part)])
-                for component in components
+                _component_json(component, axes, steps.get(component.name, 0), shifts[_group(name, assembly.along)])
+                for component in assembly.components
                 if component.part == name
             ],
         }
-        for name, part in geometry.items()
+        for name, part in assembly.parts.items()
     ]
     return {
         "parts": [part for part in parts if part["copies"]],
-        "steps": [*_describe_steps(ordered_moves)],
-        "orbit": MILLIMETRES * design.gear.eccentricity,
-        "gear_rate": -1.0 / design.lobes,
-        "reason": reason,
+        "steps": [*_describe_steps(assembly.moves)],
+        "motions": assembly.motions,
+        "reason": assembly.reason,
     }
 
 
-def _component_json(component: PlacedPart, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
+def _axes(reducer: Reducer) -> dict[str, Array]:
+    """Return the axes about which bodies turn at the crank angle 0 [m], by body: of discs, and of the cranks of an RV.
+
+    The needles of an RV reducer turn with their cranks, shape (cranks, 2).
+    """
+    centres = reducer.design.gear.eccentricity * unit(-np.array(reducer.phases))
+    axes = dict(zip(reducer.gears, centres, strict=True))
+    if isinstance(reducer, RvReducer):
+        cranks = reducer.stage.crank_positions([0.0])[0]
+        axes |= dict(zip(names.all_numbered(names.CRANK, len(cranks)), cranks, strict=True)) | {NEEDLE: cranks}
+    return axes
+
+
+def _component_json(component: PlacedPart, axes: Mapping[str, Array], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    `phases` are the angles of the discs on the crank [rad] by the name of their body, `step` is the assembly step of
-    the component from 1 (0: none), and `shift` is its shift along the axis in the exploded view [m]. In the result,
-    ``at`` is its position x, y, z [mm], for a disc and its bearing relative to the disc's centre. ``angle`` is its
-    rotation [rad]. ``moves`` is what it moves with: "disc", "crank" or "output", or "" if it is fixed. ``phase`` is the
-    angle of its disc on the crank [rad], 0 for other components. ``apart`` is `shift` in mm.
+    `axes` are those of `_axes`, `step` is the assembly step of the component from 1 (0: none), and `shift` is its shift
+    along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to its axis
+    ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank", "output" or
+    "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
     """
-    x, y, z = component.origin
-    on_disc = component.body in phases
+    place, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
+    if component.body in axes:
+        moves = "disc" if names.family(component.body) == names.GEAR else "crank"
+        candidates = np.atleast_2d(axes[component.body])
+        axis[:2] = candidates[np.argmin(np.linalg.norm(candidates - place[:2], axis=1))]
     return {
-        "at": np.round(MILLIMETRES * np.array([0.0 if on_disc else x, 0.0 if on_disc else y, z]), 4).tolist(),
+        "at": np.round(MILLIMETRES * (place - axis), 4).tolist(),
+        "axis": np.round(MILLIMETRES * axis[:2], 4).tolist(),
         "angle": component.angle,
-        "moves": "disc" if on_disc else MOVES.get(component.body, ""),
-        "phase": phases.get(component.body, 0.0),
+        "moves": moves,
         "step": step,
         "apart": MILLIMETRES * shift,
     }
@@ -130,27 +221,33 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
         yield parts_text if group_name in new_parts or group in counts else f"{parts_text} into the {group}"
 
 
-def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
-    """Compute the axial shift [m] of each family of parts in the exploded view, by the name of the family.
+def _group(part: str, along: Sequence[str]) -> str:
+    """Return the name by which a part moves in the exploded view: its own, if it is in `along`, or its family."""
+    return part if part in along else names.family(part)
 
-    A family is a part with its numbered copies, such as all discs. `parts` are those of the drive by name, `components`
-    their copies with positions. In the exploded view the families follow one another in the order of `ALONG` (from
-    input to output), unlisted families last, with a gap between them, and are centred about z = 0.
+
+def _exploded_shifts(reducer: Reducer, assembly: _Assembly) -> dict[str, float]:
+    """Compute the shift of each group of parts along the axis [m] in the exploded view, by the name of the group.
+
+    A group is a part with its numbered copies, such as all discs (`_group`). In the exploded view the groups follow one
+    another in the order of `_Assembly.along` (from input to output), unlisted groups last, with a gap between them, and
+    are centred about z = 0.
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
-    families = {names.family(component.part) for component in components}
+    along, parts = assembly.along, assembly.parts
+    groups = {_group(component.part, along) for component in assembly.components}
     end_heights = {name: [z for prism in part.segments for z in (prism.z0, prism.z1)] for name, part in parts.items()}
-    for family in sorted(families, key=lambda name: ALONG.index(name) if name in ALONG else len(ALONG)):
+    for group in sorted(groups, key=lambda name: along.index(name) if name in along else len(along)):
         heights = [
             component.origin[2] + z
-            for component in components
-            if names.family(component.part) == family
+            for component in assembly.components
+            if _group(component.part, along) == group
             for z in end_heights[component.part]
         ]
-        shifts[family] = start - min(heights)
+        shifts[group] = start - min(heights)
         start += max(heights) - min(heights) + gap
     middle = 0.5 * (start - gap)
-    return {family: shift - middle for family, shift in shifts.items()}
+    return {group: shift - middle for group, shift in shifts.items()}
 
 
 def _triangles(part: Part) -> str:

@@ -111,10 +111,8 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
     """Return the changes of a design that resolve a failed check of life, heat or strength at its load, as JSON values.
 
-    ``name`` is that of the check; ``changes`` is empty for an RV reducer.
+    ``name`` is that of the check.
     """
-    if isinstance(reducer, RvReducer):
-        return {"name": check_name, "changes": []}
     loaded, name = at_load(reducer), check_name.replace(" ", "_")
     changes = life_remedies(loaded, [name]).get(name, ())
     return {"name": check_name, "changes": [_remedy_json(loaded, dict([change])) for change in changes]}
@@ -253,10 +251,8 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
 def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> list[dict[str, Any]]:
     """Convert those of `evaluated_checks` that failed to JSON values: name, verdict, reason, remedy and changes.
 
-    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later. RV
-    reducers have no such changes: their ``remedy`` is that of the check, in words.
+    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later.
     """
-    is_rv = isinstance(reducer, RvReducer)
     return [
         {
             "name": _check_name(check.name),
@@ -265,7 +261,7 @@ def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> 
             "part": MARKED_PARTS.get(check.name, ""),
             "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
             "why": sentence_in_words(check.why),
-            "remedy": "" if check.name in KINDS and not is_rv else sentence_in_words(check.remedy),
+            "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
             "changes": [_remedy_json(reducer, change) for change in _resolving_changes(reducer, check)],
         }
         for check in evaluated_checks

@@ -11,7 +11,7 @@ from cycloid_mj.checks.advice import verify_remedies
 from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.as_built import default_parts
 from cycloid_mj.life.item import RatedItem, Rating
-from cycloid_mj.life.items import rate_for_verdict
+from cycloid_mj.life.items import rate, rate_for_verdict
 from cycloid_mj.life.rated import is_momentary, rated_torque
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
@@ -22,6 +22,9 @@ HEAT_REMEDY = (
 )
 
 BELOW, ABOVE = -1, 1
+
+THERMAL_TORQUE = "thermal_torque"
+"""Key of the item with the largest torque that steady temperatures allow."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +103,9 @@ def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str,
     """Return single changes of the design file that make failed checks of `life_checks` pass, by name of the check.
 
     Each change is a pair: the key of the design file, and its new value in the unit of that key. Candidates are less
-    torque and, depending on the check, a larger face width, a shorter life or a slower crank. Each change has been
-    rated again and passes. Only checks in `names` are included.
+    torque and, depending on the check, a larger face width, a shorter life, a slower crank or, where the rating has the
+    torque limit of steady temperatures, a smaller share of the time under load. Each change has been rated again and
+    passes. Only checks in `names` are included.
     """
     try:
         rating = rate_for_verdict(reducer)
@@ -129,16 +133,7 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
     design = reducer.design
     keys = {item.key for item in rating.items.values() if item.decisive and _check_kind(item) == failed_check.name}
     with suppress(DesignError):  # no torque is enough
-        torque, _ = rated_torque(
-            reducer,
-            design.drive.speed,
-            rating.life,
-            keys.__contains__,
-            crank_angles=REMEDIES.crank_angles,
-            rtol=REMEDIES.rtol,
-            with_stops=True,
-            parts=default_parts(design),
-        )
+        torque = _largest_torque(reducer, rating, keys)
         yield "drive.torque_nm", _round_safely(torque, BELOW) / design.reduction
         if (
             failed_check.name in ("life", "strength")
@@ -149,12 +144,44 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
         yield "service.life_h", _round_safely(failed_check.value, BELOW)
     if failed_check.name == "heat" and failed_check.value:
         yield "drive.speed_rpm", _round_safely(design.drive.speed / RPM * failed_check.value, BELOW)
+        if THERMAL_TORQUE in rating.items:
+            yield "service.duty_share", _round_safely(design.service.duty_share * failed_check.value, BELOW)
+
+
+def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> float:
+    """Compute the largest output torque [N m] at which the items with some `keys` reach their limits.
+
+    That of heat is an item of `rating` if its temperatures are those of the thermal network. Otherwise the reducer is
+    rated again at other torques.
+
+    Raises
+    ------
+    DesignError
+        No torque is small enough.
+    """
+    if THERMAL_TORQUE in rating.items and all(_is_heat(key) for key in keys):
+        return rating.items[THERMAL_TORQUE].limit
+    torque, _ = rated_torque(
+        reducer,
+        reducer.design.drive.speed,
+        rating.life,
+        keys.__contains__,
+        crank_angles=REMEDIES.crank_angles,
+        rtol=REMEDIES.rtol,
+        with_stops=True,
+        parts=default_parts(reducer.design),
+    )
+    return torque
 
 
 def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
     """Return whether the check of a name passes once a change (key of the design file, value) is applied."""
     try:
-        rating = rate_for_verdict(Reducer(override(reducer.design, dict([change]))))
+        changed = reducer_of(override(reducer.design, dict([change])))
+        # steady temperatures, which take most of the time, decide on heat only
+        rating = (
+            rate_for_verdict(changed) if check_name == "heat" else rate(changed, parts=default_parts(changed.design))
+        )
     except CycloidError:
         return False
     return all(check.passed for check in checks_of_rating(rating) if check.name == check_name)
@@ -205,6 +232,11 @@ def _check_kind(item: RatedItem) -> str:
     """Return the key in `KINDS` of the check to which an item belongs."""
     if is_momentary(item.key):
         return "momentary_torque"
-    if item.key == "temperature" or item.key.endswith("_hot_clearance"):
+    if _is_heat(item.key):
         return "heat"
     return "life" if item.safety is None else "strength"
+
+
+def _is_heat(key: str) -> bool:
+    """Return whether an item, by its key, fails by heat."""
+    return key == "temperature" or key.endswith("_hot_clearance")

@@ -10,6 +10,7 @@ from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design.fits import clearances
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.processes import PROCESSES, Process
 from cycloid_mj.life.duty import PEAK_FACTOR, Duty, DutyPoint, constant_duty, read_duty
@@ -228,6 +229,7 @@ class Requirement:
     motor: MotorName = "auto"
     changes: tuple[str, ...] = ()
 
+    LAYOUT: ClassVar[Layout] = "central"
     RATIOS: ClassVar[tuple[int, int]] = (LEAST_RATIO, MOST_RATIO)
     STAGES: ClassVar[str] = "a single stage"
 

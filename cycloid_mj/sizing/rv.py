@@ -19,6 +19,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import HOUR, MILLIMETRES
 from cycloid_mj.checks import soundness
 from cycloid_mj.design import PRESETS, Design, override, stock
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.geometry.rv_loads import ideal_rv_loads, mean_force
 from cycloid_mj.life import rate
 from cycloid_mj.life.heat import COOLING
@@ -113,6 +114,7 @@ CLEARANCE = 0.5e-6
 class RvRequirement(Requirement):
     """Requirement of an RV reducer: its ratio is that of sun and carrier, its speed that of the sun."""
 
+    LAYOUT: ClassVar[Layout] = "rv"
     RATIOS: ClassVar[tuple[int, int]] = (31, 321)
     STAGES: ClassVar[str] = "an RV reducer"
 

@@ -1,6 +1,7 @@
 """RV reducers on the designer's page: in a real browser, and what the server returns for them."""
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -8,16 +9,23 @@ import pytest
 from app_walk import SEARCH_SECONDS, serving, tab_to, wait_for_result
 from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
 
-from cycloid_mj.app import artifacts, requirement, summary
-from cycloid_mj.app.api import checks, draw, error, find, forces, open_design
+from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary
+from cycloid_mj.app.api import checks, draw, error, find, forces, open_design, remedies
 from cycloid_mj.app.controls import controls
+from cycloid_mj.app.drive import BuildOptions
 from cycloid_mj.app.state import apply_changes, changed_values, parse_design
+from cycloid_mj.base.array import Array, rotate
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, dump, value_of
+from cycloid_mj.explore.rv_samples import ERRORS
+from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.figures import figure
+from cycloid_mj.parts.export.rv_assembly import place_rv_parts
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.sizing.rv import DUTY_SHARE, RvRequirement
 from cycloid_mj.statics.rv_sheet import balance_running
+from cycloid_mj.stress.rv_strength import compute_rv_strength
+from cycloid_mj.stress.study import QUICK
 
 RV = {"layout": "rv"}
 FORM = {"layout": "rv", "ratio": 121, "diameter_mm": 160, "torque_nm": 412}
@@ -107,7 +115,6 @@ def test_results_are_those_of_statics_and_rating() -> None:
     assert lost == pytest.approx(static["losses"]["input_power"] - static["losses"]["output_power"], rel=0.01)
     assert rated["length_mm"] == pytest.approx(83.0)
     assert [rated["verdicts"][key]["judgement"] for key in ("diameter_mm", "length_mm")] == ["passed", "failed"]
-    assert all(item["remedy"] for item in checks({"design": RV})["failed"])
     found = error({"design": RV})
     assert found["curves"][0]["peak_to_peak"] == pytest.approx(figure("te_ideal_arcsec").value(reducer), rel=0.05)
     assert [name for _, name in found["named"]] == ["mesh", "2 x mesh", "cranks", "planet mesh"]
@@ -121,6 +128,81 @@ def test_files_are_those_that_an_rv_reducer_has() -> None:
     for kind in ("3mf", "drive"):
         with pytest.raises(DesignError, match="no covers"):
             artifacts.create_files(lambda _: None, RV, kind)
+
+
+def test_the_3d_view_moves_each_part_as_the_assembly_does() -> None:
+    reducer, crank = RvReducer(PRESETS["rv80e"]), 0.7
+    shown = solid.assembly_meshes(reducer, BuildOptions())
+    copies = {part["name"]: part["copies"] for part in shown["parts"]}
+    assert {name: len(places) for name, places in copies.items() if len(places) > 1} == {
+        **{"pin": 40, "crank": 3, "planet": 3, "needle": 84, "tapered bearing": 6}
+    }
+    placed: dict[str, list[Any]] = {}
+    for component in place_rv_parts(reducer, crank):
+        placed.setdefault(component.part.replace("_", " "), []).append(component)
+    for name, places in copies.items():
+        for copy, component in zip(places, placed[name], strict=True):
+            spin, carry = (crank * rate for rate in shown["motions"][copy["moves"]])
+            at, axis = np.array(copy["at"]), np.array([*copy["axis"], 0.0])
+            assert turned(spin, at) + turned(carry, axis) == pytest.approx(1e3 * np.array(component.origin), abs=3e-4)
+            assert np.exp(1j * (copy["angle"] + spin)) == pytest.approx(np.exp(1j * component.angle), abs=1e-9)
+    assert shown["steps"] == []
+    assert "no steps of assembly" in shown["reason"]
+
+
+def turned(angle: float, place: Array) -> Array:
+    """Rotate a place (x, y, z) about z."""
+    return np.append(rotate(place[np.newaxis, :2], angle)[0], place[2])
+
+
+def test_tolerances_are_those_of_the_closed_form() -> None:
+    found = monte_carlo.study_tolerances(lambda _: None, {**RV, "crank_tolerance.bore_position": "uniform 4"}, None)
+    study = tolerance(PRESETS["rv80e"].but(crank_tolerance={"bore_position": "uniform 4"}), found["samples"])
+    (chart,) = found["charts"]
+    assert sum(chart["counts"]) == found["samples"] == monte_carlo.STUDY.samples
+    assert chart["p95"] == pytest.approx(study.distributions["te_errors_arcsec"].p95)
+    assert found["budget"] == [{"source": "bore_position", "share": 1.0}]
+    assert "closed form" in found["condition"]
+    spread = monte_carlo.study_tolerances(lambda _: None, RV, 4)
+    assert {share["source"] for share in spread["budget"]} == set(ERRORS)
+    with pytest.raises(UsageError, match=r"\[crank_tolerance\]"):
+        monte_carlo.study_tolerances(lambda _: None, RV, None)
+    assert not open_design({"preset": "rv80e"})["toleranced"]
+    assert draw({"design": RV, "changes": {"crank_tolerance.phase": "uniform 4"}})["toleranced"]
+
+
+def test_stress_of_cranks_and_gears_is_next_to_that_by_finite_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = SimpleNamespace(name="stress", definition="largest", value=lambda _: 100.0)
+    monkeypatch.setattr(part_stress, "figure", lambda _: entry)
+    found = part_stress.stress(lambda _: None, RV)
+    parts = {part["name"]: part for part in found["parts"]}
+    assert list(parts) == ["sun", "disc", "cranks", "planets", "ring pins", "ring"]
+    strength = compute_rv_strength(RvReducer(PRESETS["rv80e"]), QUICK.turn).largest
+    assert parts["cranks"]["bulk"][0]["text"].startswith(f"{1e-6 * strength['crank']:.3g} of ")
+    assert parts["planets"]["bulk"][0]["text"].startswith(f"{1e-6 * strength['planet']:.3g} of ")
+    assert [row["name"] for row in parts["sun"]["rated"]] == [
+        *("sun on planets, pitting with the lubricant", "sun on planets, pitting")
+    ]
+    assert "teeth on pins, pitting" in [row["name"] for row in parts["disc"]["rated"]]
+
+
+@pytest.mark.slow
+def test_warnings_of_heat_and_life_have_changes_that_resolve_them() -> None:
+    """Each change passes alone when it is applied on the page."""
+    failed = {check["name"]: check for check in checks({"design": RV})["failed"]}
+    assert set(failed) == {"heat", "life"}
+    assert not any(check["remedy"] for check in failed.values())
+    keys: dict[str, set[str]] = {name: set() for name in failed}
+    for name in failed:
+        for change in remedies({"design": RV, "check": name})["changes"]:
+            keys[name] |= change["changes"].keys()
+            if name == "life":
+                changed = draw({"design": RV, "changes": change["changes"]})["design"]
+                assert name not in {check["name"] for check in checks({"design": changed})["failed"]}
+    assert keys == {
+        "heat": {"load.torque_nm", "drive.speed_rpm", "service.duty_share"},
+        "life": {"load.torque_nm", "gear.face_width_mm", "service.life_h"},
+    }
 
 
 def test_a_form_becomes_a_requirement_of_an_rv_reducer_and_back() -> None:
@@ -201,9 +283,17 @@ class TestInTheBrowser:
 
     def test_tabs_show_results(self, page: Tab) -> None:
         tabs = "[...document.querySelectorAll('[role=tab]')].filter(e => !e.hidden).map(e => e.innerText)"
-        assert page.run(tabs) == ["Figures", "Loads", "Accuracy", "Losses", "Life", "A | B", "Export"]
+        studies = {"Tolerances": "Run Monte Carlo", "Stress": "Compute stresses"}
+        assert page.run(tabs) == [
+            *("Figures", "Loads", "Accuracy", "Losses", "Life", "Tolerances", "Stress", "3-D", "A | B", "Export")
+        ]
         for name in page.run(tabs):
             page.click("[role=tab]", name)
+            if name in studies:
+                page.click("#panel button", studies[name])
+                page.wait(
+                    "document.querySelector('#panel .bars') && !document.querySelector('#panel progress')", name, 900.0
+                )
             page.wait("!document.querySelector('#panel .waits')", f"results of {name}", 400.0)
             assert not page.run("document.querySelectorAll('#panel .fails:not(b)').length") or name == "Life", name
         assert page.run("document.querySelectorAll('#panel .make button').length") == 7

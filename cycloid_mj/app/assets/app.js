@@ -58,7 +58,6 @@ function show(data) {
   state.remedies = {};
   remediesOf.drop();
   if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, required: state.required, options: tabs.options() }); // solved by the workers while the browser draws
-  tabs.suit(data.tabs);
   showControls(byId("parameters"), data.controls, apply);
   find();
   section.show(data.section, data.errors);

@@ -77,7 +77,7 @@ export class Solid {
       el("div", { class: "shows" }, toggle("turns", "Rotate crank"), toggle("cut", "Section"), range("Section plane", { min: "-1", max: "1", step: "0.02" }, 0, value => { this.at = value; })),
       el("div", { class: "shows" }, range("Exploded", { min: "0", max: "1", step: "0.02" }, 0, value => { this.apart = value; }),
         steps.length ? range("Assembly step", { min: "1", max: String(steps.length), step: "1" }, steps.length, value => { show(value); announce(says.textContent); }) : null),
-      steps.length ? says : el("p", { class: "near" }, `Without covers: ${reason}`));
+      steps.length ? says : el("p", { class: "near" }, reason));
   }
 
   #upload() {
@@ -163,12 +163,11 @@ export class Solid {
     }
   }
 
-  // The pose of a part at the crank angle: fixed, or with the crank, the output or a disc.
-  #pose({ at: [x, y, z], angle, moves, phase, apart }) {
-    const { orbit, gear_rate: rate } = this.data, up = z + this.apart * apart;
-    const turn = { crank: this.crank, output: rate * this.crank, disc: rate * this.crank }[moves] ?? 0;
-    if (moves === "disc") return columns(angle + turn, -orbit * Math.sin(this.crank + phase), orbit * Math.cos(this.crank + phase), up);
-    const [c, s] = [Math.cos(turn), Math.sin(turn)];
-    return columns(angle + turn, c * x - s * y, s * x + c * y, up);
+  // The pose of a part at the crank angle: rotated about its axis, which itself turns about that of the reducer.
+  #pose({ at: [x, y, z], axis: [ax, ay], angle, moves, apart }) {
+    const [spin, carry] = this.data.motions[moves].map(rate => rate * this.crank), up = z + this.apart * apart;
+    const turned = (by, u, v) => { const [c, s] = [Math.cos(by), Math.sin(by)]; return [c * u - s * v, s * u + c * v]; };
+    const [px, py] = turned(spin, x, y), [qx, qy] = turned(carry, ax, ay);
+    return columns(angle + spin, px + qx, py + qy, up);
   }
 }

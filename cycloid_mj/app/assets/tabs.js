@@ -7,6 +7,20 @@ import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Accuracy", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
+const METHODS = { // of the studies, by layout
+  central: {
+    scatter: "clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0).",
+    solved: "Each sample is solved over all crank angles; the charts are updated as samples arrive.",
+    stress: "contact pressure by the rating, next to the largest bulk stress by finite elements on coarse grids, from a MuJoCo run of one crank turn.",
+    bulk: "Bulk (finite elements)",
+  },
+  rv: {
+    scatter: "eccentrics, crank bores, crank axes, planets and the axis of the carrier vary within this tolerance (uniform distribution, seed 0).",
+    solved: "The transmission error of each sample is a closed form; backlash and forces of the samples are not computed.",
+    stress: "contact pressure by the rating, next to the largest bulk stress under the forces of static equilibrium over a turn of the cranks: disc, ring and pins by finite elements on coarse grids, cranks and gears by closed forms.",
+    bulk: "Bulk (finite elements or closed form)",
+  },
+};
 
 export class Tabs {
   constructor(container, state, apply) {
@@ -21,12 +35,6 @@ export class Tabs {
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
     this.panel = el("div", { role: "tabpanel", id: "panel", tabindex: "0", "aria-labelledby": "tab-figures" });
     container.append(this.list, this.panel);
-  }
-
-  // Show only the tabs that the layout of the design has.
-  suit(keys) {
-    for (const tab of this.list.children) tab.hidden = !keys.includes(tab.id.slice(4));
-    if (!keys.includes(this.open)) this.choose("figures");
   }
 
   offer(offers) { this.offers = offers; this.#draw(); }
@@ -47,7 +55,7 @@ export class Tabs {
   }
 
   #keys(event) {
-    const keys = [...this.list.children].filter(tab => !tab.hidden).map(tab => tab.id.slice(4)), at = keys.indexOf(this.open);
+    const keys = [...this.list.children].map(tab => tab.id.slice(4)), at = keys.indexOf(this.open);
     const to = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: keys.length - 1 }[event.key];
     if (to === undefined) return;
     event.preventDefault();
@@ -200,11 +208,11 @@ export class Tabs {
   }
 
   #scatter() {
-    const { shown, design } = this.state(), own = Object.keys(design).some(key => key.startsWith("tolerance."));
+    const { shown } = this.state(), own = shown?.toleranced ?? false, method = METHODS[shown?.layout ?? "central"];
     const usual = this.spread ?? (own ? "" : Math.max(1, Math.round((shown?.controls.find(one => one.key.startsWith("clearance."))?.value || 4) / 4)));
     const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), placeholder: own ? "own" : "", id: "spread", oninput: event => { this.spread = event.target.value; } });
     const before = el("label", {}, "Tolerance of each size ± ", typed, " µm ");
-    return [el("p", { class: "soft" }, `Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0).${own ? " If the field is empty, the tolerances of the design are used." : ""} Each sample is solved over all crank angles; the charts are updated as samples arrive.`),
+    return [el("p", { class: "soft" }, `Monte Carlo study: ${method.scatter}${own ? " If the field is empty, the tolerances of the design are used." : ""} ${method.solved}`),
       ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: typed.value === "" ? null : Number(typed.value) }), data => [
         el("p", {}, el("b", {}, `${data.samples} samples`), `, ${data.jam ? `of which ${number(100 * data.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${data.condition}.`)),
         data.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
@@ -212,10 +220,11 @@ export class Tabs {
   }
 
   #stress() {
-    return [el("p", { class: "soft" }, "Stress of each part under the load: contact pressure by the rating, next to the largest bulk stress by finite elements on coarse grids, from a MuJoCo run of one crank turn. This takes 15 s of CPU time or more."),
+    const method = METHODS[this.state().shown?.layout ?? "central"];
+    return [el("p", { class: "soft" }, `Stress of each part under the load: ${method.stress} This takes 15 s of CPU time or more.`),
       ...this.#study("stress", "Compute stresses", () => ({}), found => [
         el("p", { class: "scale" }, el("span", {}, "0"), el("span", { class: "colours", role: "img", "aria-label": "Colours from 0 to the limit of each part" }), el("span", {}, "limit")),
-        el("table", { class: "stresses" }, el("thead", {}, el("tr", {}, ["Part", "Contact or fatigue (rating)", "Bulk (finite elements)"].map(head => el("th", { scope: "col" }, head)))),
+        el("table", { class: "stresses" }, el("thead", {}, el("tr", {}, ["Part", "Contact or fatigue (rating)", method.bulk].map(head => el("th", { scope: "col" }, head)))),
           el("tbody", {}, found.parts.map(part => el("tr", {}, el("th", { scope: "row" }, part.name), ["rated", "bulk"].map(kind => el("td", {}, part[kind].length ? bars(part[kind].map(row => ({ ...row, colour: row.colour, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look }))) : "–"))))))])];
   }
 
@@ -285,7 +294,8 @@ export class Tabs {
       el("div", { class: "go" }, choice("Motor", Object.entries(motors), this.options().motor, motor => { delete this.last.make; delete this.last.solid; this.choseMotor(motor); this.#want(); this.#draw(); }),
         printed ? choice("Printer bed", beds.map(bed => [bed, bed ? `${bed.split("x").join(" × ")} mm` : "one plate"]), this.printer.bed ?? "", bed => printer({ bed })) : null,
         printed ? el("label", { class: "choose" }, el("span", {}, "Printer offset [µm]"), el("input", { type: "number", min: "0", max: "500", step: "10", value: String(this.printer.offset_um ?? 0), onchange: event => printer({ offset_um: event.target.valueAsNumber || 0 }) })) : null),
-      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, `${printed ? "Print plates with covers, test coupon" : "Shapes of all parts (3MF)"}, bill of materials, drawings, order of assembly, STEP`))] : null,
+      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, `${printed ? "Print plates with covers, test coupon" : "Shapes of all parts (3MF)"}, bill of materials, drawings, order of assembly, STEP`))]
+        : el("p", { class: "soft" }, "Motor flange, print plate, bill of materials and order of assembly do not apply: an RV reducer is modelled without covers, and its parts are machined."),
       running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
       this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null,

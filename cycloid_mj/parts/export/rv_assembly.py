@@ -36,6 +36,12 @@ RV_COLOURS: Mapping[str, Colour] = {
 }
 """Colours by family of parts."""
 
+RV_ALONG = (
+    *(SUN, PLANET, FLANGES[0], CRANK, TAPERED_BEARING, NEEDLE),
+    *(names.GEAR, names.PIN, names.HOUSING, FLANGES[1]),
+)
+"""Families of parts, and the flanges, in their order along the axis of an exploded view, from input to output."""
+
 
 def rv_assembly_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return all parts of the assembly by name, each once; raises the errors of `rv.rv_parts`."""
