@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.text import match_case
-from cycloid_mj.design.layouts import applies
+from cycloid_mj.design.layouts import LISTED_IF_SET, applies
 from cycloid_mj.design.measured import read_measurements
 from cycloid_mj.design.model import Design
 from cycloid_mj.design.presets import PRESETS
@@ -348,13 +348,20 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            used_rows = [row for row in _fields(value) if applies(design.layout, name, row[0])]
+            used_rows = [row for row in _fields(value) if _is_listed(design, name, row)]
             if used_rows:
                 lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
             lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in used_rows]
         elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
+
+
+def _is_listed(design: Design, table: str, row: tuple[str, FieldInfo, Any]) -> bool:
+    """Return whether a design file lists a row of a table: key, field and value."""
+    key, field, value = row
+    is_set = f"{table}.{key}" in LISTED_IF_SET and value != field.default
+    return is_set or applies(design.layout, table, key)
 
 
 def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -> str:

@@ -77,8 +77,9 @@ NOT_IN_RV = frozenset(
 )
 """Keys, as ``table.name`` of the model, of parts that an RV reducer does not have: central crank and output pins."""
 
-ONLY_IN_RV = frozenset(("contact.needles",))
-"""Keys of common tables, as ``table.name``, that only an RV reducer has."""
+LISTED_IF_SET = frozenset(("contact.needles",))
+"""Keys of common tables, as ``table.name``, that all RV reducers have. A drive with a central crank lists them only if
+their value is not the default."""
 
 _WITHOUT_RV = ("shaft", "springs", "tolerance", "measured")
 """Tables of such parts, and measured ones; the tolerances of an RV reducer are in a table of their own."""
@@ -87,7 +88,7 @@ _WITHOUT_RV = ("shaft", "springs", "tolerance", "measured")
 def applies(layout: Layout, table: str, name: str) -> bool:
     """Return whether a value of the design, ``table.name`` or ``name`` outside of tables, applies to a layout."""
     if layout == "central":
-        return table not in RV_TABLES and f"{table}.{name}" not in ONLY_IN_RV
+        return table not in RV_TABLES and f"{table}.{name}" not in LISTED_IF_SET
     return table not in _WITHOUT_RV and (f"{table}.{name}" if table else name) not in NOT_IN_RV
 
 

@@ -1150,7 +1150,6 @@ class Design(Section, Presented):
         """Raise ValueError if values are set for parts that do not exist in the layout of the design."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
-            set_keys += [key for key, is_default in _unused_keys(self) if not is_default and key.startswith("contact.")]
             remedy = 'remove it, or set layout = "rv"'
         else:
             set_keys = [key for key, is_default in _unused_keys(self) if not is_default]
@@ -1309,6 +1308,16 @@ class Design(Section, Presented):
     def has_film(self) -> bool:
         """True if friction follows the film of a lubricant."""
         return self.friction.law == "film"
+
+    @model_validator(mode="after")
+    def _check_needles(self) -> Self:
+        """Raise ValueError if the rollers of a plain cam are to be springs of their own."""
+        if self.layout == "central" and self.contact.needles == "each" and self.gear.bearing != "rolling":
+            raise ValueError(
+                'contact.needles = "each" applies to cams on rollers, but gear.bearing is "plain": set gear.bearing = '
+                '"rolling", or contact.needles = "lumped"'
+            )
+        return self
 
     @model_validator(mode="after")
     def _check_impact_law(self) -> Self:

@@ -136,7 +136,23 @@ class Reducer:
         that of the design, or `SLICES_CREEP` if the design has none.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
-        return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
+        creep_speed = self.design.contact.creep_speed or SLICES_CREEP
+        return stiffened_reducer.but(contact={"creep_speed": creep_speed, "needles": "lumped"})
+
+    @property
+    def separate_needles(self) -> int:
+        """Number of rollers of a cam that are springs of their own; 0: the bearing is a single spring."""
+        contact, gear = self.design.contact, self.design.gear
+        return contact.cam_rollers if contact.needles == "each" and gear.bearing == "rolling" else 0
+
+    @property
+    def cage_ratio(self) -> float:
+        """Turns of the cage of these rollers per turn of the cam, both relative to the disc, by rolling.
+
+        The rollers fill the bore of the disc, as in `Contacts.roller_radius`: their radius is sin(pi/Z) of that of
+        their circle.
+        """
+        return 0.5 * (1.0 - math.sin(math.pi / self.design.contact.cam_rollers))
 
     def kept(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the cached value of a key, computed on first use."""

@@ -264,7 +264,7 @@ class RvReducer(Reducer):
     @property
     def for_slices(self) -> Self:
         """Reducer for a model in stock MuJoCo: as that of a central crank, with a sun that is centred by bearings."""
-        return super().for_slices.but(planet={"sun_support": "fixed"}, contact={"needles": "lumped"})
+        return super().for_slices.but(planet={"sun_support": "fixed"})
 
     @property
     def orbit_speed(self) -> float:

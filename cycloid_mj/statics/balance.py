@@ -12,9 +12,10 @@ from cycloid_mj.base.deprecated import deprecated_argument
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics.cam_needles import cam_needles
 from cycloid_mj.statics.film import FilmFriction, drag_power, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
-from cycloid_mj.statics.kernel import RESIDUAL_RTOL, Residual, balance
+from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
 from cycloid_mj.statics.rv_motion import rv_transmission_error
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -47,6 +48,9 @@ class FilmSettings:
 
 
 FILM = FilmSettings()
+
+NEEDLE_ROUNDS = 2
+"""Solutions with separate rollers of the cams: the friction of a cam acts on the resultant of the previous one."""
 
 
 @dataclass(frozen=True)
@@ -230,18 +234,12 @@ def _solve_carrier_output(
     """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
-    z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
+    z = np.zeros(load.shape)
     disc_displacements = z[:, :-1].reshape(len(z), -1, 3)
     disc_displacements[..., :2] = contacts.cam_position
     if start is not None:
         z[:] = start.departures
-    with announce_compilation():
-        residual = balance(contacts, load, z, force, warm_start and start is None)
-    require_balance(residual, springs, load)
-    cam_offsets = disc_displacements[..., :2] - contacts.cam_position
-    distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
-    cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
-    lateral_offsets = contacts.cam_lateral * cam_offsets[..., ::-1] * (1.0, -1.0)
+    force, cam, work = _balance_contacts(reducer, springs, load, z, warm_start and start is None)
     output = force[:, springs.teeth :]
     moments = (
         (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
@@ -249,14 +247,59 @@ def _solve_carrier_output(
     return Loads(
         teeth=force[:, : springs.teeth],
         output=output,
-        cam=(cam_forces / distance)[..., np.newaxis] * (lateral_offsets - cam_offsets),
+        cam=cam,
         departures=z,
         gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
         output_turn=z[:, -1] / radius,
         share=moments / moments.sum(axis=1, keepdims=True),
-        work=residual.work / len(z),
+        work=work / len(z),
         friction=springs.friction,
     )
+
+
+def _balance_contacts(
+    reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
+) -> tuple[Array, Array, float]:
+    """Solve for equilibrium from the displacements `z` (m, u) [m], which are overwritten by the solution.
+
+    `load` (m, u) [N] are the generalised forces. `warm_start` starts each crank angle from the previous solution.
+
+    Returns
+    -------
+    tuple
+        Forces of the contacts (m, n) and of the cams on their discs (m, D, 2) [N], and number of assemblies.
+    """
+    contacts, needles, work = springs.contacts, cam_needles(reducer, springs), 0.0
+    if needles is None:
+        force = np.zeros(contacts.distance.shape)
+        with announce_compilation():
+            residual = balance(contacts, load, z, force, warm_start)
+        require_balance(residual, springs, load)
+        return force, _cam_forces(contacts, z), residual.work
+    for number in range(NEEDLE_ROUNDS if contacts.friction_per_force.size else 1):
+        extended = needles.extend(contacts, springs.teeth)
+        all_forces = np.zeros(extended.distance.shape)
+        with announce_compilation():
+            residual = balance(extended, load, z, all_forces, warm_start and number == 0)
+        require_balance(residual, springs, load)
+        force, rollers = needles.split(all_forces, springs.teeth)
+        needles, work = needles.with_shares(rollers), work + residual.work
+    offsets = z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position
+    if float(np.linalg.norm(offsets, axis=-1).max()) > needles.reach:
+        raise RunError(
+            f"a cam is displaced by more than {1e6 * needles.reach:.3g} um in its bore, for which the equations of its "
+            'rollers do not hold: reduce the load (--load-nm), or set contact.needles = "lumped"'
+        )
+    return force, needles.resultants(rollers), work
+
+
+def _cam_forces(contacts: KernelSprings, z: Array) -> Array:
+    """Return the force of each cam on its disc at displacements `z` (m, u) [m], shape (m, D, 2) [N]."""
+    cam_offsets = z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position
+    distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
+    cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+    lateral_offsets = contacts.cam_lateral * cam_offsets[..., ::-1] * (1.0, -1.0)
+    return np.asarray((cam_forces / distance)[..., np.newaxis] * (lateral_offsets - cam_offsets))
 
 
 def require_balance(residual: Residual, springs: Springs, load: Array) -> None:

@@ -9,7 +9,7 @@ from rv_runs import COULOMB_RV80E, FRICTIONLESS, static_loads
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import Design
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import model_for, simulate
 from cycloid_mj.reducer import RvReducer
@@ -89,10 +89,7 @@ def test_runs_with_separate_needles_are_those_of_statics(load: float, has_fricti
         assert 100.0 * efficiency == pytest.approx(100.0 * shaft_powers(reducer, load).efficiency, abs=0.2)
 
 
-def test_designs_without_such_needles_refuse_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "\nneedles = " not in dump(PRESETS["pin"])
-    with pytest.raises(DesignError, match=r'has no use for contact\.needles: remove it, or set layout = "rv"'):
-        override(PRESETS["pin"], ["contact.needles=each"])
+def test_mujoco_refuses_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     separate: Design = with_needles().design
     with pytest.raises(DesignError, match="use --solver planar"):
         model_for("mujoco", RvReducer(separate))

@@ -159,6 +159,9 @@ def find_contacts(
         mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank, NONE)
         pair += 1
         cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
+        if system.needles:
+            count = _find_needle_contacts(system, contacts, count, mating, cx, cy, q, v, half_step)
+            continue
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
         count += _find_round_contacts(system, contacts, count, mating, cam, bore, _CAM, 1.0, address, q, v, half_step)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
@@ -173,6 +176,46 @@ def find_contacts(
             count += _find_round_contacts(
                 system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
             )
+    return count
+
+
+@njit
+def _find_needle_contacts(
+    system: System,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    cx: float,
+    cy: float,
+    q: Array,
+    v: Array,
+    half_step: float,
+) -> int:
+    """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
+
+    The friction of a bearing acts on the resultant of its rollers, so that the coefficient of each is reduced by the
+    ratio of the resultant to the sum of their forces. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] the centre
+    of the cam. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    """
+    dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
+    turn = q[mating.disc + 2]
+    cage, spacing = turn + system.cage_ratio * (q[mating.shaft] - turn), 2.0 * math.pi / system.needles
+    total, resultant_x, resultant_y = 0.0, 0.0, 0.0
+    for needle in range(system.needles):
+        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        depth = max(dx * nx + dy * ny - clearance, 0.0)
+        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
+    share = math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+    for needle in range(system.needles):
+        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        gap, contact = clearance - dx * nx - dy * ny, contacts[count]
+        reach = system.cam + 0.5 * gap
+        _fill_contact(contact, mating, Touch(gap, cx + reach * nx, cy + reach * ny, 1.0, nx, ny), 1.0, q, v, half_step)
+        set_film_friction(system, contact, _CAM, 1.0, v)
+        contact.friction *= share
+        if contact.normal_force > 0.0:
+            contact.state = friction_state(contact, relative_speeds(contact, v)[1])
+        count += 1
     return count
 
 

@@ -8,10 +8,9 @@ from cycloid_mj.dynamics.film_table import film_table
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
 from cycloid_mj.dynamics.planar.crank_train import CrankTrain
-from cycloid_mj.dynamics.planar.system import System, drags_and_servos, law_record, teeth_and_ring
+from cycloid_mj.dynamics.planar.system import System, drags_and_servos, law_of_needle, law_record, teeth_and_ring
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.reducer.rv_bodies import needle_share
 
 FIXED_SUN_STIFFNESS = 1e10
 """Stiffness of the bearings of a sun that is not floating [N/m]: its displacement under a kilonewton is 0.1 um."""
@@ -43,6 +42,8 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         shafts=np.array([output_unknown, sun_unknown]),
         cranks=cranks,
         bearing_contacts=discs * cranks * max(2, reducer.separate_needles),
+        needles=0,
+        cage_ratio=0.0,
         floating=is_floating,
         support=np.array([] if is_floating else fixed_support),
         holes=np.zeros((0, 0, 2)),
@@ -66,10 +67,7 @@ def make_crank_train(reducer: RvReducer) -> CrankTrain:
     mechanism, mesh = reducer.mechanism, reducer.planet_mesh
     bearings = [mechanism.mating(names.CRANK_BEARING, disc) for disc in range(len(mechanism.discs))]
     laws = stiffest(laws_of_discs(reducer))
-    bearing_law = law_record(laws[names.CRANK_BEARING])
-    if reducer.separate_needles:
-        for field in ("stiffness", "damping", "creep", "impact", "impact_damping"):
-            bearing_law[field] *= needle_share(reducer.separate_needles)
+    bearing_law = law_of_needle(law_record(laws[names.CRANK_BEARING]), reducer.separate_needles)
     return CrankTrain(
         axes=np.array([mechanism.body(name).place for name in bearings[0].by.bodies]),
         eccentrics=np.array([bearing.by.place for bearing in bearings]),

@@ -28,6 +28,7 @@ from cycloid_mj.parts import moving_masses, pin_mass_matrix
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
 from cycloid_mj.reducer.impact import ImpactLaw
+from cycloid_mj.reducer.rv_bodies import needle_share
 from cycloid_mj.statics.film import drag_torques
 
 LAW = np.dtype(
@@ -52,7 +53,9 @@ class System(NamedTuple):
     cranks
         Number of cranks of an RV reducer, whose rotations are the last unknowns but those of pins; else 0.
     bearing_contacts
-        Largest number of contacts of crank bearings.
+        Largest number of contacts of crank bearings, or of cams with separate rollers.
+    needles, cage_ratio
+        Number of separate rollers of a cam, or 0; turns of their cage per turn of the cam, both relative to the disc.
     floating
         Whether there is a sun that moves along x and y.
     support
@@ -102,6 +105,8 @@ class System(NamedTuple):
     shafts: Integers
     cranks: int
     bearing_contacts: int
+    needles: int
+    cage_ratio: float
     floating: bool
     support: Array
     teeth: Teeth
@@ -160,7 +165,9 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         bodies=len(discs),
         shafts=np.array([3 * len(discs), 3 * len(discs) + 1]),
         cranks=0,
-        bearing_contacts=0,
+        bearing_contacts=len(discs) * reducer.separate_needles,
+        needles=reducer.separate_needles,
+        cage_ratio=reducer.cage_ratio,
         floating=False,
         support=np.zeros(0),
         holes=np.array([mating.on.place for mating in output]),
@@ -284,8 +291,20 @@ def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
         for column, kind in kinds.items():
             if kind not in laws:
                 continue
-            laws_array[disc, column] = law_record(laws[kind], reducer.contacts[kind].impact)[0]
+            law = law_record(laws[kind], reducer.contacts[kind].impact)
+            laws_array[disc, column] = law_of_needle(law, reducer.separate_needles if kind == "cam" else 0)[0]
     return laws_array
+
+
+def law_of_needle(law: npt.NDArray[np.void], needles: int) -> npt.NDArray[np.void]:
+    """Return the law of each of Z separate needles from that of their bearing, a record of `LAW` of any shape.
+
+    `needles` is Z; 0 returns the law of the bearing.
+    """
+    scaled = law.copy()
+    for field in ("stiffness", "damping", "creep", "impact", "impact_damping") if needles else ():
+        scaled[field] *= needle_share(needles)
+    return scaled
 
 
 def law_record(law: ContactParameters, impact: ImpactLaw | None = None) -> npt.NDArray[np.void]:

@@ -1,0 +1,123 @@
+"""Rollers of the cams as springs of their own (``contact.needles = "each"``), in the static equilibrium of `balance`.
+
+Each roller is a unilateral spring along its direction from the middle of the bore, as those of the crank bearings of an
+RV reducer (``statics.rv``). Their cage rolls between cam and disc. A bearing that is a single spring has the stiffness
+of the same rollers without clearance, averaged over a turn of the cage.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.rv_bodies import needle_share
+from cycloid_mj.statics.kernel import KernelSprings
+from cycloid_mj.statics.springs import Springs
+
+EVEN_SHARE = np.pi / 4.0
+"""Resultant of the forces of many rollers without clearance over their sum: start value of `CamNeedles.shares`."""
+
+MAX_DEFLECTION = 100.0
+"""Displacement of a cam, over that under its working force, up to which the equations include only its rollers."""
+
+
+@dataclass(frozen=True)
+class CamNeedles:
+    """Rollers of D cams at m crank angles.
+
+    Attributes
+    ----------
+    directions
+        Unit vectors from the middle of a bore to its Z rollers, equal for all cams, shape (m, Z, 2).
+    stiffness
+        Stiffness of a roller [N/m].
+    reach
+        Largest displacement of a cam in its bore [m].
+    shares
+        Resultant of the forces of the rollers of a cam over their sum [1], shape (m, D). Friction acts on the
+        resultant.
+    """
+
+    directions: Array
+    stiffness: float
+    reach: float
+    shares: Array
+
+    def extend(self, contacts: KernelSprings, teeth: int) -> KernelSprings:
+        """Return contact springs with a spring for each roller after the first `teeth` contacts, instead of cams."""
+        positions = contacts.cam_position
+        angles, discs, unknowns = len(positions), positions.shape[1], contacts.slope.shape[2]
+        count = self.directions.shape[1]
+        slope, shape = np.zeros((angles, discs, count, unknowns)), (angles, discs * count)
+        friction = np.zeros((angles if contacts.friction_per_force.size else 0, discs, count, unknowns))
+        for disc in range(discs):
+            slope[:, disc, :, 3 * disc : 3 * disc + 2] = self.directions
+            if contacts.friction_per_force.size:
+                friction[:, disc, :, 3 * disc + 2] = contacts.cam_friction_per_force * self.shares[:, disc, np.newaxis]
+        flat = dict.fromkeys(("shift", "curvature", "curvature_rate", "phase"), np.zeros(shape))
+        added: Mapping[str, Any] = {
+            "disc": np.repeat(np.arange(discs), count),
+            "rotates": np.zeros(shape[1], bool),
+            "clearance": np.full(shape[1], contacts.cam_clearance),
+            "distance": -np.einsum("mdj,mzj->mdz", positions, self.directions).reshape(shape),
+            "slope": slope.reshape(*shape, unknowns),
+            "shift_slope": np.zeros((*shape, unknowns)),
+            "stiffness": np.full(shape, self.stiffness),
+            "friction_per_force": friction.reshape(len(friction), shape[1], unknowns),
+            **flat,
+        }
+        extended: dict[str, Any] = {
+            name: _insert(getattr(contacts, name), values, teeth) for name, values in added.items()
+        }
+        return contacts._replace(**extended, cam_clearance=self.reach)
+
+    def split(self, forces: Array, teeth: int) -> tuple[Array, Array]:
+        """Split the forces of the springs of `extend` [N], shape (m, n + D Z), into those of contacts and of rollers.
+
+        Returns
+        -------
+        tuple
+            Forces of the contacts, shape (m, n), and of the rollers, shape (m, D, Z).
+        """
+        discs, count = self.shares.shape[1], self.directions.shape[1]
+        end = teeth + discs * count
+        rollers = forces[:, teeth:end].reshape(len(forces), discs, count)
+        return np.concatenate([forces[:, :teeth], forces[:, end:]], axis=1), rollers
+
+    def resultants(self, rollers: Array) -> Array:
+        """Return the force of each cam on its disc [N], shape (m, D, 2), from those of its rollers, shape (m, D, Z)."""
+        return np.einsum("mdz,mzj->mdj", rollers, self.directions)
+
+    def with_shares(self, rollers: Array) -> "CamNeedles":
+        """Return the rollers with the shares that follow from their forces [N], shape (m, D, Z)."""
+        total = np.maximum(rollers.sum(axis=2), np.finfo(float).tiny)
+        return replace(self, shares=np.linalg.norm(self.resultants(rollers), axis=2) / total)
+
+
+def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
+    """Return the rollers of the cams of a reducer at the crank angles of its springs; None if a cam is a single spring.
+
+    A roller is on +y at the crank angle 0.
+    """
+    count = reducer.separate_needles
+    if not count:
+        return None
+    cam, crank = reducer.at_rated_load.contacts["cam"], springs.crank
+    disc = -crank / reducer.design.lobes
+    cage = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / count
+    return CamNeedles(
+        directions=np.stack([-np.sin(cage), np.cos(cage)], axis=-1),
+        stiffness=needle_share(count) * springs.contacts.cam_stiffness,
+        reach=springs.contacts.cam_clearance + MAX_DEFLECTION * cam.force / springs.contacts.cam_stiffness,
+        shares=np.full((crank.size, reducer.design.gear.discs), EVEN_SHARE),
+    )
+
+
+def _insert(values: Array, added: Array, position: int) -> Array:
+    """Insert contacts at a position of the axis of contacts: the first of a vector, else the second."""
+    axis = 0 if values.ndim == 1 else 1
+    before, after = np.split(values, [position], axis=axis)
+    return np.concatenate([before, added, after], axis=axis)
