@@ -237,44 +237,50 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     seat = design.seat_pair
     sliding: dict[str, Sliding] = {}
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
-        density = _largest_density(teeth * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer))
+        line_power = _largest_line_power(
+            teeth * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
+        )
         sliding[design.tooth_pair] = _summarize_sliding(
-            reducer, design.tooth_pair, teeth, tooth_speed, ring.pin_radius, density
+            reducer, design.tooth_pair, teeth, tooth_speed, ring.pin_radius, line_power
         )
     elif seat == "pin_sleeve":
         bore_speed = tooth_speed * ring.sleeve_bore_radius / ring.pin_radius
-        density = _mean_density(teeth * bore_speed, ring.sleeve_bore_radius)
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, bore_speed, ring.sleeve_bore_radius, density)
+        line_power = _mean_line_power(teeth * bore_speed, ring.sleeve_bore_radius)
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, bore_speed, ring.sleeve_bore_radius, line_power)
     else:
         lengths = _circle_lengths(ring.pin_radius, teeth.shape[1])
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        density = _largest_density(teeth * tooth_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False)
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, tooth_speed, ring.pin_radius, density)
+        line_power = _largest_line_power(
+            teeth * tooth_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False
+        )
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, tooth_speed, ring.pin_radius, line_power)
     output_forces, pin_speed = contact_loads.output, slip[:, count:]
     if not output.rollers:
         lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
         hole_angle = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(output_forces * pin_speed, hole_angle + azimuth, lengths)
-        sliding["output"] = _summarize_sliding(reducer, "output", output_forces, pin_speed, output.pin_radius, density)
+        line_power = _largest_line_power(output_forces * pin_speed, hole_angle + azimuth, lengths)
+        sliding["output"] = _summarize_sliding(
+            reducer, "output", output_forces, pin_speed, output.pin_radius, line_power
+        )
     elif not output.has_needles:
         core_speed = pin_speed * output.root_radius / output.pin_radius
-        density = _mean_density(output_forces * core_speed, output.root_radius)
+        line_power = _mean_line_power(output_forces * core_speed, output.root_radius)
         sliding["output_roller"] = _summarize_sliding(
-            reducer, "output", output_forces, core_speed, output.root_radius, density
+            reducer, "output", output_forces, core_speed, output.root_radius, line_power
         )
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
         force = magnitudes(cam)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
         angle = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
-        sliding["cam"] = _summarize_sliding(reducer, "cam", force, speed, design.gear.bore_radius, density)
+        line_power = _largest_line_power(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
+        sliding["cam"] = _summarize_sliding(reducer, "cam", force, speed, design.gear.bore_radius, line_power)
     return sliding
 
 
 def _summarize_sliding(
-    reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
+    reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, line_power: float
 ) -> Sliding:
     """Summarize sliding over a turn: power F v [W], largest pressure times speed p v [Pa m/s] and mean speed [m/s].
 
@@ -288,19 +294,19 @@ def _summarize_sliding(
         Normal forces [N] and sliding speeds [m/s] at each crank angle and contact, shape (m, n).
     radius
         Radius of the pins [m].
-    density
-        Largest force times speed per length of the surface [W/m], which becomes part of the result.
+    line_power
+        Largest force times sliding speed per length of surface [W/m], which is stored in the result.
     """
     power, is_loaded = force * speed, force > 0.0
     return Sliding(
         power=float(power.sum(axis=1).mean()),
         pressure_speed=float(power.max()) / (2.0 * radius * reducer.design.line_length(kind)),
         speed=float(speed[is_loaded].mean()) if is_loaded.any() else 0.0,
-        density=density,
+        density=line_power,
     )
 
 
-def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
+def _largest_line_power(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
     """Compute the time average of force times sliding speed per length of a surface [W/m], in its most loaded sector.
 
     A surface has `SECTORS` equal sectors in a turn.
@@ -318,8 +324,8 @@ def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: 
         otherwise these times are counted from the crank angles.
     """
     mean, total = sector_means(power, angle)
-    density = mean * power.shape[1] / SECTORS if passes_evenly else total / len(power)
-    return float((density / lengths).max())
+    sector_power = mean * power.shape[1] / SECTORS if passes_evenly else total / len(power)
+    return float((sector_power / lengths).max())
 
 
 def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
@@ -343,7 +349,7 @@ def tooth_phases(reducer: Reducer, crank: Array) -> Array:
     return np.asarray(phases.reshape(len(crank), -1))
 
 
-def _mean_density(power: Array, radius: float) -> float:
+def _mean_line_power(power: Array, radius: float) -> float:
     """Compute the mean force times sliding speed per length [W/m] on n circles of a radius [m] that wear evenly.
 
     `power` [W] is force times speed at m crank angles, shape (m, n).

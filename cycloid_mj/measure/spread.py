@@ -210,10 +210,11 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 
 
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
-    """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values.
+    """Convert a rate [1], such as the efficiency, its range, and its values at both ends of each input to JSON values.
 
-    `effects` are the effects of the inputs on the rate. ``sensitivity`` has the ends of each input, ``low`` and
-    ``high``, in ``unit``, and the rates there, ``value_low`` and ``value_high`` [1].
+    `design_rate` is the rate of the design, `effects` are the effects of the assumed inputs on it. ``sensitivity`` has
+    the ends of each input, ``low`` and ``high``, in ``unit``, and the rates there, ``value_low`` and ``value_high``
+    [1].
     """
     low, high = spread(design_rate, effects)
     return {

@@ -420,7 +420,7 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
     """Yield peak-to-peak and rms values [arcsec] of the rotations [rad] of the disc ("gear") and the output.
 
     `rotations` has arrays of shape (m,) over a turn, by these keys. `case` is "unloaded" or "loaded", and `direction`
-    that of the crank; both are part of the keys of the quantities.
+    is the crank's direction by name; both are part of the keys of the quantities.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"

@@ -36,12 +36,12 @@ def test_flank_is_divided_as_long_as_it_is() -> None:
     assert lengths == pytest.approx(PIN.lobes * arcs, rel=1e-4)
 
 
-def test_the_largest_density_of_an_even_power_is_its_mean() -> None:
+def test_the_largest_line_power_of_an_even_power_is_its_mean() -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 10 * SECTORS, endpoint=False)[:, np.newaxis] + 1e-6
     power = np.full_like(angle, 3.0)
-    assert life_loading._largest_density(power, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
+    assert life_loading._largest_line_power(power, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
     half = np.where(angle < math.pi, 3.0, 0.0)  # one flank alone: twice the mean
-    assert life_loading._largest_density(half, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
+    assert life_loading._largest_line_power(half, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
     assert half.mean() / 2.0 == pytest.approx(0.75)
 
 
