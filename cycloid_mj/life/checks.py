@@ -151,8 +151,8 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
 def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> float:
     """Compute the largest output torque [N m] at which the items with some `keys` reach their limits.
 
-    That of heat is an item of `rating` if its temperatures are those of the thermal network. Otherwise the reducer is
-    rated again at other torques.
+    If only heat limits the torque and `rating` has the torque that steady temperatures allow, this torque is returned.
+    Otherwise the reducer is rated again at other torques.
 
     Raises
     ------
