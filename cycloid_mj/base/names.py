@@ -50,6 +50,9 @@ SPACER = "spacer"
 ROLLER = "output_roller"
 """The roller on an output pin in the hole of a disc, a part of the output."""
 
+ROLLER_BEARING = "roller_bearing"
+"""The drawn-cup needle bearing between an output pin and its roller."""
+
 TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
 ECCENTRIC = "eccentric"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"

@@ -112,6 +112,20 @@ _SPLINES = """
 """ISO 14:1982, straight-sided splines of the light and the medium series: number of splines, minor diameter, major
 diameter, width of a spline; as in roymech.co.uk."""
 
+_TUBES: dict[float, float] = {
+    **{4: 1, 5: 1.5, 6: 2, 7: 2, 8: 2.5, 9: 2.5, 10: 3, 12: 3, 14: 3, 15: 3, 16: 3},
+    **{18: 3, 20: 3, 22: 3, 25: 3, 28: 3, 30: 3},
+}
+_TUBE_WALLS = 0.5, 0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0
+"""EN 10305-1, seamless precision steel tubes: outside diameter and the thickest of the usual walls [mm]; makers have
+thicker walls too."""
+
+TUBE_TOLERANCE = 0.08e-3
+"""Largest deviation of the outside diameter of such tubes up to 30 mm [m] (EN 10305-1)."""
+
+BORING_ALLOWANCE = 0.2e-3
+"""Smallest allowance in diameter to bore and ream a tube [m]: its own bore deviates by up to 0.15 mm (assumed)."""
+
 _DRAWN_CUPS = """
 3 6.5 6 0.925 0.6   4 8 8 1.54 1.07   5 9 9 2.2 1.79   6 10 8 1.98 1.54   6 10 9 2.65 2.4   7 11 9 2.85 2.75
 8 12 8 2.55 2.4   8 12 10 3.5 3.65   9 13 10 4 4.3   9 13 12 5 5.9   10 14 10 4.1 4.7   10 14 12 5.1 6.3
@@ -341,6 +355,15 @@ class Roller:
     def used_length(self) -> float:
         """Length in the drive [m]."""
         return self.cut or self.length
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A steel tube: designation, outside and inside diameter [m]."""
+
+    designation: str
+    outside: float
+    bore: float
 
 
 @dataclass(frozen=True)
@@ -593,6 +616,20 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
             if lengths:
                 sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], shaft_depth, hub_depth))
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
+    return None
+
+
+def tube_outsides() -> tuple[float, ...]:
+    """List the outside diameters of precision steel tubes [m]."""
+    return tuple(round(size * MM, 9) for size in _TUBES)
+
+
+def tube_for(outside: float, bore: float) -> Tube | None:
+    """Return the tube with the thinnest wall from which a sleeve with an outside diameter and a bore [m] is bored."""
+    size, largest_bore = round(outside / MM, 6), (bore - BORING_ALLOWANCE) / MM + 1e-6
+    for wall in _TUBE_WALLS:
+        if wall <= _TUBES.get(size, 0.0) and size - 2.0 * wall <= largest_bore:
+            return Tube(f"EN 10305-1 - {size:g} x {wall:g}", outside, round((size - 2.0 * wall) * MM, 9))
     return None
 
 

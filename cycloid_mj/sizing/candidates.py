@@ -128,6 +128,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     middle, band = 0.5 * (bore + root), root - bore - 0.03 * circle
     max_hole = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
     stud = _round_down(_between(coords[7], (0.4, 1.0)) * max_hole - eccentricity)
+    stud = _outsides_of_tubes(stud) if has_tube_sleeves(requirement) else stud
     thickness = DISC_SHARE * requirement.diameter / 2.0
     core, needle_dynamic, disc_thickness, has_core = _cores(
         coords[8], stud, face, discs * face + (discs - 1) * gap, thickness, is_custom
@@ -142,6 +143,18 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     # the wall between sockets, as the check "neighbouring_pins"
     valid &= pin + requirement.usual_clearance < (math.sin(math.pi / teeth) - 0.5 * TEETH.min_wall_share) * circle
     return points[valid], sizes[valid]
+
+
+def has_tube_sleeves(requirement: Requirement) -> bool:
+    """Return whether the sleeves of the output pins are cut from tubes in stock: with discs of plastic."""
+    return Material(name=requirement.made_of).is_plastic and not requirement.custom
+
+
+def _outsides_of_tubes(radius: Array) -> Array:
+    """Round radii of sleeves [m], shape (n,), down to those of tubes in stock; thinner sleeves are unchanged."""
+    outer = 0.5 * np.array((0.0, *stock.tube_outsides()))
+    chosen = outer[np.searchsorted(outer, radius + ROUNDING, side="right") - 1]
+    return np.where(chosen > 0.0, chosen, radius)
 
 
 def _choose(share: Array, count: int | Integers) -> Integers:
@@ -513,7 +526,8 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
         "housing": {"outer_radius": file(size["outer"]), **({} if requirement.custom else clamping(wall))},
         "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), pin_clearance)
         | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
-        "tolerance": tolerances(requirement, discs, pin_clearance),
+        "tolerance": tolerances(requirement, discs, pin_clearance)
+        | _tube_tolerance(requirement, size["stud"], pin_clearance),
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
         **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},
@@ -555,6 +569,18 @@ def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[s
     default = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
     keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]
     return {**dict.fromkeys(keys, default), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or default)}
+
+
+def _tube_tolerance(requirement: Requirement, radius: float, clearance: float) -> dict[str, str]:
+    """Return the tolerance of the output pins' clearance with sleeves of a radius [m] from a tube in stock.
+
+    The deviation of the tube adds to that of `tolerances`, in variance. Empty for turned sleeves and a required fit.
+    """
+    is_tube = any(abs(2.0 * radius - outside) < stock.ROUNDING for outside in stock.tube_outsides())
+    if requirement.fit or not (is_tube and has_tube_sleeves(requirement)):
+        return {}
+    deviation = math.hypot(TOLERANCE_SHARE * clearance, 0.5 * stock.TUBE_TOLERANCE / math.sqrt(3.0))
+    return {"output": f"normal {MICROMETRES * deviation:.3g}"}
 
 
 def _with_shaft_length(reducer: Reducer) -> Reducer:

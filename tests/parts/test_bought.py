@@ -1,5 +1,6 @@
 """What a drive buys: each size in its bill of materials is one of the standard that its designation names."""
 
+import math
 import random
 import re
 from collections import Counter
@@ -12,9 +13,11 @@ from designs import cases
 
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.parts.contour import circle_of
-from cycloid_mj.parts.export import BillLine, bill, casing, place_parts
+from cycloid_mj.parts.export import BillLine, assembly_order, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
-from cycloid_mj.parts.export.bearings import output_pin
+from cycloid_mj.parts.export.bearings import output_pin, roller_bearing
+from cycloid_mj.parts.export.drive import assembly_mass
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode
 from cycloid_mj.sizing.requirement import Requirement
@@ -83,6 +86,11 @@ def sizes_in_stock(designation: str) -> dict[str, float]:
         assert in_stock
         assert in_stock[0].designation == designation
         return {"diameter": diameter, "length": length}
+    if tube := re.fullmatch(r"EN 10305-1 - ([\d.]+) x ([\d.]+)", designation):
+        outside, wall = map(float, tube.groups())
+        assert 1e-3 * outside in [pytest.approx(size) for size in stock.tube_outsides()]
+        assert wall < 0.5 * outside
+        return {"outside diameter": outside}
     if washer := re.fullmatch(r"ISO 7089 - ([\d.]+)", designation):
         one = stock.washer_of(1e-3 * float(washer[1]))
         return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.thickness}
@@ -127,7 +135,8 @@ def require_sizes_in_stock(reducer: Reducer) -> None:
         for what, value in measures(line).items():
             if what in looked_up:  # a bar is cut to length
                 assert value == pytest.approx(looked_up[what], rel=1e-4), line
-        assert measures(line).keys() - looked_up.keys() <= {"length", "bored", "depth"}, line
+        own = {"length", "bored", "depth"} | ({"bore"} if line.item == "output_roller" else set())  # tubes are bored
+        assert measures(line).keys() - looked_up.keys() <= own, line
         assert line.fit or "ISO 4762" in line.designation or "insert" in line.item or "bar" in line.designation, line
         assert line.count > 0
 
@@ -198,3 +207,58 @@ def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) 
     assert ends[0][0] == -ends[-1][1]
     assert width - 2.0 * ends[-1][1] < 0.5e-3, "a needle roller is shorter by its axial play"
     assert all(low[1] == high[0] for low, high in pairwise(ends))
+
+
+def candidate(requirement: Requirement, has_needles: bool) -> Reducer:
+    """Return the first drive of a fixed random sequence with needle bearings in the rollers of its pins, or without."""
+    draw = np.random.default_rng(3)
+    _, sizes = decode(requirement, draw.random((400, DIMENSIONS)))
+    rows = (row for row in sizes if (row.needle_dynamic > 0.0) == has_needles)
+    return next(reducer for row in rows if (reducer := build_drive(requirement, row, requirement.torque)))
+
+
+def test_tubes_have_an_allowance_to_be_bored() -> None:
+    tube = stock.tube_for(8e-3, 5e-3)
+    assert tube
+    assert tube.designation == "EN 10305-1 - 8 x 2"
+    assert 5e-3 - tube.bore >= stock.BORING_ALLOWANCE
+    assert stock.tube_for(8.2e-3, 5e-3) is None, "no such outside diameter"
+    assert stock.tube_for(10e-3, 3e-3) is None, "its wall is too thin for the bore"
+
+
+@pytest.mark.parametrize("has_needles", [False, True])
+def test_sleeves_of_a_printed_drive_are_cut_from_tube(has_needles: bool) -> None:
+    """The tolerance of their clearance adds that of the tube, +-40 um in radius, to the 10 um of the printer."""
+    reducer = candidate(Requirement(15, 0.12, 3.0, process="printed"), has_needles)
+    output = reducer.design.output
+    assert any(math.isclose(2.0 * output.pin_radius, size) for size in stock.tube_outsides())
+    line = next(line for line in bill(reducer, 0.0, casing(reducer)) if line.item == "output_roller")
+    assert line.designation.startswith(f"EN 10305-1 - {2e3 * output.pin_radius:g} x ")
+    assert "bored" in line.fit
+    assert "cut to" in line.fit
+    assert line.material == "steel E235"
+    clearance = 1e6 * reducer.design.clearance.output
+    assert reducer.design.tolerance.output == f"normal {math.hypot(0.1 * clearance, 40.0 / math.sqrt(3.0)):.3g}"
+
+
+def test_needle_bearings_of_rollers_are_listed_and_drawn() -> None:
+    """Each roller has a bore for its drawn cup, whose needles run on the pin; the bill has as many as are placed."""
+    reducer = candidate(Requirement(35, 0.12, 20.0, process="milled", discs=2), has_needles=True)
+    sizes = casing(reducer)
+    bearing, count = roller_bearing(reducer)
+    output = reducer.design.output
+    assert bearing.bore == pytest.approx(2.0 * output.core_radius)
+    assert count ** (7.0 / 9.0) * bearing.dynamic == pytest.approx(reducer.design.bearing.output_dynamic_capacity)
+    lines = {line.item: line for line in bill(reducer, 0.0, sizes)}
+    assert lines["roller_bearing"].designation == bearing.designation
+    assert lines["roller_bearing"].count == count * output.pins * reducer.design.gear.discs
+    placed = Counter(place.part for place in place_parts(reducer, 0.0, sizes))
+    assert {item: lines[item].count for item in ("output_roller", "roller_bearing")} == {
+        item: placed[item] for item in ("output_roller", "roller_bearing")
+    }
+    (roller,) = assembly_parts(reducer, sizes)["output_roller"].segments
+    assert circle_of(roller.holes[0]).radius == pytest.approx(0.5 * bearing.outside)
+    assert lines["output_roller"].made_or_bought == "made"
+    assert list(describe_violations(reducer, sizes)) == []
+    assert sum(line.mass_kg for line in lines.values()) == pytest.approx(assembly_mass(reducer, sizes), rel=5e-3)
+    assert "roller_bearing" in assembly_order(reducer, sizes)[2]

@@ -7,7 +7,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.parts import Part, PartSection, attached_parts, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing, cam_radius, cam_seat
-from cycloid_mj.parts.export.bearings import pin_pieces
+from cycloid_mj.parts.export.bearings import pin_pieces, roller_bearing
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_parts import place_casing
 from cycloid_mj.parts.export.casing_rules import (
@@ -51,6 +51,7 @@ COLOURS: Mapping[str, Colour] = {
     names.SHAFT_BEARING: (0.8, 0.82, 0.85, 1.0),
     names.OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
     names.CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
+    names.ROLLER_BEARING: (0.8, 0.82, 0.85, 1.0),
     **dict.fromkeys(names.RETAINING_RINGS, (0.3, 0.3, 0.32, 1.0)),
     names.SHAFT_SEAL: (0.15, 0.15, 0.15, 1.0),
 }
@@ -78,6 +79,8 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
             yield place_rotated(
                 name, part, position, angle_by_body[body], names.ROLLER if part == names.ROLLER else body
             )
+    if sizes:
+        yield from _place_roller_bearings(reducer, carrier_angle)
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
             yield place_rotated(names.SECOND_OUTPUT, names.SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
@@ -99,6 +102,19 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
         yield from _place_pressed_pins(reducer, ring_angle)
     for item in place_casing(reducer, sizes) if sizes else ():
         yield place_rotated(item.name, item.part, np.array(item.origin), angle_by_body[item.body], item.body)
+
+
+def _place_roller_bearings(reducer: Reducer, carrier_angle: float) -> Iterator[PlacedPart]:
+    """Yield the positions of the needle bearings in the rollers, side by side, with the carrier at an angle [rad]."""
+    stock_bearing = roller_bearing(reducer)
+    if stock_bearing is None:
+        return
+    bearing, count = stock_bearing
+    offsets = [bearing.width * (number - 0.5 * (count - 1)) for number in range(count)]
+    places = [np.array([0.0, 0.0, z]) + place for _, place in roller_positions(reducer).values() for z in offsets]
+    for number, position in enumerate(places, start=1):
+        name = names.numbered_name(names.ROLLER_BEARING, number)
+        yield place_rotated(name, names.ROLLER_BEARING, position, carrier_angle, names.ROLLER)
 
 
 def _place_cam_bearings(
@@ -168,9 +184,13 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     """
     require_one_ring(reducer, "assembly")
     gear, seat, stock_bearing = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
-    if seat == gear.bore_radius:
-        return separate_parts(reducer, 0.0, sizes)
-    parts = separate_parts(reducer, cam_radius(reducer), sizes)
+    has_cam_bearing = seat != gear.bore_radius
+    parts = separate_parts(reducer, cam_radius(reducer) if has_cam_bearing else 0.0, sizes)
+    if sizes and (in_rollers := roller_bearing(reducer)):
+        cup = tube(0.5 * in_rollers[0].bore, 0.5 * in_rollers[0].outside, in_rollers[0].width)
+        parts[names.ROLLER_BEARING] = Part(names.ROLLER_BEARING, cut_holes(names.ROLLER_BEARING, cup), STEEL)
+    if not has_cam_bearing:
+        return parts
     width = stock_bearing[0].width if stock_bearing else gear.face_width
     parts[names.CAM_BEARING] = Part(
         names.CAM_BEARING, cut_holes(names.CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL

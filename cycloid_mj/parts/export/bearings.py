@@ -1,5 +1,7 @@
 """Choice of rolling bearings in stock for the shaft, and the fits of bearings and dowels."""
 
+import math
+
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.parts import lay_out_parts, sleeve_core_radius
@@ -8,12 +10,14 @@ from cycloid_mj.parts.export.casing import (
     bearing_width_of,
 )
 from cycloid_mj.parts.export.casing_rules import (
+    RULES,
     axial_play,
+    is_plastic,
     is_printed,
     ring_end,
     stock_shaft_bearing,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 
 DOWEL_FIT, PIN_FIT = "m6 in H7", "m6 in N7"
 """Fits of locating dowels (ISO 8734, m6), and of pins that carry load by their press fit, for which H7 may be loose."""
@@ -49,8 +53,52 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
     return stock_shaft_bearing(reducer, bearing_width_of(reducer))
 
 
+@once
+def roller_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
+    """Return the drawn-cup needle bearings in each roller of the output pins, and how many are side by side.
+
+    None for sliding sleeves, or if no needle bearing on the core pin leaves a wall of the roller. Of several, it is the
+    one with the load rating that the design states, or else the one that fills the roller best.
+    """
+    design = reducer.design
+    output, width = design.output, design.gear.face_width
+    if not (output.has_needles and output.has_roller_parts):
+        return None
+    largest = 2.0 * (output.pin_radius - RULES.min_wall)
+    cups = [
+        cup
+        for cup in stock.needle_bearings()
+        if abs(cup.bore - 2.0 * output.root_radius) < stock.ROUNDING and cup.outside < largest + stock.ROUNDING
+    ]
+    stated = design.bearing.output_dynamic_capacity
+    choices = [choice for cup in cups if (choice := stock.side_by_side([cup], width))]
+    as_stated = [choice for choice in choices if stated and _has_rating(choice, stated)]
+    return as_stated[0] if as_stated else stock.side_by_side(cups, width)
+
+
+def _has_rating(choice: tuple[stock.StockBearing, int], rating: float) -> bool:
+    """Return whether bearings side by side have a dynamic load rating [N] together (ISO 281: i^(7/9) C)."""
+    bearing, count = choice
+    return math.isclose(count ** (7.0 / 9.0) * bearing.dynamic, rating, rel_tol=1e-3)
+
+
+def roller_tube(reducer: Reducer) -> stock.Tube | None:
+    """Return the tube in stock for the rollers of a drive of plastic; None for others, which are turned.
+
+    The outside of such a tube is soft, and its diameter deviates by up to 0.08 mm: enough for discs of plastic.
+    """
+    output = reducer.design.output
+    if not (is_plastic(reducer) and output.has_roller_parts) or is_printed(reducer, names.OUTPUT):
+        return None
+    cup = roller_bearing(reducer)
+    bore = cup[0].outside if cup else 2.0 * output.root_radius
+    return stock.tube_for(2.0 * output.pin_radius, bore)
+
+
 def roller_bore(reducer: Reducer) -> float:
-    """Return the bore radius of a roller in a drive [m], with the mean play of its fit on the pin."""
+    """Return the bore radius of a roller in a drive [m]: of its needle bearing, or with the mean play on the pin."""
+    if cup := roller_bearing(reducer):
+        return 0.5 * cup[0].outside
     radius = reducer.design.output.root_radius
     return radius + 0.25 * sum(fits.clearances(ROLLER_FIT, 2.0 * radius))
 

@@ -26,12 +26,15 @@ from cycloid_mj.parts.export.bearings import (
     ROLLER_FIT,
     SHAFT_BEARINGS,
     bearing_fit,
+    cup_fit,
     free_pin,
     output_pin,
     output_pin_fit,
     output_pin_length,
     pin_pieces,
     press_fit,
+    roller_bearing,
+    roller_tube,
     shaft_bearing,
     shaft_bearing_fit,
     shaft_seal,
@@ -273,7 +276,7 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
         Casing of the drive; None: the mechanism only.
     """
     yield from _round_bar_lines(reducer, sizes)
-    yield from _roller_lines(reducer)
+    yield from _roller_lines(reducer, sizes)
     yield from _bearing_lines(reducer, cam_seat)
     if sizes:
         yield from _casing_lines(reducer, sizes)
@@ -407,22 +410,31 @@ def _format_limits(limits: tuple[float, float]) -> str:
     return f"+-{high} um" if low == f"-{high}" else f"{high}/{low} um"
 
 
-def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
-    """Yield the line of the bill for the rollers of the output pins, if any; rollers on a core are manufactured.
+def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
+    """Yield the lines of the rollers of the output pins and of their needle bearings, if any.
 
-    Other rollers are bought, and have no material in the bill.
+    Rollers on a core are turned, or cut from a tube in stock for discs of plastic. Others are bought, and have no
+    material in the bill. `sizes` None: the mechanism only, whose rollers are drawn without bearings.
     """
     output, gear = reducer.design.output, reducer.design.gear
-    if output.rollers:
-        diameters = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
-        material = reducer.design.material_of(names.OUTPUT)
-        line = _round_line(names.ROLLER, output.pins * gear.discs, diameters, gear.face_width, material)
-        yield replace(
-            line,
-            material=line.material if output.has_roller_parts else "",
-            made_or_bought="made" if output.has_roller_parts else "bought",
-            fit=ROLLER_FIT,
-        )
+    if not output.rollers:
+        return
+    cup, material = roller_bearing(reducer) if sizes else None, reducer.design.material_of(names.OUTPUT)
+    count, bore = output.pins * gear.discs, 0.5 * cup[0].outside if cup else output.root_radius
+    diameters = ("outside diameter", output.pin_radius), ("bore", bore)
+    line = _round_line(names.ROLLER, count, diameters, gear.face_width, material)
+    fit = f"{cup_fit(reducer, names.OUTPUT)} around its {names.ROLLER_BEARING}" if cup else ROLLER_FIT
+    if not output.has_roller_parts:
+        yield replace(line, material="", fit=fit)
+    elif found := roller_tube(reducer) if sizes else None:
+        fit = f"bored {fit}, cut to {in_mm(gear.face_width)} mm"
+        yield replace(line, material="steel E235", designation=found.designation, fit=fit)
+    else:
+        yield replace(line, made_or_bought="made", fit=fit)
+    if cup:
+        bearing, beside = cup
+        fit = f"{cup_fit(reducer, names.OUTPUT)} outside, the pin under the needles"
+        yield _stock_bearing_line(names.ROLLER_BEARING, count * beside, bearing, fit)
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:

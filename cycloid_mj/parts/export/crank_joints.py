@@ -16,8 +16,10 @@ from cycloid_mj.parts.export.bearings import (
     RETAINED_FIT,
     ROLLER_FIT,
     cam_bearing_fit,
+    cup_fit,
     output_pin_fit,
     pin_pieces,
+    roller_bearing,
     sleeve_pin_depth,
     sleeve_pin_fit,
 )
@@ -229,4 +231,9 @@ def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
     if output.rollers:
         rolling = output.pins * gear.discs, diameter, gear.face_width
         parts = names.ROLLER, names.OUTPUT_PIN
+        if cup := roller_bearing(reducer):
+            seat = rolling[0] * cup[1], cup[0].outside, cup[0].width
+            name, parts = "needle bearings in the rollers", (names.ROLLER, names.ROLLER_BEARING)
+            yield Joint(name, JointKind.PRESSED, parts, (), (), cup_fit(reducer, names.OUTPUT), *seat)
+            return
         yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *rolling)

@@ -214,8 +214,10 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     yield Move(_names_of_family(placements, names.FLANGE_SCREW), DRIVE, DOWN)
     yield Move(_names_of_family(placements, names.DOWEL, UP), DRIVE, UP)
     yield Move((names.HOUSING,), DRIVE, UP)
-    for family in (names.PRESSED_PIN, names.PIN, names.ROLLER):
+    for family in (names.PRESSED_PIN, names.PIN):
         yield Move(_names_of_family(placements, family), DRIVE, UP)
+    rollers = names.ROLLER, names.ROLLER_BEARING
+    yield Move(tuple(name for family in rollers for name in _names_of_family(placements, family)), DRIVE, UP)
 
 
 def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:

@@ -3,6 +3,7 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.bearings import roller_bearing
 from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing import Casing
@@ -38,6 +39,7 @@ ALONG = (
     names.HOUSING,
     names.DOWEL,
     names.ROLLER,
+    names.ROLLER_BEARING,
     names.OUTPUT_PIN,
     names.OUTPUT,
     names.FLANGE_INSERT,
@@ -151,8 +153,12 @@ def _describe_output_pins(reducer: Reducer) -> str:
     """Describe the step that mounts or inspects the output pins."""
     if in_one_piece(reducer):
         return "Check that the output pins, in one piece with their disc, are round and smooth."
+    cup = roller_bearing(reducer)
+    count = f"{cup[1]} {names.ROLLER_BEARING}" if cup else ""
+    in_rollers = f"; press {count} ({cup[0].designation}) into each roller" if cup else ""
     return (
-        f"Press {reducer.design.output.pins} output pins into the disc of the {names.OUTPUT}, flush with its far face."
+        f"Press {reducer.design.output.pins} output pins into the disc of the {names.OUTPUT}, flush with its far face"
+        f"{in_rollers}."
     )
 
 

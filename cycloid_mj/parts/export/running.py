@@ -39,7 +39,7 @@ ROLLING_ELEMENTS = "rolling elements"
 _MATES = (
     {names.GEAR, names.SHAFT, names.CAM, names.CAM_SCREW, names.CAM_BEARING},
     {names.GEAR, names.PIN, names.HOUSING, names.PRESSED_PIN},
-    {names.GEAR, names.ROLLER, names.OUTPUT_PIN, names.OUTPUT},
+    {names.GEAR, names.ROLLER, names.ROLLER_BEARING, names.OUTPUT_PIN, names.OUTPUT},
     {ROLLING_ELEMENTS, names.SHAFT_BEARING, names.OUTPUT_BEARING},
     {names.SHAFT, names.SHAFT_BEARING},
     {names.SHAFT, names.SHAFT_SEAL},
