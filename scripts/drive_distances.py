@@ -32,8 +32,11 @@ from cycloid_mj.parts.export.step import occ, planar_face
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
 
-NEEDLES_ON = {names.SHAFT, names.CAM}
+NEEDLES_ON = {names.SHAFT, names.CAM, names.OUTPUT_PIN}
 """Families of parts on which needles roll: the bearing is drawn down to them, without a gap."""
+
+ON_RACEWAYS = {names.CAM_BEARING, names.SHAFT_BEARING, names.ROLLER_BEARING, names.SHAFT_SEAL}
+"""Families of parts that roll or slide on `NEEDLES_ON`."""
 
 SPACING = 1e-4
 """Largest distance of points along a curve, for bounds of a distance [m]: a wider one leaves more to OpenCASCADE."""
@@ -180,7 +183,7 @@ def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float
 
 def _is_raceway(families: tuple[str, ...]) -> bool:
     """Return whether needles of a bearing roll on a part, or the lip of a seal slides on it."""
-    return bool({names.CAM_BEARING, names.SHAFT_BEARING, names.SHAFT_SEAL} & {*families} and NEEDLES_ON & {*families})
+    return bool(ON_RACEWAYS & {*families} and NEEDLES_ON & {*families})
 
 
 def face_of(section: PartSection) -> Face:
