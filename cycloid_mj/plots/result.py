@@ -102,35 +102,20 @@ figures_of.register(Run, figures)
 figures_of.register(Datasheet, datasheet_pictures)
 figures_of.register(Tolerances, tolerance_figures)
 figures_of.register(Design, lambda design: {"mechanism": mechanism(Reducer(design))})
+figures_of.register(Measurement, lambda result: {result.measure: measurement_figure(result)})
+figures_of.register(Curve, lambda result: {result.name: curves_figure([result])})
+figures_of.register(Calibration, lambda result: {"calibration": calibration_figure(result)})
+figures_of.register(Protocol, lambda result: {"loops": protocol_figure(result)})
+figures_of.register(BenchComparison, lambda result: {"transmission_error": comparison_figure(result)})
+figures_of.register(Sweep, lambda result: {"sweep": sweep_figure(result, result.quantities)})
+figures_of.register(Optimum, lambda result: {"tradeoff": tradeoff_figure(result)})
+figures_of.register(StressStudy, lambda result: stress_figures([result.findings]))
+figures_of.register(ThermalState, lambda result: {"warm_up": curves_figure(result.curves)})
+figures_of.register(WearLife, lambda result: {"wear": wear_figure(result)})
 
 
 @figures_of.register
-def _of_measurement(measurement: Measurement) -> Figures:
-    return {measurement.measure: measurement_figure(measurement)}
-
-
-@figures_of.register
-def _of_one_curve(curve: Curve) -> Figures:
-    return {curve.name: curves_figure([curve])}
-
-
-@figures_of.register
-def _of_calibration(calibration: Calibration) -> Figures:
-    return {"calibration": calibration_figure(calibration)}
-
-
-@figures_of.register
-def _of_protocol(protocol: Protocol) -> Figures:
-    return {"loops": protocol_figure(protocol)}
-
-
-@figures_of.register
-def _of_bench_comparison(comparison: BenchComparison) -> Figures:
-    return {"transmission_error": comparison_figure(comparison)}
-
-
-@figures_of.register
-def _of_comparison(comparison: Comparison) -> Figures:
+def _draw_comparison(comparison: Comparison) -> Figures:
     """Draw the signals of all compared runs, their spectra, and the relative curvature of the designs."""
     if not comparison.motions:
         raise UsageError(
@@ -142,13 +127,8 @@ def _of_comparison(comparison: Comparison) -> Figures:
 
 
 @figures_of.register
-def _of_loop(loop: MeasuredLoop) -> Figures:
-    return {"loop": _draw_curve(loop.torque, loop.deflection / DEGREE, "deflection [deg]", loop.line)}
-
-
-@figures_of.register
 @with_style
-def _of_prediction(prediction: Prediction) -> Figures:
+def _draw_prediction(prediction: Prediction) -> Figures:
     """Draw measured loops next to those of the model, a panel for each loop."""
     figure = create_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
@@ -164,14 +144,14 @@ def _of_prediction(prediction: Prediction) -> Figures:
 
 
 @figures_of.register
-def _of_checks(checks: Checks) -> Figures:
+def _draw_checks(checks: Checks) -> Figures:
     tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
     label = "margin: factor between value and limit [1]"
     return {"margins": _draw_bars(tightest, label, f"{checks.line[:120]}; below 1: not passed", fails_below_1=True)}
 
 
 @figures_of.register
-def _of_export(exported: Export) -> Figures:
+def _draw_clearances(exported: Export) -> Figures:
     ratios = {pair.pair: 0.5 * (pair.least + pair.most) / pair.asked for pair in exported.clearances if pair.asked}
     if not ratios:
         raise UsageError("this export has no clearances to draw: use .to_frame() for the list of files")
@@ -179,12 +159,7 @@ def _of_export(exported: Export) -> Figures:
 
 
 @figures_of.register
-def _of_orders(orders: Orders) -> Figures:
-    return {"orders": _draw_stems(orders.order, orders.amplitude, orders.line)}
-
-
-@figures_of.register
-def _of_joint(joint: ReducedJoint) -> Figures:
+def _draw_joint(joint: ReducedJoint) -> Figures:
     """Draw the output angle of a reduced joint against the torque on the output, with a locked crank.
 
     The step at zero torque is the backlash.
@@ -201,29 +176,14 @@ def _of_joint(joint: ReducedJoint) -> Figures:
 
 
 @figures_of.register
-def _of_sweep(sweep: Sweep) -> Figures:
-    return {"sweep": sweep_figure(sweep, sweep.quantities)}
-
-
-@figures_of.register
-def _of_optimum(optimum: Optimum) -> Figures:
-    return {"tradeoff": tradeoff_figure(optimum)}
-
-
-@figures_of.register
-def _of_stress(study: StressStudy) -> Figures:
-    return stress_figures([study.findings])
-
-
-@figures_of.register
-def _of_findings(findings: Findings) -> Figures:
+def _draw_losses(findings: Findings) -> Figures:
     watts = {loss.pair: loss.friction_w + loss.normal_w for loss in findings.losses}
     condition = f"{findings.design}, {findings.condition_words}"
     return {"losses": _draw_bars(watts, "loss by kind of contact [W]", condition)}
 
 
 @figures_of.register
-def _of_rating(rating: Rating) -> Figures:
+def _draw_rating(rating: Rating) -> Figures:
     """Draw the smallest margins of a rating as bars: safety factors, and lives divided by the required life."""
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     finite_margins = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
@@ -235,17 +195,7 @@ def _of_rating(rating: Rating) -> Figures:
 
 
 @figures_of.register
-def _of_thermal_state(state: ThermalState) -> Figures:
-    return {"warm_up": curves_figure(state.curves)}
-
-
-@figures_of.register
-def _of_wear_life(result: WearLife) -> Figures:
-    return {"wear": wear_figure(result)}
-
-
-@figures_of.register
-def _of_sheet(sheet: Sheet) -> Figures:
+def _draw_sheet(sheet: Sheet) -> Figures:
     ratios = {item.name: item.value / item.reference for item in sheet.quantities.values() if item.reference}
     return {
         "closed_form": _draw_bars(ratios, "static equilibrium / closed form [1]", f"{sheet.design}, {sheet.condition}")
@@ -254,7 +204,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 
 @figures_of.register
 @with_style
-def _of_answer(answer: Answer) -> Figures:
+def _draw_sizing(answer: Answer) -> Figures:
     """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive of a sizing result."""
     if not answer.drives:
         raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")
@@ -319,3 +269,10 @@ def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_be
     axes.set_xlabel(label)
     add_condition(figure, condition)
     return figure
+
+
+figures_of.register(Orders, lambda result: {"orders": _draw_stems(result.order, result.amplitude, result.line)})
+figures_of.register(
+    MeasuredLoop,
+    lambda result: {"loop": _draw_curve(result.torque, result.deflection / DEGREE, "deflection [deg]", result.line)},
+)
