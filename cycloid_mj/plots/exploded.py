@@ -94,7 +94,7 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 def exploded_groups(components: Sequence[PlacedPart]) -> tuple[tuple[PlacedPart, ...], ...]:
     """Return the parts of a drive in groups that stay together in the exploded view, from input to output.
 
-    Groups follow each other in the order of `ALONG`; other parts are left out. Equal parts are one group, but cams and
+    Families of parts that are not in `ALONG`, such as rollers, are left out. Equal parts are one group, but cams and
     spacers of several discs stand alone, because each spacer is between two cams.
     """
     by_family: dict[str, list[PlacedPart]] = {}

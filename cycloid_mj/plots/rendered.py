@@ -20,7 +20,7 @@ def render(
     azimuth: float = VIEW.azimuth,
     elevation: float = VIEW.elevation,
 ) -> Image:
-    """Render an image of a run with MuJoCo, which a notebook shows; in Python ``cm.render(run)``.
+    """Render an image of a run with MuJoCo; public as ``cycloid_mj.render``.
 
     Parameters
     ----------

@@ -103,6 +103,7 @@ class Script:
 def create_stage(script: Script, width: int) -> AnimatedFigure:
     """Draw the first picture of an animation, and return the figure with the artists that later pictures change.
 
+    `script` has the motion and the forces of all pictures.
     `width` is the width of the figure [pixels].
     """
     reducer, forces = script.reducer, script.acting
@@ -225,7 +226,7 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
     ring, radii, disc = design.ring, poses.radii, poses.gaps.disc
     has_pins = design.ring.kind == "pin"
     prism = _disc_prism(reducer, disc)
-    mark_on_disc = (0.0, *_mark_place(reducer))
+    mark_on_disc = (0.0, *_rotation_dot(reducer))
     common: dict[str, list[Any]] = {
         SOCKET: [
             [_draw_socket(axes, radii.socket, socket_half_angle(design))]
@@ -280,8 +281,11 @@ def _disc_prism(reducer: Reducer, disc: int) -> Prism:
     return gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0]
 
 
-def _mark_place(reducer: Reducer) -> tuple[float, float]:
-    """Return position on +y and radius [m] of the dot on a disc, between its hole or crank bore and a valley."""
+def _rotation_dot(reducer: Reducer) -> tuple[float, float]:
+    """Return the place of the dot that marks the rotation of a disc: its distance from the centre, and its radius [m].
+
+    The dot is on +y, between a hole or crank bore and a valley of the teeth.
+    """
     ring, output, gear = reducer.design.ring, reducer.design.output, reducer.design.gear
     valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
     if isinstance(reducer, RvReducer):

@@ -84,9 +84,10 @@ class ViewFrame:
         self._write_title(0.5 * (near + far), "section")
 
     def draw_length(self, ends: tuple[float, float], row: int, starts: tuple[float, float]) -> None:
-        """Draw the distance between two `ends` along the axis [mm], without `shift`, in a row below the section.
+        """Draw the dimension of an axial length in a row below the section.
 
-        Extension lines begin at y = `starts` [mm].
+        `ends` are the ends of the length on the z axis of the reducer [mm], and `row` counts from the housing
+        downwards. Extension lines begin at y = `starts` [mm].
         """
         low, high = ends
         shifted = (low + self.shift, high + self.shift)
@@ -95,7 +96,8 @@ class ViewFrame:
     def draw_outer_diameters(self, radius: float, end: float) -> None:
         """Draw the diameters to the right of the section: the output disc or flange, and the housing.
 
-        `radius` is that of the output disc or flange, and `end` its outer face along x, without `shift` [mm].
+        `radius` is that of the output disc or flange [mm], and `end` the position of its outer face on the z axis of
+        the reducer [mm].
         """
         for size, start, spacings in ((radius, end, 1.3), (self.outer, self.half_width, 2.8)):
             level, x = self.ends[1] + spacings * LINE_SPACING * self.outer, start + self.shift
