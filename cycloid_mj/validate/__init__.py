@@ -21,7 +21,7 @@ __all__ = ["main"]
 
 @shows_progress
 def main(only: Sequence[str] = (), quick: bool = True, progress: Progress = silent) -> "Validation":
-    """Compare the simulation with closed forms and published cases; in Python ``cm.validate()``.
+    """Compare the simulation with closed forms and published cases; public as ``cycloid_mj.validate``.
 
     Parameters
     ----------

@@ -78,10 +78,10 @@ def design_with_errors(layout: str, *changes: str) -> Design:
 def springs_and_reference(
     reducer: Reducer, crank_angle: float = BALANCE.crank
 ) -> tuple[KernelSprings, DisplacedSprings]:
-    """Return the springs of a design without friction at a crank angle [rad], and reference springs with exact gaps.
+    """Return the contacts of a design without friction at a crank angle [rad] as springs, in two implementations.
 
-    The former are those of `statics.springs_of`, with approximated gaps. The gaps of the reference springs are computed
-    from the exact curves. Both have the same stiffness.
+    The first are the springs of the static model (`statics.springs_of`), with approximated gaps. The second are
+    reference springs, whose gaps are computed from the exact curves. Both have the same stiffness.
     """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])
@@ -100,11 +100,11 @@ def random_pose(unknowns: int, size: float) -> Array:
 
 
 def state_rows(layout: str) -> list[ValidationRow]:
-    """Compare energy and forces of the statics' springs at a random pose with those of springs with exact gaps.
+    """Compare elastic energy and contact forces of the static model at a random pose with those for exact gaps.
 
-    `layout` is that of the reducer, a key of `LAYOUTS`. Displacements of the pose are at most `BALANCE.near`. The
-    generalised loads are random, too, and at most 100 N. For rotations, both limits are multiplied by three. Returns
-    rows of `cycloid-mj validate`.
+    Returns a row of `cycloid-mj validate` for the energy and one for the forces. `layout` is that of the reducer, a key
+    of `LAYOUTS`. Displacements of the parts are at most `BALANCE.near`. The generalised loads are random, too, and at
+    most 100 N. For rotations, both limits are multiplied by three.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
@@ -148,10 +148,10 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
 
 
 def sample_rows() -> list[ValidationRow]:
-    """Compare the figures of a random sample with those of reference springs with exact gaps.
+    """Compare the static results for a drive with manufacturing errors with those of springs with exact gaps.
 
-    The figures are rotations, largest forces and the number of loaded teeth, as means, ranges and maxima over the three
-    crank angles `TURN`. The sample has two discs.
+    The static results are those of the solver for random samples (`solve_samples`): rotations, largest forces and the
+    number of loaded teeth, as means, ranges and maxima over the three crank angles `TURN`. The drive has two discs.
     """
     design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
@@ -189,7 +189,7 @@ def sample_rows() -> list[ValidationRow]:
 
 
 def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, FrictionElements]:
-    """Return springs, reference springs and friction elements of a design with friction at a locked crank.
+    """Return the contact springs, reference springs and friction elements of a design at a locked crank.
 
     `layout` is a key of `LAYOUTS`. Seals have a drag of 1 N m that builds up over 0.1 mrad, and the material loses 10 %
     of the contact forces during unloading.
@@ -197,7 +197,7 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
     Returns
     -------
     tuple
-        The springs of the statics, reference springs with exact gaps, and the friction elements.
+        The springs of the static model, reference springs with exact gaps, and the friction elements.
     """
     friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
     design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
@@ -208,10 +208,11 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
-    """Compare residual forces after a step of the statics with friction with those of springs with exact gaps.
+    """Compare the forces of the static model after a displacement with friction with those of reference springs.
 
-    The step leads between two random poses; some surfaces stick during it while others slip. `layout` is that of the
-    reducer, a key of `LAYOUTS`. Returns rows of `cycloid-mj validate`.
+    The displacement leads from one random pose to another; some surfaces stick during it while others slip. Compared
+    are the residual forces [N], the sum of load, contact and friction forces. The reference springs have exact gaps.
+    `layout` is that of the reducer, a key of `LAYOUTS`.
     """
     springs, reference, friction_elements = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
@@ -223,7 +224,7 @@ def step_rows(layout: str) -> list[ValidationRow]:
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
-    """Check the equilibrium of each step of a torque loop at a locked crank, by the forces of reference springs.
+    """Check the static solution of a torque loop at a locked crank: reference springs must balance each step's load.
 
     `layout` is a key of `LAYOUTS`. The reference springs have exact gaps; friction and material hysteresis are springs
     that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided, into at most

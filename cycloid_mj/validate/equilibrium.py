@@ -147,7 +147,7 @@ def solve(
 def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
     """Solve for the pose of equilibrium of a `locked` reducer by Powell's hybrid method.
 
-    `start` is the initial guess, a pose z [m] as in the module docstring, shape (u,).
+    `start` (u,) [m] is the initial guess: displacements of disc, output and moving pins, see the module docstring.
 
     Returns
     -------
@@ -165,8 +165,9 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
     """Minimise the energy of a `locked` reducer with uniform contact stiffness; return the pose z [m], shape (u,).
 
-    The entries of z are in the module docstring. The pose is an initial guess for the equilibrium with a stiffness that
-    depends on the local curvature. `method` is a trust-region method of `scipy.optimize.minimize`.
+    z are displacements of disc, output and moving pins, see the module docstring. The pose is an initial guess for the
+    equilibrium with a stiffness that depends on the local curvature. `method` is a trust-region method of
+    `scipy.optimize.minimize`.
     """
 
     def gradient(x: Array) -> Array:
@@ -222,7 +223,7 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
     """Return rotations, tooth forces and cam force of a `locked` reducer that is in equilibrium at a pose `z`.
 
-    The entries of `z` [m] are in the module docstring.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring.
     """
     springs = _springs_at_pose(locked, z, False)
     ring_springs, cam_spring = springs["ring"], springs["cam"]
@@ -257,8 +258,9 @@ def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[s
 def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
     """Compute the nearest points of disc and ring of a `locked` reducer by search along the exact curves.
 
-    The entries of the pose `z` [m] are in the module docstring. The result has a row per ring pin; for an internal gear
-    a row per arc that the disc can touch, then the minima in its roots.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. The
+    result has a row per ring pin; for an internal gear a row per arc that the disc can touch, then the minima in its
+    roots.
     """
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
@@ -273,8 +275,8 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
     """Compute the springs between disc and ring of a `locked` reducer, in the order of `_nearest_points`.
 
-    The entries of the pose `z` [m] are in the module docstring. If `uniform`, all contacts have the stiffness of a pin
-    on a flat; otherwise it depends on the local curvature.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. If
+    `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
     """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
@@ -296,8 +298,9 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer, a row per ring pin.
 
-    The entries of the pose `z` [m] are in the module docstring. All sockets are assumed to be full circles, because an
-    unloaded pin could leave an open socket during the search. The force directions of the result are those on the pin.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. All
+    sockets are assumed to be full circles, because an unloaded pin could leave an open socket during the search. The
+    force directions of the result are those on the pin.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
@@ -350,7 +353,7 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the spring between disc and cam of a `locked` reducer; the result has a single row.
 
-    The entries of the pose `z` [m] are in the module docstring.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring.
     """
     eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
@@ -365,8 +368,8 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the springs between output pins and holes of a `locked` reducer, a row per pin.
 
-    The entries of the pose `z` [m] are in the module docstring. Each force acts along the line between the centres of
-    pin and hole.
+    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. Each
+    force acts along the line between the centres of pin and hole.
     """
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)

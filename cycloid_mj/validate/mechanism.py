@@ -73,7 +73,10 @@ def design_with_errors(kind: str, *changes: str) -> Design:
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
-    """Compare the gaps of parts displaced by `POSE` with exact curves, for a `kind` of ring such as `rig.FIXED`."""
+    """Compare the gaps that the static model computes for parts displaced by `POSE` with those of exact curves.
+
+    `kind` is the kind of ring, such as `rig.FIXED`.
+    """
     design = design_with_errors(
         kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
     )  # corners have no second derivative
@@ -85,7 +88,10 @@ def gap_rows(kind: str) -> list[ValidationRow]:
 
 
 def hole_rows() -> list[ValidationRow]:
-    """Compare the gaps of output pins at large displacements with exact circles, which shows second-order effects."""
+    """Compare the static model's gaps of output pins at large displacements with exact circles.
+
+    Such displacements have effects of second order on the gaps.
+    """
     reducer = Reducer(design_with_errors(FIXED))
     springs, teeth = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
     width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])

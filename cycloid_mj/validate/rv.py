@@ -65,7 +65,11 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
-    """Compare forces of stiff crank bearings with ideal sharing, and the effect of an error with its closed form."""
+    """Compare the statics of an RV reducer with closed forms: a bearing force, and the effect of a manufacturing error.
+
+    The force of stiff crank bearings is compared with that of ideal load sharing, and the rotation of the carrier by a
+    displaced crank bore with a published formula.
+    """
     torque = reducer.design.load.torque
     stiff = RvReducer(reducer.design.but(cranks=dict.fromkeys(("needle_stiffness", "taper_stiffness"), 2e11)))
     spring_mean, ideal_mean = (

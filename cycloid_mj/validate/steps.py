@@ -63,8 +63,9 @@ Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the figures of runs of a kind of ring with several time steps (`judge_study`).
+    """Compare results of simulations with several time steps, such as transmission error and efficiency.
 
+    `kind` is the kind of ring, such as `rig.FIXED`. The results (`StepFigures`) are judged by `judge_study`.
     Free pins are also compared with massless pins. Further rows are those of a run under a light load. With `quick`
     there are only the automatic step and half of it.
     """

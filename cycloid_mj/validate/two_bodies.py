@@ -111,10 +111,10 @@ def static_deflection(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_frequency(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Measure the angular frequency of vibration about the loaded equilibrium [rad/s].
+    """Measure the angular frequency [rad/s] at which a disc that gravity presses into a fixed circle vibrates.
 
-    It follows from the zero crossings of the velocity. `contact_parameters` are the law of the contact; `timestep` is
-    in [s].
+    It is simulated in MuJoCo and follows from the zero crossings of the velocity. `contact_parameters` are the law of
+    the contact; `timestep` is in [s].
     """
     model = two_body_model(contact_parameters, timestep, TWO_BODIES.force / TWO_BODIES.mass)
     data = mujoco.MjData(model)
