@@ -98,13 +98,13 @@ class Comparison(Presented):
 
 
 def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) -> Comparison:
-    """Combine the runs of two or more designs under the same loads into a comparison.
+    """Combine the simulations of two or more designs under the same loads into a comparison.
 
     Parameters
     ----------
     trials
-        Exactly one trial of each design under each load, in any order. Solver and settings are the same for all; only
-        the duration may depend on the load.
+        Exactly one trial (simulations and their results) of each design under each load, in any order. Solver and
+        settings are the same for all; only the duration may depend on the load.
     sensitivity
         Sensitivities of their dynamic quantities, if computed.
 
@@ -137,7 +137,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check designs under loads that are to be compared, and return the distinct designs by name.
+    """Check that designs under loads can be compared, and return the distinct designs by name.
 
     Raises
     ------

@@ -177,9 +177,10 @@ def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
 def compute_sampled(
     reducer: Reducer, samples: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
 ) -> dict[str, Array]:
-    """Compute some of the figures `SAMPLED` for samples of a reducer, by key, shape (samples,) each.
+    """Compute quantities of the catalogue for random samples of a reducer: key -> values, shape (samples,).
 
-    Keys of other figures are ignored. `angles` is the number of crank angles over a turn.
+    `samples` have the manufacturing errors of the drives. `keys` are those of the quantities; keys that are not in
+    `SAMPLED` are ignored. `angles` is the number of crank angles over a turn.
     """
     rows = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}
     needed_states = {state for row in rows.values() for state in row.states}

@@ -64,7 +64,7 @@ def _make_figure(
     deprecated: tuple[str, ...] = (),
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return the row of the catalogue of figures for one that needs dimensions and materials only.
+    """Return the catalogue entry of a quantity that depends on dimensions and materials only.
 
     `function` computes the figure from a reducer, or is the name of a function that does. `aliases` and `deprecated`
     are further keys; the other arguments are the fields of `Figure` with these names.

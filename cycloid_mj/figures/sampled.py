@@ -77,8 +77,9 @@ def _solve_design(reducer: Reducer, state: State) -> SampleFigures:
 
 
 def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
-    """Return a row of the catalogue whose value is computed from a single sample without random deviations.
+    """Return the catalogue entry of a quantity that can be computed for many random samples of a design at once.
 
+    For the design itself, it is computed from a single sample without random deviations.
     Key, name, unit and definition are those of `Figure`; `sampled` computes the value.
     """
 

@@ -9,10 +9,11 @@ from cycloid_mj.reducer import Reducer
 def _make_figure(
     key: str, unit: str, name: str, definition: str, measure: str, quantity: str, layouts: tuple[Layout, ...] = ()
 ) -> Figure:
-    """Return a row of the catalogue whose value is a quantity of a measure; its alias is ``measure/quantity``.
+    """Return the catalogue entry of a quantity that ``cycloid-mj measure`` determines by simulation.
 
-    Its key is ``simulated_`` and `key`; unit, name and definition are those of `Figure`. The value is computed by a
-    run. The figure exists for `layouts`, by default those that the measure supports.
+    `measure` is the name of the measurement and `quantity` that of its result, such as ``loads`` and ``capacity``; the
+    alias of the entry is ``measure/quantity``. Its key is ``simulated_`` and `key`. The entry exists for `layouts`, by
+    default those that the measurement supports.
     """
 
     def compute(reducer: Reducer) -> float:

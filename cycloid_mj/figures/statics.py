@@ -27,9 +27,9 @@ def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
 
 
 def _make_figure(row: SheetFigure) -> Figure:
-    """Return the row of the catalogue for a figure of the static sheet.
+    """Return the catalogue entry of a quantity of the static data sheet.
 
-    Its aliases are the key of the sheet, without and with the unit.
+    Its aliases are the key of the data sheet, without and with the unit.
     """
     column = with_unit(row.key, row.unit)
     key = row.catalogue_key or column
@@ -135,7 +135,7 @@ def _make_torque_figure(
     definition: str,
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return the row of the catalogue of figures for a torque [N m] that the static data sheet does not have.
+    """Return the catalogue entry of a torque [N m] that the static data sheet does not have.
 
     Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
     interval under the friction law ``film``. RV reducers have the figure under this law only, because statics leaves

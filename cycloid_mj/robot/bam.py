@@ -34,7 +34,7 @@ WITHOUT_STRIBECK = {
 def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
     """Fit the friction models M3 and M5 of BAM (Better Actuator Models) to a reduced joint; return JSON values.
 
-    The keys "m3" and "m5" have the parameters of the models (see the module) in N m, N m s/rad or 1. "largest_error_nm"
+    The keys "m3" and "m5" have the parameters of the models, in N m, N m s/rad or 1. "largest_error_nm"
     has the largest errors of their friction [N m], and "fitted_nm" the range of fitted loads [N m]. The fit by
     nonnegative least squares (Lawson and Hanson) covers loads from `MIN_FIT_SHARE` to 1 of the nominal torque at the
     rated speed, with the crank driving and with the output driving.
