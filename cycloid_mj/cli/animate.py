@@ -9,7 +9,7 @@ from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, integer_flag, number_flag
 from cycloid_mj.cli.ranges import RANGES
 
 EXAMPLES = """Examples:
@@ -23,48 +23,30 @@ MagnifyFlag = Annotated[
 ]
 FramesFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*RANGES.frames),
-        help=f"Maximum number of frames. Default: {ANIMATION.frames}.",
-    ),
+    integer_flag(f"Maximum number of frames. Default: {ANIMATION.frames}.", RANGES.frames),
 ]
 TurnsFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        validator=within(*RANGES.turns),
-        help="Number of crank turns, from the start of the steady part of the run. Default: 1.",
-    ),
+    number_flag("Number of crank turns, from the start of the steady part of the run. Default: 1.", RANGES.turns),
 ]
 RateFlag = Annotated[
     int,
-    Parameter(
+    integer_flag(
+        f"Frames per second, {ANIMATION.rates[0]} to {ANIMATION.rates[1]}. Default: {ANIMATION.rate}.",
+        ANIMATION.rates,
         name="--fps",
-        metavar="N",
-        converter=whole,
-        validator=within(*ANIMATION.rates),
-        help=f"Frames per second, {ANIMATION.rates[0]} to {ANIMATION.rates[1]}. Default: {ANIMATION.rate}.",
     ),
 ]
 DiscFlag = Annotated[
     int,
-    Parameter(
-        name="--disc",
-        metavar="N",
-        converter=whole,
-        validator=within(1, 4),
-        help="Number of the disc that is drawn with its forces; other discs are outlines. Default: 1.",
+    integer_flag(
+        "Number of the disc that is drawn with its forces; other discs are outlines. Default: 1.", (1, 4), name="--disc"
     ),
 ]
 WidthFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*ANIMATION.widths),
-        help=f"Width [pixels], {ANIMATION.widths[0]} to {ANIMATION.widths[1]}. Default: {ANIMATION.width}.",
+    integer_flag(
+        f"Width [pixels], {ANIMATION.widths[0]} to {ANIMATION.widths[1]}. Default: {ANIMATION.width}.", ANIMATION.widths
     ),
 ]
 

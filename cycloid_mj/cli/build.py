@@ -11,7 +11,16 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.flags import (
+    COMMON,
+    FLAT,
+    STEP,
+    TIMESTEP,
+    CommonFlags,
+    DesignOptions,
+    integer_flag,
+    number_flag,
+)
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer, reducer_of
@@ -31,15 +40,9 @@ OutFlag = Annotated[
 ]
 ChordFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        validator=within(0.001, 10.0),
-        help="Maximum distance between the slices of a flank and the profile [um]. Default: 0.1.",
-    ),
+    number_flag("Maximum distance between the slices of a flank and the profile [um]. Default: 0.1.", (0.001, 10.0)),
 ]
-SeedFlag = Annotated[
-    int, Parameter(metavar="N", converter=whole, validator=within(0, 2**31 - 1), help="Seed of CoACD. Default: 0.")
-]
+SeedFlag = Annotated[int, integer_flag("Seed of CoACD. Default: 0.", (0, 2**31 - 1))]
 PlainFlag = Annotated[
     bool,
     Parameter(

@@ -11,27 +11,8 @@ from cyclopts import Parameter
 from cycloid_mj.base.comparison_runs import DEFAULTS, IDLE_TURNS, QUICK_STARTS, TURNS
 from cycloid_mj.base.errors import LogError, UsageError, warn
 from cycloid_mj.base.outcome import Outcome, Picture
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import (
-    FLAT,
-    HOLD,
-    LOAD,
-    NAMES,
-    RAMP,
-    RATED,
-    SPEED,
-    TIMESTEP,
-    Delivery,
-    PointFlag,
-    SetFlag,
-    SeveralFlag,
-    StudySolverFlag,
-    TemperatureFlag,
-    Values,
-    load_design,
-    parse_point,
-    require_distinct_names,
-)
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.simulate import logs_folder, require_runnable
 from cycloid_mj.cli.verdict import capacity_of, outcome_of, overload_words
@@ -58,7 +39,8 @@ DesignsOrLogs = Annotated[
     str,
     Parameter(
         metavar="DESIGN|RUN.mcap",
-        help=f"Two or more designs (presets {NAMES}, or TOML files) to simulate, or logs of earlier runs to read.",
+        help=f"Two or more designs (presets {flags.NAMES}, or TOML files) to simulate, or logs of earlier runs to "
+        "read.",
     ),
 ]
 
@@ -67,38 +49,39 @@ DesignsOrLogs = Annotated[
 class CompareOptions:
     """Settings of the runs of a comparison, and its output flags."""
 
-    set_: SetFlag = ()
-    at_c: TemperatureFlag = None
-    solver: StudySolverFlag = "planar"
+    set_: flags.SetFlag = ()
+    at_c: flags.TemperatureFlag = None
+    solver: flags.StudySolverFlag = "planar"
     load_nm: Annotated[
         float | None,
-        LOAD.flag(
+        flags.LOAD.flag(
             "Load torque of the loaded runs; 0: unloaded runs only",
-            f". Default: the first design's {RATED}.",
+            f". Default: the first design's {flags.RATED}.",
         ),
     ] = None
     timestep_us: Annotated[
         float | None,
-        TIMESTEP.flag(
+        flags.TIMESTEP.flag(
             "Time step of all runs",
             ". Default: chosen for each run; with the planar solver at most 5 us for all, as moving pins require.",
         ),
     ] = None
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed of all runs, by default that of the first design")] = (
-        None
-    )
+    speed_rpm: Annotated[
+        float | None, flags.SPEED.flag("Crank speed of all runs, by default that of the first design")
+    ] = None
     ramp_s: Annotated[
-        float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
+        float | None,
+        flags.RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed."),
     ] = None
     hold_s: Annotated[
         float | None,
-        HOLD.flag(
+        flags.HOLD.flag(
             "Duration at constant speed",
             f". Default: {TURNS} crank turns after the load has been applied and settled for one turn "
             f"(0.2661 of pin); {IDLE_TURNS} without load (0.1198).",
         ),
     ] = None
-    q: PointFlag = None
+    q: flags.PointFlag = None
     sweep: Annotated[
         bool,
         Parameter(
@@ -122,21 +105,26 @@ class CompareOptions:
         return tuple(f"--{name.strip('_').replace('_', '-')}" for name in given)
 
     @property
-    def first(self) -> Values:
+    def first(self) -> flags.Values:
         """Values of the first design, which are used for all designs."""
-        return (TIMESTEP, self.timestep_us), (SPEED, self.speed_rpm), (RAMP, self.ramp_s), (HOLD, self.hold_s)
+        return (
+            (flags.TIMESTEP, self.timestep_us),
+            (flags.SPEED, self.speed_rpm),
+            (flags.RAMP, self.ramp_s),
+            (flags.HOLD, self.hold_s),
+        )
 
     @property
     def hold_given(self) -> bool:
         """True if the user sets the duration of the hold."""
-        return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
+        return self.hold_s is not None or any(change.strip().startswith(flags.HOLD.key) for change in self.set_)
 
 
 DEFAULT = CompareOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareDelivery(Delivery):
+class CompareDelivery(flags.Delivery):
     """Destination of figures and logs."""
 
     out: Annotated[
@@ -155,9 +143,9 @@ DELIVERED = CompareDelivery()
 
 def compare(
     *names: DesignsOrLogs,
-    design: SeveralFlag = (),
-    options: Annotated[CompareOptions, FLAT] = DEFAULT,
-    delivery: Annotated[CompareDelivery, FLAT] = DELIVERED,
+    design: flags.SeveralFlag = (),
+    options: Annotated[CompareOptions, flags.FLAT] = DEFAULT,
+    delivery: Annotated[CompareDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Compare designs in simulations without load and under load.
 
@@ -181,7 +169,7 @@ def compare(
     """
     from cycloid_mj.explore.compared import list_cases
 
-    q = parse_point(options.q)
+    q = flags.parse_point(options.q)
     designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
     _require_consistent(designs, logs, options)
@@ -191,9 +179,9 @@ def compare(
             claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery
         )
         return deliver(_compare_logs(logs, q, destination), destination, delivery)
-    first_design = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
-    compared_designs = [load_design(name, options.set_, (), options.at_c) for name in designs]
-    require_distinct_names(compared_designs)
+    first_design = flags.load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
+    compared_designs = [flags.load_design(name, options.set_, (), options.at_c) for name in designs]
+    flags.require_distinct_names(compared_designs)
     plan = _plan_runs(
         list_cases(compared_designs, first_design, options.load_nm, options.solver, options.hold_given), options
     )
@@ -231,7 +219,7 @@ def warn_of_overloads(cases: Iterable[Design]) -> None:
             warn(case.name, [f"{overload_words(load, capacity)}. Use --load-nm {0.99 * capacity:.3g} or less"])
 
 
-def _claim(directory: Path, delivery: Delivery) -> Destination:
+def _claim(directory: Path, delivery: flags.Delivery) -> Destination:
     return Destination(STEM, directory, claim_page(delivery, STEM, directory))
 
 
@@ -282,7 +270,7 @@ def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
 
 
 def _compare_runs(
-    plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, delivery: Delivery
+    plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, delivery: flags.Delivery
 ) -> Outcome:
     """Simulate all runs of a plan into logs, and return their comparison as printable results.
 

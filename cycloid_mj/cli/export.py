@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, integer_flag, number_flag
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import Design
@@ -56,11 +56,10 @@ OutFlag = Annotated[
 ]
 ChordFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        validator=within(*RANGES.chord_error_um),
-        help="Maximum distance between straight edges and the true outline [um], for stl, obj, svg and "
+    number_flag(
+        "Maximum distance between straight edges and the true outline [um], for stl, obj, svg and "
         "--polylines. Default: 1.",
+        RANGES.chord_error_um,
     ),
 ]
 PlateFlag = Annotated[
@@ -84,11 +83,10 @@ AssemblyFlag = Annotated[
 ]
 OffsetFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        validator=within(*RANGES.offset_um),
-        help="Increase of every clearance of the outlines [um], to compensate for material that the printer "
+    number_flag(
+        "Increase of every clearance of the outlines [um], to compensate for material that the printer "
         "adds; press fits are unchanged. Default: 0.",
+        RANGES.offset_um,
     ),
 ]
 MotorFlag = Annotated[
@@ -102,13 +100,12 @@ MotorFlag = Annotated[
 ]
 CamFlag = Annotated[
     float | None,
-    Parameter(
-        name="--cam-bearing-bore-mm",
-        metavar="X",
-        validator=within(*RANGES.cam_bearing_bore_mm),
-        help="Bore of the rolling bearing on the cam, from its catalogue [mm]; with --plate, the cams have "
+    number_flag(
+        "Bore of the rolling bearing on the cam, from its catalogue [mm]; with --plate, the cams have "
         "this diameter. Default: the bore of the stock bearing with the outer diameter 2 "
         "gear.bore_radius_mm; without one, 2 gear.bore_radius_mm.",
+        RANGES.cam_bearing_bore_mm,
+        name="--cam-bearing-bore-mm",
     ),
 ]
 
@@ -131,12 +128,12 @@ CoverMaterialFlag = Annotated[
 ]
 ArcsFlag = Annotated[
     float | None,
-    Parameter(
+    number_flag(
+        "With --format dxf: arcs within this distance of the outline [um] instead of splines, for machines that "
+        "mill arcs only. Default: splines.",
+        RANGES.chord_error_um,
         name="--arcs",
         metavar="TOL",
-        validator=within(*RANGES.chord_error_um),
-        help="With --format dxf: arcs within this distance of the outline [um] instead of splines, for machines that "
-        "mill arcs only. Default: splines.",
     ),
 ]
 DrawingsFlag = Annotated[
@@ -150,9 +147,7 @@ DrawingsFlag = Annotated[
 
 
 def _motor_flag(dimension: str) -> Parameter:
-    return Parameter(
-        metavar="X", validator=within(*RANGES.motor_mm), help=f"{dimension} [mm]. Default: that of --motor."
-    )
+    return number_flag(f"{dimension} [mm]. Default: that of --motor.", RANGES.motor_mm)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,12 +162,7 @@ class MotorInterface:
     motor_shaft_length_mm: Annotated[float | None, _motor_flag("Length of the motor shaft from its flange")] = None
     motor_screws: Annotated[
         int | None,
-        Parameter(
-            metavar="N",
-            converter=whole,
-            validator=within(*RANGES.motor_screws),
-            help="Number of motor screws. Default: that of --motor.",
-        ),
+        integer_flag("Number of motor screws. Default: that of --motor.", RANGES.motor_screws),
     ] = None
 
     def chosen(self) -> "Motor":

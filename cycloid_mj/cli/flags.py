@@ -148,14 +148,20 @@ def within(low: float, high: float) -> Callable[[Any, Any], None]:
     return require
 
 
+def integer_flag(text: str, limits: tuple[int, int] | None = None, name: str | None = None) -> Parameter:
+    """Declare a flag with an integer value within both limits; `text` is its help, `name` by default that in Python."""
+    return Parameter(name=name, metavar="N", converter=whole, validator=within(*limits) if limits else None, help=text)
+
+
+def number_flag(text: str, limits: tuple[float, float], name: str | None = None, metavar: str = "X") -> Parameter:
+    """Declare a flag with a real value within both limits; `text` is its help, `name` by default that in Python."""
+    is_signed = limits[0] < 0.0
+    return Parameter(name=name, metavar=metavar, allow_leading_hyphen=is_signed, validator=within(*limits), help=text)
+
+
 WorkersFlag = Annotated[
     int | None,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*RANGES.workers),
-        help="Number of parallel workers. Default: number of CPU cores.",
-    ),
+    integer_flag("Number of parallel workers. Default: number of CPU cores.", RANGES.workers),
 ]
 
 

@@ -3,21 +3,9 @@
 import math
 from typing import Annotated
 
-from cyclopts import Parameter
-
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.delivery import claim_page, deliver_columns
-from cycloid_mj.cli.flags import (
-    COMMON,
-    FLAT,
-    RAMP,
-    SPEED,
-    CommonFlags,
-    DesignOptions,
-    PointFlag,
-    parse_point,
-    within,
-)
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import Design
@@ -34,35 +22,32 @@ SPAN = "from {:g} to {:g}".format(*RANGES.time_s)
 
 UntilFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="T",
-        validator=within(*RANGES.time_s),
-        help=f"Time of the last sample [s], {SPAN}. Default: ramp and hold of the design.",
+    flags.number_flag(
+        f"Time of the last sample [s], {SPAN}. Default: ramp and hold of the design.", RANGES.time_s, metavar="T"
     ),
 ]
 StepFlag = Annotated[
     float | None,
-    Parameter(
+    flags.number_flag(
+        f"Time between samples [s], {SPAN}. Default: one degree of crank at full speed (0.000101626 s at 1640 rpm).",
+        RANGES.time_s,
         metavar="DT",
-        validator=within(*RANGES.time_s),
-        help=f"Time between samples [s], {SPAN}. Default: one degree of crank at "
-        "full speed (0.000101626 s at 1640 rpm).",
     ),
 ]
 
 
 def kinematics(
-    design_options: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[flags.DesignOptions, flags.FLAT],
     *,
-    q: PointFlag = None,
+    q: flags.PointFlag = None,
     csv: CsvFlag,
     ramp_s: Annotated[
-        float | None, RAMP.flag("Duration of the linear ramp from rest; 0: constant speed from the start")
+        float | None, flags.RAMP.flag("Duration of the linear ramp from rest; 0: constant speed from the start")
     ] = None,
     until_s: UntilFlag = None,
     step_s: StepFlag = None,
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    speed_rpm: Annotated[float | None, flags.SPEED.flag("Crank speed after the ramp")] = None,
+    delivery: Annotated[flags.CommonFlags, flags.FLAT] = flags.COMMON,
 ) -> int:
     """Write the ideal motion of a point q of the disc as CSV.
 
@@ -72,8 +57,8 @@ def kinematics(
     positions from the axis of the reducer. Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers are written
     with all digits.
     """
-    design = design_options.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
-    columns = _compute_motion(design, parse_point(q), until_s, step_s)
+    design = design_options.resolve([(flags.RAMP, ramp_s), (flags.SPEED, speed_rpm)])
+    columns = _compute_motion(design, flags.parse_point(q), until_s, step_s)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{design.name}-kinematics")
     return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)

@@ -15,7 +15,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import claim_destination, claim_page, deliver, deliver_columns, deliver_files
-from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, within
+from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, number_flag
 from cycloid_mj.cli.outfile import STDOUT, claim_csv
 from cycloid_mj.cli.plot import EXAMPLES as PLOT_EXAMPLES
 from cycloid_mj.cli.plot import plot
@@ -45,12 +45,11 @@ ColumnsFlag = Annotated[
 ]
 SceneFlag = Annotated[
     float | None,
-    Parameter(
-        name="--scene-hz",
-        metavar="X",
-        validator=within(*RANGES.log_rate_hz),
-        help="Frames of the 3-D scene per simulated second, recomputed from the columns; 2000 for slow "
+    number_flag(
+        "Frames of the 3-D scene per simulated second, recomputed from the columns; 2000 for slow "
         "motion. Default: the frames of the log, or 60.",
+        RANGES.log_rate_hz,
+        name="--scene-hz",
     ),
 ]
 

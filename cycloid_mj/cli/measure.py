@@ -14,31 +14,9 @@ from cyclopts import App, Parameter
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome, Picture, headline
 from cycloid_mj.base.result import quantity_table
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import Destination, claim_destination, show_outcome, write
-from cycloid_mj.cli.flags import (
-    FLAT,
-    LOAD,
-    LOADED,
-    NAMES,
-    PRESET,
-    RATED,
-    SPEED,
-    Delivery,
-    DesignNames,
-    DesignOptions,
-    DesignValue,
-    PresetOptions,
-    SetFlag,
-    SeveralFlag,
-    StudySolverFlag,
-    TemperatureFlag,
-    Values,
-    out_flag,
-    require_distinct_names,
-    whole,
-    within,
-)
 from cycloid_mj.cli.terminal import say_json
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import reducer_of
@@ -54,15 +32,15 @@ EXAMPLES = """Examples:
 
 OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
-TORQUE = DesignValue("drive", "torque")
-AT_RATED = f". Default: the {RATED}."
+TORQUE = flags.DesignValue("drive", "torque")
+AT_RATED = f". Default: the {flags.RATED}."
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeasureDelivery(Delivery):
+class MeasureDelivery(flags.Delivery):
     """Output flags of a measurement and of the logs of its runs."""
 
-    out: Annotated[str | None, out_flag("the JSON file, the logs and the figure", OUT)] = None
+    out: Annotated[str | None, flags.out_flag("the JSON file, the logs and the figure", OUT)] = None
     figure: Annotated[
         bool,
         Parameter(help="Also draw the figure (PNG, SVG), which takes as long as a short measure. --html draws it too."),
@@ -74,13 +52,13 @@ class MeasureDelivery(Delivery):
 class MeasureOptions:
     """The options of one measure."""
 
-    solver: StudySolverFlag = "planar"
+    solver: flags.StudySolverFlag = "planar"
 
     EXAMPLES: ClassVar[str] = ""
     PUBLISHED: ClassVar[bool] = False
     """True if the measure compares its torques with those that a paper publishes for the design."""
 
-    def values(self) -> Values:
+    def values(self) -> flags.Values:
         """Return the values that the options set in the design."""
         return ()
 
@@ -93,10 +71,12 @@ class MeasureOptions:
 def _in_si(name: str, value: Any) -> Any:
     if not name.endswith("_rpm") or value is None:
         return value
-    return [SPEED.unit.to_si(item) for item in value] if isinstance(value, tuple) else SPEED.unit.to_si(value)
+    return (
+        [flags.SPEED.unit.to_si(item) for item in value] if isinstance(value, tuple) else flags.SPEED.unit.to_si(value)
+    )
 
 
-def positive_values_flag(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
+def positive_values_flag(name: str, quantity: flags.DesignValue, text: str, default: str) -> Parameter:
     """Declare the flag `name` for one or more positive values within the limits of a design value, for example speeds.
 
     `quantity` is the design value, `text` the help of the flag, `default` its default in words.
@@ -121,20 +101,17 @@ def positive_values_flag(name: str, quantity: DesignValue, text: str, default: s
     )
 
 
-LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", AT_RATED)]
+LoadedFlag = Annotated[float | None, flags.LOAD.flag("Torque of the loaded runs", AT_RATED)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
     positive_values_flag(
-        "--speed-rpm", SPEED, "Crank speeds", "Default: 0.5 to 1.5 times drive.speed_rpm of the design."
+        "--speed-rpm", flags.SPEED, "Crank speeds", "Default: 0.5 to 1.5 times drive.speed_rpm of the design."
     ),
 ]
 TurnsFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(1, 1000),
-        help="Crank turns of each run, 1 to 1000. A full turn of the output separates all orders. Default: 1.",
+    flags.integer_flag(
+        "Crank turns of each run, 1 to 1000. A full turn of the output separates all orders. Default: 1.", (1, 1000)
     ),
 ]
 
@@ -156,14 +133,16 @@ class TransmissionErrorOptions(MeasureOptions):
     load_nm: LoadedFlag = None
     drag_nm: Annotated[
         float | None,
-        LOAD.flag(
+        flags.LOAD.flag(
             "Torque of the unloaded runs",
             ". With 0 the disc floats in its clearances. Default: 1 % of the nominal torque.",
         ),
     ] = None
     slow_rpm: Annotated[
         float | None,
-        SPEED.flag("Crank speed of the slow runs", ", in both directions. Default: a quarter of drive.speed_rpm."),
+        flags.SPEED.flag(
+            "Crank speed of the slow runs", ", in both directions. Default: a quarter of drive.speed_rpm."
+        ),
     ] = None
     turns: TurnsFlag = 1
     quick: Annotated[bool, Parameter(help="Skip the slow runs and those with half the time step.")] = False
@@ -206,7 +185,7 @@ class LostMotionOptions(MeasureOptions):
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --out fixed --json"""
 
     load_nm: Annotated[
-        float | None, LOADED.flag("Largest torque of the loop; lost motion is read at 3 % of it", AT_RATED)
+        float | None, flags.LOADED.flag("Largest torque of the loop; lost motion is read at 3 % of it", AT_RATED)
     ] = None
     quick: Annotated[bool, Parameter(help="Use 2 crank angles instead of 6.")] = False
 
@@ -225,7 +204,7 @@ class LoadsOptions(MeasureOptions):
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-    load_nm: Annotated[float | None, LOADED.flag("Torque on the output", AT_RATED)] = None
+    load_nm: Annotated[float | None, flags.LOADED.flag("Torque on the output", AT_RATED)] = None
     quick: Annotated[bool, Parameter(help="Run two mesh periods instead of a full crank turn.")] = False
 
 
@@ -249,7 +228,7 @@ class TorqueOptions(MeasureOptions):
     PUBLISHED: ClassVar[bool] = True
 
     torque_nm: Annotated[float | None, TORQUE.flag("Input torque")] = None
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed")] = None
+    speed_rpm: Annotated[float | None, flags.SPEED.flag("Crank speed")] = None
     quick: Annotated[
         bool,
         Parameter(
@@ -258,9 +237,9 @@ class TorqueOptions(MeasureOptions):
         ),
     ] = False
 
-    def values(self) -> Values:
+    def values(self) -> flags.Values:
         """Return the input torque and the speed, which are values of the design."""
-        return (TORQUE, self.torque_nm), (SPEED, self.speed_rpm)
+        return (TORQUE, self.torque_nm), (flags.SPEED, self.speed_rpm)
 
     def arguments(self) -> dict[str, Any]:
         """Collect the arguments that are not values of the design."""
@@ -290,9 +269,9 @@ class EfficiencyOptions(MeasureOptions):
         tuple[float, ...],
         positive_values_flag(
             "--load-nm",
-            LOAD,
+            flags.LOAD,
             "Output torques of the map",
-            f"Default: 0.25, 0.5 and 1 times the {RATED}.",
+            f"Default: 0.25, 0.5 and 1 times the {flags.RATED}.",
         ),
     ] = ()
     speeds_rpm: SpeedsFlag = ()
@@ -357,32 +336,35 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
     """
 
     def measure_design(
-        design_options: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery
+        design_options: flags.PresetOptions = flags.PRESET, *, options: MeasureOptions, delivered: MeasureDelivery
     ) -> int:
         return _measure_designs(name, [design_options.resolve_checked(options.values())], options, delivered)
 
     def measure_designs(
         *designs: Annotated[
-            DesignNames, Parameter(help=f"Designs: presets ({NAMES}) or TOML files. Default: pin and nonpin.")
+            flags.DesignNames,
+            Parameter(help=f"Designs: presets ({flags.NAMES}) or TOML files. Default: pin and nonpin."),
         ],
-        design: SeveralFlag = (),
-        set_: SetFlag = (),
-        at_c: TemperatureFlag = None,
+        design: flags.SeveralFlag = (),
+        set_: flags.SetFlag = (),
+        at_c: flags.TemperatureFlag = None,
         options: MeasureOptions,
         delivered: MeasureDelivery,
     ) -> int:
         """Measure several designs, by default pin and nonpin; return the exit code."""
-        chosen = [DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
+        chosen = [flags.DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
         resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
         return _measure_designs(name, resolved, options, delivered)
 
     command: Any = measure_designs if options is TorqueOptions else measure_design
     option_types: dict[str, type[Any]] = {
-        "design_options": PresetOptions,
+        "design_options": flags.PresetOptions,
         "options": options,
         "delivered": MeasureDelivery,
     }
-    flat_types = {word: Annotated[kind, FLAT] for word, kind in option_types.items() if word in command.__annotations__}
+    flat_types = {
+        word: Annotated[kind, flags.FLAT] for word, kind in option_types.items() if word in command.__annotations__
+    }
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat_types
     command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": MeasureDelivery()}
@@ -405,7 +387,7 @@ def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptio
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
-    require_distinct_names(designs)
+    flags.require_distinct_names(designs)
     stems = [f"{name}-{design.name}" for design in designs]
     endings = [f".{form}" for form in Outcome.formats] if _is_drawn(delivery) else []
     destinations = [claim_destination(delivery, stem, [stem + ending for ending in endings], OUT) for stem in stems]

@@ -15,7 +15,16 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, out_flag, whole, whole_number
+from cycloid_mj.cli.flags import (
+    FLAT,
+    NAMES,
+    Delivery,
+    SetFlag,
+    integer_flag,
+    load_design,
+    out_flag,
+    whole_number,
+)
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.progress import show_activity
 from cycloid_mj.cli.terminal import tell
@@ -35,9 +44,7 @@ FromFlag = Annotated[
 ]
 RatioFlag = Annotated[
     int | None,
-    Parameter(
-        metavar="N", converter=whole, help="Reduction ratio of a new drive, an integer; the ring has one pin more."
-    ),
+    integer_flag("Reduction ratio of a new drive, an integer; the ring has one pin more."),
 ]
 RatioRangeFlag = Annotated[
     str, Parameter(metavar="LOW:HIGH", help="Range of ratios; the ratio with the highest torque is chosen.")

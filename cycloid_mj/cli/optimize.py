@@ -12,18 +12,8 @@ from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.delivery import claim_destination, deliver
-from cycloid_mj.cli.flags import (
-    FLAT,
-    PRESET,
-    ClusterDelivery,
-    FollowFlag,
-    PresetOptions,
-    StudySolverFlag,
-    out_flag,
-    whole,
-    within,
-)
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import reducer_of
 
@@ -69,24 +59,15 @@ StrictFlag = Annotated[
 ]
 EvaluationsFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*RANGES.evaluations),
-        help="Approximate number of points. Default: 600.",
-    ),
+    flags.integer_flag("Approximate number of points. Default: 600.", RANGES.evaluations),
 ]
 StartsFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*RANGES.starts),
-        help="Number of independent searches. Default: 3.",
-    ),
+    flags.integer_flag("Number of independent searches. Default: 3.", RANGES.starts),
 ]
 SeedFlag = Annotated[
-    int, Parameter(metavar="N", converter=whole, validator=within(0, 2**63), help="Random seed. Default: 0.")
+    int,
+    flags.integer_flag("Random seed. Default: 0.", (0, 2**63)),
 ]
 QuickFlag = Annotated[bool, Parameter(help="Skip the full dynamics and the tolerance study of the best design.")]
 EXAMPLES = """Examples:
@@ -97,30 +78,30 @@ EXAMPLES = """Examples:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OptimizeDelivery(ClusterDelivery):
+class OptimizeDelivery(flags.ClusterDelivery):
     """Flags for the results."""
 
-    out: Annotated[str | None, out_flag("the history, the best design, figure and page", OUT)] = None
+    out: Annotated[str | None, flags.out_flag("the history, the best design, figure and page", OUT)] = None
 
 
 DELIVERED = OptimizeDelivery()
 
 
 def optimize(
-    design_options: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[flags.PresetOptions, flags.FLAT] = flags.PRESET,
     *,
     vary: VaryFlag = (),
     minimize: MinimizeFlag = (),
     maximize: MaximizeFlag = (),
     limit: LimitFlag = (),
     strict: StrictFlag = False,
-    follow: FollowFlag = (),
+    follow: flags.FollowFlag = (),
     evaluations: EvaluationsFlag = 600,
     starts: StartsFlag = 3,
     seed: SeedFlag = 0,
     quick: QuickFlag = False,
-    solver: StudySolverFlag = "planar",
-    delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
+    solver: flags.StudySolverFlag = "planar",
+    delivery: Annotated[OptimizeDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Find the best design within ranges, or a Pareto front.
 

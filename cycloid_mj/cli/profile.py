@@ -6,7 +6,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.delivery import claim_page, deliver_columns
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, integer_flag
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer, reducer_of
@@ -27,12 +27,10 @@ CRANK_ANGLES = 100
 Part = Literal["gear", "ring", "curvature"]
 PointsFlag = Annotated[
     int | None,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(*RANGES.rows),
-        help=f"Number of points, from 3 to {RANGES.rows[1]}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth. "
+    integer_flag(
+        f"Number of points, from 3 to {RANGES.rows[1]}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth. "
         f"With --part curvature: crank angles in a mesh period. Default: {CRANK_ANGLES}.",
+        RANGES.rows,
     ),
 ]
 PartFlag = Annotated[

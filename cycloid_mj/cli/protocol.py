@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claim_destination, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, whole
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, integer_flag
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import reducer_of
 
@@ -64,11 +64,7 @@ RatedFlag = Annotated[
 ]
 AnglesFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        help="Number of crank angles at which the model is evaluated, 1 to 360. Default: 6.",
-    ),
+    integer_flag("Number of crank angles at which the model is evaluated, 1 to 360. Default: 6."),
 ]
 EXAMPLES = """Examples:
   cycloid-mj protocol --design pin

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import to_json_values
 from cycloid_mj.cli.delivery import claim_destination, deliver
-from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
+from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, integer_flag, out_flag
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer, reducer_of
 
@@ -61,12 +61,10 @@ SpreadFlag = Annotated[
         "distributions, for domain randomization.",
     ),
 ]
-SamplesFlag = Annotated[
-    int | None, Parameter(metavar="N", converter=whole, help="Number of samples that --spread draws. Default: 100.")
-]
+SamplesFlag = Annotated[int | None, integer_flag("Number of samples that --spread draws. Default: 100.")]
 SeedFlag = Annotated[
     int | None,
-    Parameter(metavar="N", converter=whole, help="Random seed of the samples. Default: 0."),
+    integer_flag("Random seed of the samples. Default: 0."),
 ]
 FormatFlag = Annotated[
     Literal["mjcf", "urdf", "sdf", "isaaclab", "mjx"],

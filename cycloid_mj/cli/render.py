@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, integer_flag, number_flag
 from cycloid_mj.reducer import reducer_of
 
 EXAMPLES = """Examples:
@@ -23,25 +23,15 @@ FORMATS = (".png", ".jpg", ".webp")
 
 PictureName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Image to write, .png, .jpg or .webp.")]
 TimeFlag = Annotated[float | None, Parameter(metavar="T", help="Time of the image [s]. Default: the end of the run.")]
-WidthFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Image width [pixels]. Default: {WIDTH}.")]
-HeightFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Image height [pixels]. Default: {HEIGHT}.")]
+WidthFlag = Annotated[int, integer_flag(f"Image width [pixels]. Default: {WIDTH}.")]
+HeightFlag = Annotated[int, integer_flag(f"Image height [pixels]. Default: {HEIGHT}.")]
 AzimuthFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        allow_leading_hyphen=True,
-        validator=within(-360, 360),
-        help="Azimuth of the camera [deg]. Default: 90.",
-    ),
+    number_flag("Azimuth of the camera [deg]. Default: 90.", (-360, 360)),
 ]
 ElevationFlag = Annotated[
     float,
-    Parameter(
-        metavar="X",
-        allow_leading_hyphen=True,
-        validator=within(-90, 90),
-        help="Elevation of the camera [deg]; negative: output side, positive: input side. Default: -62.",
-    ),
+    number_flag("Elevation of the camera [deg]; negative: output side, positive: input side. Default: -62.", (-90, 90)),
 ]
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, QuietFlag, whole
+from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, QuietFlag, integer_flag
 from cycloid_mj.cli.terminal import tell
 
 EXAMPLES = """Examples:
@@ -15,7 +15,7 @@ EXAMPLES = """Examples:
 PORT = 8137
 """Default port of the page (arbitrary)."""
 
-PortFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Port on this computer. Default: {PORT}.")]
+PortFlag = Annotated[int, integer_flag(f"Port on this computer. Default: {PORT}.")]
 BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open a browser.")]
 
 

@@ -12,21 +12,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import (
-    FLAT,
-    LOAD,
-    NAMES,
-    RATED,
-    Delivery,
-    DesignNames,
-    SetFlag,
-    SeveralFlag,
-    TemperatureFlag,
-    load_design,
-    require_distinct_names,
-    within,
-)
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.simulate import logs_folder, require_runnable
 from cycloid_mj.cli.stressfiles import FIGURES, FILES, STEM, Drawn, outcome_of
@@ -72,18 +59,17 @@ LogsFlag = Annotated[
 ]
 LoadFlag = Annotated[
     float | None,
-    LOAD.flag(
+    flags.LOAD.flag(
         "Load torque of the simulation, against the rotation of the output",
-        f". Default: load.torque_nm of the design or, if that is 0, its {RATED}.",
+        f". Default: load.torque_nm of the design or, if that is 0, its {flags.RATED}.",
     ),
 ]
 AngleFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="X",
-        validator=within(0.0, 360.0),
-        help="Crank angle of the stress maps and VTU files [deg]. Default: for each part, the angle of its "
+    flags.number_flag(
+        "Crank angle of the stress maps and VTU files [deg]. Default: for each part, the angle of its "
         "largest bulk stress.",
+        (0.0, 360.0),
     ),
 ]
 StressQuickFlag = Annotated[
@@ -136,7 +122,7 @@ SolidFlag = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class StressDelivery(Delivery):
+class StressDelivery(flags.Delivery):
     """Destination of figures, maps and logs."""
 
     out: Annotated[
@@ -155,14 +141,16 @@ DELIVERED = StressDelivery()
 
 def stress(
     *designs: Annotated[
-        DesignNames,
-        Parameter(help=f"Designs: presets ({NAMES}) or TOML files. With --log, they are optional and must match it."),
+        flags.DesignNames,
+        Parameter(
+            help=f"Designs: presets ({flags.NAMES}) or TOML files. With --log, they are optional and must match it."
+        ),
     ],
-    design: SeveralFlag = (),
+    design: flags.SeveralFlag = (),
     part: PartsFlag = (),
     log: LogsFlag = (),
-    set_: SetFlag = (),
-    at_c: TemperatureFlag = None,
+    set_: flags.SetFlag = (),
+    at_c: flags.TemperatureFlag = None,
     load_nm: LoadFlag = None,
     angle_deg: AngleFlag = None,
     quick: StressQuickFlag = False,
@@ -170,7 +158,7 @@ def stress(
     springs: SpringsFlag = False,
     mounts: MountsFlag = None,
     figure: FiguresFlag = (),
-    delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
+    delivery: Annotated[StressDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Compute the stress of the parts by finite elements.
 
@@ -203,13 +191,13 @@ def stress(
     keep_freed_memory()
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        return _write_springs([load_design(name, set_, (), at_c) for name in names], load_nm, mounts, delivery)
+        return _write_springs([flags.load_design(name, set_, (), at_c) for name in names], load_nm, mounts, delivery)
     angle = None if angle_deg is None else math.radians(angle_deg)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
     if log:
         job = _read_logs(log, names, part, settings, delivery)
     else:
-        job = _simulate([load_design(name, set_, (), at_c) for name in names], load_nm, part, settings, delivery)
+        job = _simulate([flags.load_design(name, set_, (), at_c) for name in names], load_nm, part, settings, delivery)
     studies = _study_parts(job.runs, job.grids, settings, delivery.quiet)
     figures = _choose_figures(figure, job.destination)
     return deliver(outcome_of(studies, job.destination, figures), job.destination, delivery)
@@ -355,14 +343,14 @@ def _choose_figures(requested: Sequence[str], destination: Destination) -> tuple
     return tuple(name for name in FIGURES if name in requested or "all" in requested)
 
 
-def _claim(directory: Path, delivery: Delivery) -> Destination:
+def _claim(directory: Path, delivery: flags.Delivery) -> Destination:
     """Claim the page of the study, and return the destination of its files in a folder."""
     return Destination(STEM, directory, claim_page(delivery, STEM, directory))
 
 
 def _require_runnable(designs: Sequence[Design]) -> None:
     """Raise UsageError if two designs have the same name, or if a design cannot run."""
-    require_distinct_names(designs)
+    flags.require_distinct_names(designs)
     for design in designs:
         require_runnable(design)
 
@@ -407,7 +395,7 @@ def _read_log(path: Path, design: str) -> Logged:
     logged_design = design_of(run)
     warn(logged_design.name, run.warnings)
     if design:
-        require_same(Reducer(load_design(design, (), ())), Reducer(logged_design))
+        require_same(Reducer(flags.load_design(design, (), ())), Reducer(logged_design))
     return logged_design, run, path
 
 

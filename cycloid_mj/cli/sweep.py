@@ -10,18 +10,8 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli import flags
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
-from cycloid_mj.cli.flags import (
-    FLAT,
-    PRESET,
-    ClusterDelivery,
-    FollowFlag,
-    PresetOptions,
-    StudySolverFlag,
-    out_flag,
-    within,
-)
-from cycloid_mj.cli.flags import whole as whole_number
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.reducer import reducer_of
 
@@ -70,11 +60,11 @@ SampleFlag = Annotated[
 ]
 PointsFlag = Annotated[
     int | None,
-    Parameter(metavar="N", converter=whole_number, help=f"Number of points drawn with --sample. Default: {POINTS}."),
+    flags.integer_flag(f"Number of points drawn with --sample. Default: {POINTS}."),
 ]
 SeedFlag = Annotated[
     int,
-    Parameter(metavar="N", converter=whole_number, validator=within(0, 2**63), help="Random seed. Default: 0."),
+    flags.integer_flag("Random seed. Default: 0.", (0, 2**63)),
 ]
 MeasureFlag = Annotated[
     tuple[str, ...],
@@ -101,17 +91,17 @@ ShowFlag = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepDelivery(ClusterDelivery):
+class SweepDelivery(flags.ClusterDelivery):
     """Flags for the results."""
 
-    out: Annotated[str | None, out_flag("the rows, the tables, the figure and the page", OUT)] = None
+    out: Annotated[str | None, flags.out_flag("the rows, the tables, the figure and the page", OUT)] = None
 
 
 DELIVERED = SweepDelivery()
 
 
 def sweep(
-    design_options: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[flags.PresetOptions, flags.FLAT] = flags.PRESET,
     *,
     vary: VaryFlag = (),
     table: TableFlag = None,
@@ -121,10 +111,10 @@ def sweep(
     measure: MeasureFlag = ("statics",),
     quick: QuickFlag = False,
     real_pins: RealPinsFlag = False,
-    solver: StudySolverFlag = "planar",
-    follow: FollowFlag = (),
+    solver: flags.StudySolverFlag = "planar",
+    follow: flags.FollowFlag = (),
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
-    delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
+    delivery: Annotated[SweepDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Evaluate a design over a grid, a sample or a table of parameter values.
 

@@ -5,13 +5,11 @@ from functools import partial
 from math import isinf
 from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import Parameter
-
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
-from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, within
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, number_flag
 
 if TYPE_CHECKING:
     from cycloid_mj.life.thermal_state import ThermalState
@@ -21,11 +19,11 @@ CYCLES = (0.1, 1440.0)
 
 CycleFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="N",
-        validator=within(*CYCLES),
-        help=f"Duration of one cycle of --duty [min], {CYCLES[0]:g} to {CYCLES[1]:g}. Its points follow in the order "
+    number_flag(
+        f"Duration of one cycle of --duty [min], {CYCLES[0]:g} to {CYCLES[1]:g}. Its points follow in the order "
         "of the file. Default: 10, as of intermittent duty (S3, IEC 60034-1).",
+        CYCLES,
+        metavar="N",
     ),
 ]
 

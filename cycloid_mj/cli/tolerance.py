@@ -10,7 +10,16 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver, write
-from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
+from cycloid_mj.cli.flags import (
+    FLAT,
+    PRESET,
+    ClusterDelivery,
+    PresetOptions,
+    StudySolverFlag,
+    integer_flag,
+    out_flag,
+    whole,
+)
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import reducer_of
 
@@ -23,14 +32,10 @@ CAPTIONS = {
     "budget": "Share of each tolerance in the variance, alone and with its interactions (Sobol indices).",
 }
 
-SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="Number of samples. Default: 10000.")]
+SamplesFlag = Annotated[int, integer_flag("Number of samples. Default: 10000.")]
 SeedFlag = Annotated[
     int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        help="Random seed; equal seeds draw equal samples. Default: 0.",
-    ),
+    integer_flag("Random seed; equal seeds draw equal samples. Default: 0."),
 ]
 LimitFlag = Annotated[
     tuple[str, ...],

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, TemperatureFlag, load_design, within
+from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, TemperatureFlag, load_design, number_flag
 from cycloid_mj.cli.terminal import note
 
 EXAMPLES = """Examples:
@@ -20,9 +20,7 @@ WhatFlag = Annotated[
 ]
 SlowFlag = Annotated[
     float,
-    Parameter(
-        metavar="X", validator=within(1e-3, 1e6), help=f"Slow-motion factor of the replay of a log. Default: {SLOW:g}."
-    ),
+    number_flag(f"Slow-motion factor of the replay of a log. Default: {SLOW:g}.", (1e-3, 1e6)),
 ]
 
 
