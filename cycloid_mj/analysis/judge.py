@@ -183,7 +183,7 @@ def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
     if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:
         return None
     duration = np.diff(motion.time)
-    angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.orbit_speed))
+    angle, speed = ((values[1:] + values[:-1]) / 2 for values in (motion.crank_angle, motion.orbit_speed))
     crank_acceleration = np.diff(motion.orbit_speed) / duration
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / duration[:, np.newaxis]
@@ -284,7 +284,3 @@ def _window(motion: Series) -> Window:
 
 def _mean(values: Array, motion: Series) -> float:
     return float(np.mean(values[motion.whole_periods]))
-
-
-def _midpoints(values: Array) -> Array:
-    return (values[1:] + values[:-1]) / 2

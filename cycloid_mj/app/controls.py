@@ -228,16 +228,11 @@ def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) 
     )
 
 
-def label_of(key: str) -> str:
-    """Return the label of a key of the design file; the key itself if the page has no control for it."""
-    return _labels().get(key, key)
-
-
 def key_in_words(key: str) -> str:
     """Return a key of the design file as words within a sentence; any other text is returned unchanged."""
     if "." not in key:
         return key
-    word = label_of(key)
+    word = _labels().get(key, key)
     if word != key:
         return f"{word[:1].lower()}{word[1:]}"
     try:

@@ -255,7 +255,7 @@ def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> 
     """
     return [
         {
-            "name": _check_name(check.name),
+            "name": check.name.replace("_", " "),
             "severity": check.severity,
             "judgement": check.judgement,
             "part": MARKED_PARTS.get(check.name, ""),
@@ -302,11 +302,6 @@ def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Che
     with suppress(CycloidError):
         changed_reducer = reducer_of(apply_changes(reducer.design, _page_values(reducer, change)))
         yield from (check for check in soundness(changed_reducer) if check.severity == "error" and not check.passed)
-
-
-def _check_name(name: str) -> str:
-    """Return the name of a check in words."""
-    return name.replace("_", " ")
 
 
 def _remedy_json(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:

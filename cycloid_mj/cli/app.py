@@ -72,7 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
                     )
                 raise UsageError(f"{group} needs a command: choose one of {commands}")
             command, bound = parse(app, words)
-            with at_most(_workers(bound)):
+            workers = next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
+            with at_most(workers):
                 code = command(*bound.args, **bound.kwargs)
         sys.stdout.flush()
         return code or 0
@@ -211,11 +212,6 @@ def _rename_flag(word: str) -> str:
         return word
     tell(f"warning: the flag {flag} is deprecated: use {name}; the old name will be removed in the next release")
     return f"{name}{equals}{value}"
-
-
-def _workers(bound: BoundArguments) -> int | None:
-    """Return the value of ``--workers``, or None if the command has no such flag."""
-    return next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
 
 
 def _group_alone(app: App, words: Sequence[str]) -> str:

@@ -395,7 +395,9 @@ def run_into_log(
         progress.judging()
         not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
         findings, run = _evaluate(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
-        findings_file = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
+        findings_file = {}
+        if not isinstance(findings, CycloidError):
+            findings_file = {"findings.json": dumps(findings.as_json(), indent=2).encode()}
         log.close(note, attachments=findings_file)
     kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
     return Ran(log.path, plan.steps, wall, findings, kept_run)
@@ -461,11 +463,6 @@ def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings
         return analyze(run, log=str(log.name)), run
     except CycloidError as problem:
         return problem, None
-
-
-def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
-    """Return the attachment of a log with the findings as JSON: name -> content."""
-    return {"findings.json": dumps(findings.as_json(), indent=2).encode()}
 
 
 def _require_held_samples(design: Design, plan: "Schedule") -> None:

@@ -101,7 +101,8 @@ def ideal_rv_loads(
     pin_forces, disc_forces = [], []
     for phase in stage.phases:
         mesh = ideal_load_sharing(stage.gear, disc_torque, crank_angles + phase)
-        radial, forward = profile.unit(-(crank_angles + phase)), -_rotated_x_axis(crank_angles + phase)
+        angle = crank_angles + phase
+        radial, forward = profile.unit(-angle), -np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         reaction = mesh.eccentric_radial[:, np.newaxis] * radial + mesh.eccentric_tangential[:, np.newaxis] * forward
         pin_forces.append(mesh.forces)
         disc_forces.append(-reaction)
@@ -207,8 +208,3 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     disc_rotation /= stage.cranks * stage.radius**2
     disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up
-
-
-def _rotated_x_axis(angle: Array) -> Array:
-    """Return the unit vector +x rotated counter-clockwise by an angle [rad], shape (..., 2)."""
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

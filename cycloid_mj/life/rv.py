@@ -61,7 +61,8 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
             "turns: set a speed other than 0, such as 2295 rpm"
         )
     torques = np.array([abs(point.torque) for point in points])
-    weighted_speeds = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
+    bearing_turns, ratio = float(reducer.kinematics.bearing_turns), reducer.design.ratio
+    weighted_speeds = np.array([bearing_turns * abs(point.speed / ratio) * point.share for point in points])
     speed_ratios = np.array([abs(point.speed / reducer.design.drive.speed) for point in points])
     items = [
         *(
@@ -78,11 +79,6 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     return Rating(
         reducer.design.name, duty.words, life, by_key, tuple(_assumptions(reducer, duty)), None, 0.0, reducer.parts_text
     )
-
-
-def _bearing_speed(reducer: RvReducer, speed: float) -> float:
-    """Return the speed of the crank bearings [rad/s] at a speed of the sun [rad/s]."""
-    return float(reducer.kinematics.bearing_turns) * abs(speed / reducer.design.ratio)
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:

@@ -11,6 +11,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, by_key
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.design.layouts import Layout
@@ -162,14 +163,13 @@ def _level_quantities(
     """
     orbit_acceleration = reducer.design.gear.eccentricity * reducer.orbit_speed**2
     weight, all_signals = float(np.hypot(*weight_force(reducer))), _signals(reducer)
+    shaft = "sun" if isinstance(reducer, RvReducer) else "shaft"
     for run in runs:
         half_step_run = half_step_runs.get(run.load)
         for key, (name, unit) in all_signals.items():
             value, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
-            error = None if error is None else max(error, abs(run.rms_of_half(key) - value))
-            reference, source = (
-                (run.rms("momentum"), f"m a of disc and {_shaft(reducer)}") if key == "housing" else (None, "")
-            )
+            error = None if error is None else max(error, abs(rms(run.signals[key][: len(run.crank) // 2]) - value))
+            reference, source = (run.rms("momentum"), f"m a of disc and {shaft}") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
             level_name = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
             yield Quantity(f"{key}_rms_{run.load}", level_name, value, unit, error, reference, source, note)
@@ -231,11 +231,6 @@ def _step_change(
 ) -> float | None:
     """Return the change of a reading with half the time step; None without such a run."""
     return None if half_step_run is None else abs(read(half_step_run) - read(run))
-
-
-def _shaft(reducer: Reducer) -> str:
-    """Return the name of the part whose acceleration is in the force by momentum, with that of the discs."""
-    return "sun" if isinstance(reducer, RvReducer) else "shaft"
 
 
 def _mean_force(run: VibrationRun) -> float:

@@ -74,10 +74,6 @@ class VibrationRun:
         """Compute the share of a signal's power above half of the rate; 0 without vibration."""
         return max(0.0, 1.0 - (self.rms(key) / self.sampled_rms[key]) ** 2) if self.sampled_rms[key] else 0.0
 
-    def rms_of_half(self, key: str) -> float:
-        """Compute the same over the first half of the window: a shorter average."""
-        return rms(self.signals[key][: len(self.crank) // 2])
-
     def rotating(self, key: str) -> float:
         """Compute the magnitude of the part of a vector signal that rotates with the crank."""
         x, y = self.signals[key].T

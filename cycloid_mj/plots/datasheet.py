@@ -111,9 +111,8 @@ def _empty_page(sheet: Datasheet, number: int) -> Figure:
     figure, design = NotebookFigure(figsize=LAYOUT.size), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
-    figure.text(
-        LAYOUT.left, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center"
-    )
+    name_size = min(25.0, 25.0 * 22.0 / max(len(design.name), 1))  # long names fit next to the ratio
+    figure.text(LAYOUT.left, 0.966, design.name, fontsize=name_size, weight="bold", color="white", va="center")
     size = f"Ø{sheet.diameter:.4g} mm"
     figure.text(LAYOUT.left, 0.933, describe_kind(design), fontsize=9.5, color="white", va="center")
     figure.text(
@@ -138,11 +137,6 @@ def describe_kind(design: Design) -> str:
 def format_ratio(ratio: float) -> str:
     """Format a reduction ratio, such as ``35 : 1``."""
     return f"{ratio:.5g} : 1"
-
-
-def _name_size(name: str) -> float:
-    """Return the font size at which a name fits next to the ratio [pt]."""
-    return min(25.0, 25.0 * 22.0 / max(len(name), 1))
 
 
 def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:

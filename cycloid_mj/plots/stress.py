@@ -241,13 +241,9 @@ def _magnify(axes: Axes, grid: Grid) -> None:
 
 
 def _triangulate(points: Array, cells: Integers) -> Triangulation:
+    """Return a triangulation of `points` (n, 2) with four linear triangles for each quadratic one of `cells` (m, 6)."""
     x, y = points.T
-    return Triangulation(x, y, _split_quadratic(cells))
-
-
-def _split_quadratic(cells: Integers) -> Integers:
-    """Split quadratic triangles (m, 6) into four linear ones each, (4 m, 3); midside nodes on edges 01, 12, 02."""
-    return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
+    return Triangulation(x, y, cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3))
 
 
 def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:

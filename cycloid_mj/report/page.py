@@ -11,6 +11,7 @@ from markupsafe import Markup
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks import Checks
 from cycloid_mj.figures import figure
+from cycloid_mj.life.checks import check_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import tables
 from cycloid_mj.report.data import CHARTS, figures, page_data
@@ -64,7 +65,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
 def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
     """Yield the checks of each design that has failures or warnings, by the names of the runs."""
     for item in reviewed:
-        checks = tables.design_checks(item)
+        checks = check_design(item.motion.design)
         if checks.failures or checks.warnings:
             yield item.name, checks
 

@@ -8,9 +8,7 @@ import numpy as np
 
 from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
 from cycloid_mj.base.result import Table
-from cycloid_mj.checks import Checks
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
-from cycloid_mj.life.checks import check_design
 from cycloid_mj.report.reviewed import Reviewed
 
 
@@ -99,11 +97,6 @@ def provenance(item: Reviewed) -> TextTable:
     run = item.motion.run
     files = ", ".join(f"{file} ({len(data):,} bytes)" for file, data in run.attachments.items())
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
-
-
-def design_checks(item: Reviewed) -> Checks:
-    """Return every check of a run's design, life and strength included."""
-    return check_design(item.motion.design)
 
 
 def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:

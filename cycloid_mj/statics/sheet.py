@@ -227,11 +227,12 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
+    inertia = "" if isinstance(reducer, RvReducer) else " with disc centrifugal force"
     return Sheet(
         design=design.name,
         condition=", ".join(
             [
-                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {_inertia_text(reducer)}",
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static{inertia}",
                 *([design.thermal.words] if design.thermal.words else []),
                 *([film_text(reducer)] if design.has_film else []),
             ]
@@ -242,11 +243,6 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
         parts=reducer.parts_text,
         has_known_differences=not isinstance(reducer, RvReducer),
     )
-
-
-def _inertia_text(reducer: Reducer) -> str:
-    """Describe which inertia forces the quantities include, for the condition of a sheet."""
-    return "quasi-static" if isinstance(reducer, RvReducer) else "quasi-static with disc centrifugal force"
 
 
 def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
@@ -503,14 +499,10 @@ def _pair_figures(
     turn = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
     ideal = ideal_peak(reducer, kind, turn)
     yield sheet_quantity(f"{kind}_peak_force", peak, reference=ideal, source="ideal sharing")
-    yield sheet_quantity(f"{kind}_mean_force", _mean_or_zero(force[is_loaded]))
+    yield sheet_quantity(f"{kind}_mean_force", float(force[is_loaded].mean()) if is_loaded.any() else 0.0)
     yield sheet_quantity(f"{kind}_carrying", float(is_loaded.sum(axis=1).mean()))
     yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / strength_ratio, note=note)
     yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio, note=note)
-
-
-def _mean_or_zero(values: Array) -> float:
-    return float(values.mean()) if values.size else 0.0
 
 
 def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:

@@ -104,7 +104,7 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
     points = np.column_stack([section.points[vertex], levels[level]])
     tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, vertex_index)
     node, height = np.concatenate(nodes), np.concatenate(heights)
-    z = _with_middles(levels)
+    z = np.interp(np.arange(2 * len(levels) - 1) / 2, np.arange(len(levels)), levels)
     middles = np.column_stack([section.points[node], z[height]])
     mesh, vertices, grid = quadratic_mesh(
         points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part
@@ -197,10 +197,6 @@ def _simpson(levels: Array) -> Array:
     for offset, weight in enumerate((1 / 6, 2 / 3, 1 / 6)):
         share[offset : offset + 2 * len(height) : 2] += weight * height
     return share
-
-
-def _with_middles(levels: Array) -> Array:
-    return np.interp(np.arange(2 * len(levels) - 1) / 2, np.arange(len(levels)), levels)
 
 
 def _levels(z0: float, z1: float, layer: float) -> Array:

@@ -263,7 +263,7 @@ def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple
 
 def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
     """Compute the nodal load (n, 1) of 1 N m about z as shear of torsion on the input end."""
-    end = select_surface(grid, lambda x: _at_end(x, shaft))
+    end = select_surface(grid, lambda x: x[2] - shaft.end < 1e-6 * shaft.radius)
     first = _cam_unit_loads(grid, shaft, 0)[0][:, 1:3]
     load = traction_loads(end, _rotate_quarter(end.points))[:, np.newaxis]
     return _scale_to_unit_moment(grid, load + first @ _resultant(load))
@@ -312,10 +312,6 @@ def _on_seat(shaft: ShaftDimensions, ends: tuple[float, float], x: Array) -> Mas
 def _on_cam(x: Array, shaft: ShaftDimensions, cam_index: int) -> Mask:
     z0, z1 = shaft.cams[cam_index]
     return _on_cylinder(x, shaft.cam_radius, shaft.cam_centres[cam_index]) & (x[2] > z0) & (x[2] < z1)
-
-
-def _at_end(x: Array, shaft: ShaftDimensions) -> Mask:
-    return x[2] - shaft.end < 1e-6 * shaft.radius
 
 
 def _radial(normals: Array) -> Array:

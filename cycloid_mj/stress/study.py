@@ -261,6 +261,8 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
     )
     material = material_of(reducer, part)
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
+    bulk_index = int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
+    plateau_drop = relative_drop(stress.stress_by_distance.max(axis=1), bulk_index)
     findings = PartFindings(
         part=part,
         unknowns=grid.unknowns,
@@ -271,7 +273,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         bulk_peak=_bulk_peak(loads, stress, reducer),
         bulk_distance=stress.bulk_distance,
         sensitivity=_sensitivity(stress, grid),
-        choice=max(_plateau_drop(stress), corner_distance_change(corners)),
+        choice=max(plateau_drop, corner_distance_change(corners)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, reducer),
@@ -401,13 +403,6 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
         (factor * grid.bulk_distance, float(sizes[find_plateau(sizes, index)])) for factor, index in SENSITIVITY.items()
-    )
-
-
-def _plateau_drop(stress: PartStress) -> float:
-    """Compute the relative drop [1] of the largest stress from the bulk distance to twice that distance."""
-    return relative_drop(
-        stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
     )
 
 

@@ -7,7 +7,8 @@ from inspect import signature
 
 import pytest
 
-from cycloid_mj.cli.measure import COMMANDS, SPEED
+from cycloid_mj.cli.flags import SPEED
+from cycloid_mj.cli.measure import COMMANDS
 from cycloid_mj.measure import MEASURES
 
 SHARED = {"design", "progress"}

@@ -500,7 +500,8 @@ def _round_line(
     volume = math.pi * (outer**2 - inner**2) * (cut_length or length)
     mass = count * volume * (material.density if material else STEEL * filling(item))
     name = _material_name(material) if material else ""
-    return BillLine(item, count, _cylinder_size(*radii, length=length), name, "bought", mass_kg=mass)
+    dimensions = [*((name, 2.0 * radius) for name, radius in radii), ("length", length)]
+    return BillLine(item, count, _size(dimensions), name, "bought", mass_kg=mass)
 
 
 def _material_name(material: Material) -> str:
@@ -522,11 +523,6 @@ def _box(contour: Contour) -> tuple[Array, Array]:
         return np.array(circle.centre) - circle.radius, np.array(circle.centre) + circle.radius
     points = contour.polygon(VISUAL_CHORD_ERROR)
     return points.min(axis=0), points.max(axis=0)
-
-
-def _cylinder_size(*radii: tuple[str, float], length: float) -> str:
-    """Format named diameters, from radii [m], and the length of a round part."""
-    return _size([*((name, 2.0 * radius) for name, radius in radii), ("length", length)])
 
 
 def _size(dimensions: Iterable[tuple[str, float]]) -> str:

@@ -147,7 +147,7 @@ def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineCle
     DesignError
         A value differs from the clearance of the design by more than `TOLERANCE`.
     """
-    item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), *_range(values))
+    item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), float(values.min()), float(values.max()))
     if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
         raise DesignError(
             f"the clearance {item.pair} of the exported outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um "
@@ -173,10 +173,6 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
     rotations = (modification.rotation, -modification.rotation) if modification.rotation else (0.0,)
     distances = [flank_distance(gear, rotate_clockwise(outline, rotation)) for rotation in rotations]
     return np.asarray(np.min(distances, axis=0) - reducer.design.ring.pin_radius - modification.equidistant)
-
-
-def _range(values: Array) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
 
 
 def _socket_distances(reducer: Reducer, ring_loop: Array) -> Array:

@@ -63,6 +63,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     screws = sizes.screws
     has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
+    flange_dowels = f", press {sizes.flange_screws} {names.FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth"
         f"{'' if has_plastic else '; put sealant on both faces of the ring before a cover goes on'}.",
@@ -70,7 +71,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         _describe_output_pins(reducer),
         _describe_output_bearings(sizes),
         f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through {'it' if sizes.retainer else 'both'}{_describe_flange_dowels(sizes)}, and screw the {names.FLANGE} "
+        f"through {'it' if sizes.retainer else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
         f"on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
         f"it clamps {'the inner ring' if sizes.retainer else 'them'}{_describe_preload(sizes)}.",
@@ -100,11 +101,6 @@ def _describe_output_bearings(sizes: Casing) -> str:
         f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, the other one from "
         f"outside{grease}."
     )
-
-
-def _describe_flange_dowels(sizes: Casing) -> str:
-    """Describe how the dowels of the output flange are pressed into the hub; empty without them."""
-    return f", press {sizes.flange_screws} {names.FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
 
 
 def _describe_preload(sizes: Casing) -> str:

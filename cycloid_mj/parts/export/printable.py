@@ -87,9 +87,10 @@ def print_warnings(
         if wall < RULES.min_printed_wall - SAME_LENGTH:
             min_wall = MILLIMETRES * RULES.min_printed_wall
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {min_wall:g} mm on"
-        hole = min((_diameter(item) for prism in part.solid.prisms for item in prism.holes), default=np.inf)
-        if hole < MIN_HOLE:
-            yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
+        holes = (hole for prism in part.solid.prisms for hole in prism.holes)
+        bore = min((float(np.ptp(hole, axis=0).min()) for hole in holes), default=np.inf)
+        if bore < MIN_HOLE:
+            yield f"{name} has a hole of {MILLIMETRES * bore:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
         if faces := unsupported_areas.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
             yield f"{name} needs the slicer's supports, as it lies: {areas}"
@@ -101,7 +102,3 @@ def thinnest_wall(prism: Prism) -> float:
 
     pairs = combinations((prism.outline, *prism.holes), 2)
     return min((float(np.min(cKDTree(first).query(second)[0])) for first, second in pairs), default=np.inf)
-
-
-def _diameter(hole: Array) -> float:
-    return float(np.ptp(hole, axis=0).min())
