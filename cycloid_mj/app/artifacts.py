@@ -27,7 +27,7 @@ from cycloid_mj.parts.export import (
 )
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
-from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer import Reducer, reducer_of
 
 MIN_CRANK_TURNS = 1.25
 """Crank turns of a run after the start has settled."""
@@ -80,7 +80,7 @@ def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
 
 def _casing(reducer: Reducer, options: BuildOptions) -> Casing | None:
     """Return the sizes of the covers; None if they do not fit, and for an RV reducer, which has none."""
-    return None if isinstance(reducer, RvReducer) else casing_or_none(reducer, options.motor)[0]
+    return None if WHOLE_DRIVE in LEFT_OUT[reducer.LAYOUT] else casing_or_none(reducer, options.motor)[0]
 
 
 def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:

@@ -3,8 +3,8 @@
 The page moves them: each disc orbits and rotates with the crank at the rates that come with the outlines.
 """
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,10 +13,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.names import HOUSING, gears
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import profile_offset, tooth_profile
-from cycloid_mj.parts import Prism, circle, output_centres, parts, rv_solids
-from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.parts import Prism, Solid, circle, output_centres, parts, rv_solids
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 
 CHORDS_PER_RADIUS = 4000.0
@@ -77,6 +78,27 @@ MARKED_PARTS: Mapping[str, str] = {
 """Check -> the part of the cross-section at which it is marked."""
 
 
+class SectionOfLayout(NamedTuple):
+    """Functions that return what the cross-section of a layout has in addition to ring, discs and pins.
+
+    Attributes
+    ----------
+    parts
+        Further values of `section`, from the reducer and the largest chord error [m].
+    solids
+        Solids of all parts by name, from the same.
+    holes
+        Radius [m] and centres [m], shape (n, 2), of the holes of a disc.
+    dimensions
+        Radii [m] of further circles with a dimension line, by name.
+    """
+
+    parts: Callable[[Any, float], dict[str, Any]]
+    solids: Callable[[Any, float], Mapping[str, Solid]]
+    holes: Callable[[Any], list[tuple[float, Array]]]
+    dimensions: Callable[[Any], dict[str, float]]
+
+
 def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     """Return the cross-section of a reducer, which the page animates, as JSON values; y is upward.
 
@@ -110,12 +132,12 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
         "orbit": MILLIMETRES * design.gear.eccentricity,
         "gear_rate": -1.0 / design.lobes,
         "dimensions": _dimensions(reducer),
-        **(rv_section(reducer, _chord_error(reducer)) if isinstance(reducer, RvReducer) else _holes_and_shaft(reducer)),
+        **SECTIONS[reducer.LAYOUT].parts(reducer, _chord_error(reducer)),
         **outlines,
     }
 
 
-def _holes_and_shaft(reducer: Reducer) -> dict[str, Any]:
+def _holes_and_shaft(reducer: Reducer, _chord_error: float) -> dict[str, Any]:
     """Return centres [mm] and radii [mm] of output holes and pins, bore and shaft of a drive with a central crank."""
     design = reducer.design
     return {
@@ -125,6 +147,25 @@ def _holes_and_shaft(reducer: Reducer) -> dict[str, Any]:
         "bore_radius": MILLIMETRES * design.gear.bore_radius,
         "shaft_radius": MILLIMETRES * design.shaft.radius,
     }
+
+
+def _central_holes(reducer: Reducer) -> list[tuple[float, Array]]:
+    """Return radius [m] and centres [m], shape (n, 2), of the bore of a disc and of its holes for output pins."""
+    design = reducer.design
+    return [(design.gear.bore_radius, np.zeros((1, 2))), (design.output.hole_radius, output_centres(reducer))]
+
+
+def _central_dimensions(reducer: Reducer) -> dict[str, float]:
+    """Return the radii [m] of the circles of output pins and bore, by name."""
+    design = reducer.design
+    return {"output circle": design.output.pin_circle_radius, "bore": design.gear.bore_radius}
+
+
+SECTIONS: Mapping[Layout, SectionOfLayout] = {
+    "central": SectionOfLayout(_holes_and_shaft, parts, _central_holes, _central_dimensions),
+    "rv": SectionOfLayout(rv_section, rv_solids, rv_holes, rv_dimensions),
+}
+"""Layout -> what its cross-section has in addition."""
 
 
 def _chord_error(reducer: Reducer) -> float:
@@ -144,7 +185,7 @@ def _magnify_clearances(reducer: Reducer, factor: float) -> Reducer:
 def _outlines(reducer: Reducer) -> dict[str, Any]:
     """Return the outlines of housing and discs as SVG paths."""
     design, chord_error = reducer.design, _chord_error(reducer)
-    solids = rv_solids(reducer, chord_error) if isinstance(reducer, RvReducer) else parts(reducer, chord_error)
+    solids = SECTIONS[reducer.LAYOUT].solids(reducer, chord_error)
     discs = [_svg_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
     return {"ring": _svg_path(solids[HOUSING].prisms[0]), "discs": discs}
 
@@ -157,11 +198,7 @@ def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
     design = reducer.design
     chord_error = _chord_error(reducer)
     ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
-    if isinstance(reducer, RvReducer):
-        circle_groups = rv_holes(reducer)
-    else:
-        bore, hole = design.gear.bore_radius, design.output.hole_radius
-        circle_groups = [(bore, np.zeros((1, 2))), (hole, output_centres(reducer))]
+    circle_groups = SECTIONS[reducer.LAYOUT].holes(reducer)
     holes = [circle(radius, chord_error) + centre for radius, centres in circle_groups for centre in centres]
     try:
         gear = tooth_profile(design)
@@ -177,10 +214,7 @@ def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
     """List name and diameter [mm] of the circles of a reducer that get a dimension line in the page's cross-section."""
     design = reducer.design
     radii = {"outside": design.housing.outer_radius, "pin circle": design.ring.pin_circle_radius}
-    if isinstance(reducer, RvReducer):
-        radii |= rv_dimensions(reducer)
-    else:
-        radii |= {"output circle": design.output.pin_circle_radius, "bore": design.gear.bore_radius}
+    radii |= SECTIONS[reducer.LAYOUT].dimensions(reducer)
     return [{"name": name, "diameter": 2.0 * MILLIMETRES * radius} for name, radius in radii.items()]
 
 

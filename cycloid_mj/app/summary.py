@@ -5,9 +5,9 @@ Each function takes a reducer and returns JSON values, numbers with their units 
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import Any, cast
 
 from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import MARKED_PARTS
@@ -15,6 +15,7 @@ from cycloid_mj.app.drive import reducer_at_reference
 from cycloid_mj.app.state import apply_changes, at_load
 from cycloid_mj.app.verdicts import (
     TORQUE_RTOL,
+    Verdicts,
     carried_torque,
     rated_item,
     requirement_verdicts,
@@ -27,6 +28,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import value_of
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import KINDS, check_reducer, life_remedies
 from cycloid_mj.life.duration import format_life
@@ -58,9 +60,11 @@ NAMES = {
 }
 """Keys of the catalogue -> names on the page, in their order."""
 
-LOSSES = {"cam": "cam", "output": "output pins", "seals": "seals"}
-RV_LOSSES = {"crank_bearing": "crank bearings", "planet": "planets", "seals": "seals and main bearings"}
-"""Sources of friction next to the teeth -> their names; keys end in ``_friction_power`` but for seals."""
+LOSSES: Mapping[Layout, Mapping[str, str]] = {
+    "central": {"cam": "cam", "output": "output pins", "seals": "seals"},
+    "rv": {"crank_bearing": "crank bearings", "planet": "planets", "seals": "seals and main bearings"},
+}
+"""Layout -> sources of friction next to the teeth -> their names; keys end in ``_friction_power`` but for seals."""
 
 CLEARANCE = "clearance of "
 """Start of the labels of clearances."""
@@ -130,7 +134,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     sheet = quick_sheet(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
-    sources = {design.tooth_pair: "teeth", **(RV_LOSSES if isinstance(reducer, RvReducer) else LOSSES)}
+    sources = {design.tooth_pair: "teeth", **LOSSES[reducer.LAYOUT]}
     losses = {
         name: sheet.quantities["seals_power" if key == "seals" else f"{key}_friction_power"].value
         for key, name in sources.items()
@@ -167,14 +171,8 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     shortest = min(lives, default=math.inf)
     rated_torque, limited_by, momentary = _rated_torque(reducer, rating)
     verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated_torque, momentary)})
-    size_with_covers, cover_problem = (None, "") if isinstance(reducer, RvReducer) else covered_size(reducer, motor)
-    if isinstance(reducer, RvReducer):
-        verdicts |= requirement_verdicts(required, rv_size(reducer))
-    elif size_with_covers:
-        sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}
-        verdicts |= requirement_verdicts(required, sizes)
-    else:
-        verdicts |= unmet_without_covers(required)
+    size_verdicts, sizes = SIZES[reducer.LAYOUT](reducer, required, motor)
+    verdicts |= size_verdicts
     verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
     return {
         "condition": f"{rating.duty}, parts {rating.parts}",
@@ -186,10 +184,33 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "life": format_life(shortest),
         "verdicts": verdicts,
         "items": rated_items(rating),
-        "cased": size_with_covers,
-        "no_covers": cover_problem,
-        "length_mm": rv_size(reducer)["drive_length_mm"] if isinstance(reducer, RvReducer) else None,
+        **sizes,
     }
+
+
+def _judge_covered_size(reducer: Reducer, required: Any, motor: MotorName) -> tuple[Verdicts, dict[str, Any]]:
+    """Return the verdicts on diameter and length with covers, and the sizes of the result of `life`."""
+    size_with_covers, cover_problem = covered_size(reducer, motor)
+    if size_with_covers:
+        sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}
+        verdicts = requirement_verdicts(required, sizes)
+    else:
+        verdicts = unmet_without_covers(required)
+    return verdicts, {"cased": size_with_covers, "no_covers": cover_problem, "length_mm": None}
+
+
+def _judge_rv_size(reducer: Reducer, required: Any, _motor: MotorName) -> tuple[Verdicts, dict[str, Any]]:
+    """Return the same for an RV reducer, which has no covers."""
+    sizes = rv_size(cast(RvReducer, reducer))
+    length = sizes["drive_length_mm"]
+    return requirement_verdicts(required, sizes), {"cased": None, "no_covers": "", "length_mm": length}
+
+
+SIZES: Mapping[Layout, Callable[[Reducer, Any, MotorName], tuple[Verdicts, dict[str, Any]]]] = {
+    "central": _judge_covered_size,
+    "rv": _judge_rv_size,
+}
+"""Layout -> function that judges its size."""
 
 
 def rv_size(reducer: RvReducer) -> dict[str, float]:

@@ -1,7 +1,8 @@
 """Contact forces, displacements and transmission error over one crank turn, for the cross-section and the charts."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from cycloid_mj.analysis.spectrum import periodic_orders
 from cycloid_mj.app.rv_turn import rv_error, rv_forces, rv_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.scene import ring_places, transform
@@ -72,18 +74,21 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     """
     reducer, load = _set_load(reducer)
     angles_in_ring = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
-    if isinstance(reducer, RvReducer):
-        discs = reducer.design.gear.discs
-        content = rv_forces(reducer, angles_in_ring, load)
-        contacts = {
-            kind: _contact_lists(contact["force"], contact["position"], contact["direction"], discs)
-            for kind, contact in ((kind, content[kind]) for kind in RV_CONTACTS)
-        }
-        other_lists = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
-        poses = content["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
-        frame = {"turn": turn, "load_nm": abs(load), "words": RV_CONTACTS}
-        return {**frame, **contacts, **other_lists, "discs": np.round(poses, 7).tolist()}
-    return _central_forces(reducer, turn, angles_in_ring, load)
+    return TURNS[reducer.LAYOUT].forces(reducer, turn, angles_in_ring, load)
+
+
+def _rv_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
+    """Compute the result of `forces` for an RV reducer; the arguments are those of `_central_forces`."""
+    discs = reducer.design.gear.discs
+    content = rv_forces(cast(RvReducer, reducer), angles_in_ring, load)
+    contacts = {
+        kind: _contact_lists(contact["force"], contact["position"], contact["direction"], discs)
+        for kind, contact in ((kind, content[kind]) for kind in RV_CONTACTS)
+    }
+    other_lists = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
+    poses = content["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
+    frame = {"turn": turn, "load_nm": abs(load), "words": RV_CONTACTS}
+    return {**frame, **contacts, **other_lists, "discs": np.round(poses, 7).tolist()}
 
 
 def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
@@ -149,12 +154,7 @@ def error(reducer: Reducer) -> dict[str, Any]:
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh_order = float(reducer.mesh_periods)
-    named = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh")]
-    if isinstance(reducer, RvReducer):
-        named += rv_orders(reducer)
-    else:
-        pin_order = design.output.pins * reducer.share * design.ring.teeth / design.lobes
-        named.append((round(pin_order, 4), "output pins"))
+    named = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh"), *TURNS[reducer.LAYOUT].orders(reducer)]
     return {
         "crank_deg": np.round(np.degrees(crank_angles), 3).tolist(),
         "curves": curves,
@@ -166,10 +166,34 @@ def error(reducer: Reducer) -> dict[str, Any]:
 
 def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
     """Compute the transmission error of the output at crank angles [rad], mean subtracted [arcsec], shape (n,)."""
-    if isinstance(reducer, RvReducer):
-        return rv_error(reducer, crank, load)
+    return TURNS[reducer.LAYOUT].error(reducer, crank, load)
+
+
+def _central_error(reducer: Reducer, crank: Array, load: float) -> Array:
+    """Compute the result of `_output_error` for a drive with a central crank."""
     angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
     return np.asarray(angle - angle.mean())
+
+
+def _central_orders(reducer: Reducer) -> list[tuple[float, str]]:
+    """Return order [cycles per crank turn] and name of the periodic error of the output pins."""
+    design = reducer.design
+    return [(round(design.output.pins * reducer.share * design.ring.teeth / design.lobes, 4), "output pins")]
+
+
+class TurnOfLayout(NamedTuple):
+    """Functions of a layout that compute forces, transmission error [arcsec], and named orders over a turn."""
+
+    forces: Callable[[Reducer, int, Array, float], dict[str, Any]]
+    error: Callable[[Any, Array, float], Array]
+    orders: Callable[[Any], list[tuple[float, str]]]
+
+
+TURNS: Mapping[Layout, TurnOfLayout] = {
+    "central": TurnOfLayout(_central_forces, _central_error, _central_orders),
+    "rv": TurnOfLayout(_rv_forces, rv_error, rv_orders),
+}
+"""Layout -> its functions for a turn."""
 
 
 def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic.fields import FieldInfo
 
@@ -13,6 +13,7 @@ from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import loop_coulomb_torque
 from cycloid_mj.design import Design, override
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.units import MICROMETRE, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
@@ -129,17 +130,17 @@ RV_NAMED = (*RV_DEFAULT, "load_friction", "tooth_stiffness")
 
 def names_of(reducer: Reducer) -> tuple[str, ...]:
     """Return the names of all parameters of a reducer that are no key of the design file."""
-    return RV_NAMED if isinstance(reducer, RvReducer) else NAMED
+    return FITS[reducer.LAYOUT].named
 
 
 def _example_key(reducer: Reducer) -> str:
     """Return a key of the design file that can be fitted."""
-    return "planet.backlash_um" if isinstance(reducer, RvReducer) else "clearance.output_um"
+    return FITS[reducer.LAYOUT].example_key
 
 
 def default_keys(reducer: Reducer) -> tuple[str, ...]:
     """Return the keys of the parameters that are fitted by default."""
-    return RV_DEFAULT if isinstance(reducer, RvReducer) else DEFAULT
+    return FITS[reducer.LAYOUT].default
 
 
 def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
@@ -152,7 +153,7 @@ def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
         reducer is an RV reducer, for which there is no model with friction in the contacts at a locked sun.
     """
     contact_keys = [key for key in keys if key in RUBBING or key.partition(".")[0] == "friction"]
-    if contact_keys and isinstance(reducer, RvReducer):
+    if contact_keys and not FITS[reducer.LAYOUT].has_contact_friction:
         raise UsageError(
             f"--fit: {contact_keys[0]} cannot be fitted for an RV reducer ({reducer.design.name}), because its loops "
             "are computed without friction of the contacts. Fit hysteresis and hysteresis_travel, or load_friction"
@@ -190,12 +191,8 @@ def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mappin
 
     Start, scale and bounds of the last three follow from the measured loops.
     """
-    if isinstance(reducer, RvReducer):
-        own_parameters = _rv_parameters(reducer)
-    else:
-        own_parameters = (*_play_parameters(reducer), *_stiffness_parameters(reducer, loops))
     parameters_by_name = (
-        *own_parameters,
+        *FITS[reducer.LAYOUT].own_parameters(reducer, loops),
         _tooth_stiffness_parameter(reducer),
         *_friction_parameters(reducer, loops),
         *_hysteresis_parameters(loops),
@@ -203,7 +200,7 @@ def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mappin
     return {parameter.key: parameter for parameter in parameters_by_name}
 
 
-def _rv_parameters(reducer: RvReducer) -> tuple[Parameter, ...]:
+def _rv_parameters(reducer: RvReducer, _loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters to fit of an RV reducer: play of the teeth [um] and stiffness of the crank bearings [1].
 
     The play represents all clearances that differ from those of the design, because a loop shows only their sum. The
@@ -241,6 +238,40 @@ def _rv_parameters(reducer: RvReducer) -> tuple[Parameter, ...]:
             logarithmic=True,
         ),
     )
+
+
+def _central_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters to fit of a drive with a central crank: clearances [um] and stiffness of the structure."""
+    return (*_play_parameters(reducer), *_stiffness_parameters(reducer, loops))
+
+
+class FitOfLayout(NamedTuple):
+    """What can be fitted for the reducers of a layout.
+
+    Attributes
+    ----------
+    named, default
+        Names of all parameters that are no key of the design file, and of those that are fitted by default.
+    example_key
+        A key of the design file that can be fitted.
+    has_contact_friction
+        Whether the model of a loop can have friction in the contacts.
+    own_parameters
+        Function that returns the parameters of play and stiffness, from the reducer and the measured loops.
+    """
+
+    named: tuple[str, ...]
+    default: tuple[str, ...]
+    example_key: str
+    has_contact_friction: bool
+    own_parameters: Callable[[Any, Sequence[MeasuredLoop]], tuple[Parameter, ...]]
+
+
+FITS: Mapping[Layout, FitOfLayout] = {
+    "central": FitOfLayout(NAMED, DEFAULT, "clearance.output_um", True, _central_parameters),
+    "rv": FitOfLayout(RV_NAMED, RV_DEFAULT, "planet.backlash_um", False, _rv_parameters),
+}
+"""Layout -> what can be fitted."""
 
 
 def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:

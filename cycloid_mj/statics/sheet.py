@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Quantity, by_key, quantity_frame
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.reducer import Reducer, RvReducer, once
@@ -192,9 +193,8 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
         There is no static equilibrium, for example because friction jams the reducer.
     """
     result = _assemble_sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
-    if isinstance(reducer, RvReducer):
-        return result
-    warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
+    if SHEETS[reducer.LAYOUT].is_compared:
+        warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
     return result
 
 
@@ -216,10 +216,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     RunError
         There is no static equilibrium.
     """
-    if isinstance(reducer, RvReducer):
-        rv_parts: tuple[SheetPart, ...] = ("motions", "loads", "losses")
-        return _assemble_sheet(reducer, load, (*map(_cached_part, rv_parts), _loaded_error))
-    return _assemble_sheet(reducer, load, (_motion_figures, _loaded_error, _loads_and_yield, _efficiency_figures))
+    return _assemble_sheet(reducer, load, SHEETS[reducer.LAYOUT].quick_parts)
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
@@ -227,21 +224,20 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
-    inertia = "" if isinstance(reducer, RvReducer) else " with disc centrifugal force"
     return Sheet(
         design=design.name,
         condition=", ".join(
             [
-                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static{inertia}",
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {SHEETS[reducer.LAYOUT].inertia}",
                 *([design.thermal.words] if design.thermal.words else []),
                 *([film_text(reducer)] if design.has_film else []),
             ]
         ),
         load_source=source,
         quantities=quantities,
-        assumptions=rv_sheet.assumptions(reducer) if isinstance(reducer, RvReducer) else _assumptions(reducer),
+        assumptions=SHEETS[reducer.LAYOUT].assumptions(reducer),
         parts=reducer.parts_text,
-        has_known_differences=not isinstance(reducer, RvReducer),
+        has_known_differences=SHEETS[reducer.LAYOUT].is_compared,
     )
 
 
@@ -260,9 +256,8 @@ def _compute_part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str
 
     The result is empty for a part that RV reducers do not have.
     """
-    if isinstance(reducer, RvReducer):
-        return by_key(RV_PARTS[part](reducer, load)) if part in RV_PARTS else {}
-    return by_key(PARTS_OF_SHEET[part](reducer, load))
+    parts = SHEETS[reducer.LAYOUT].parts
+    return by_key(parts[part](reducer, load)) if part in parts else {}
 
 
 def _cached_part(part: SheetPart) -> Part:
@@ -383,7 +378,7 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
                 (shaft, case, direction): float(rotation.mean()) / ARCSECOND for shaft, rotation in rotations.items()
             }
             yield from _range_figures(rotations, case, direction)
-            if (case, direction) == ("loaded", "forward") and not isinstance(reducer, RvReducer):
+            if (case, direction) == ("loaded", "forward") and SHEETS[reducer.LAYOUT].is_compared:
                 yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
     for shaft in rotations:
         unloaded_error = means[shaft, "unloaded", "forward"]
@@ -403,8 +398,16 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
     Crank angles are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of
     the carrier.
     """
-    if isinstance(reducer, RvReducer):
-        return {"output": rv_sheet.running_rotation(reducer, DIRECTIONS[direction] * CASES[case] * load)}
+    return SHEETS[reducer.LAYOUT].rotations(reducer, load, case, direction)
+
+
+def _rv_rotations(reducer: RvReducer, load: float, case: str, direction: str) -> dict[str, Array]:
+    """Compute the result of `_compute_rotations` for an RV reducer."""
+    return {"output": rv_sheet.running_rotation(reducer, DIRECTIONS[direction] * CASES[case] * load)}
+
+
+def _central_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
+    """Compute the result of `_compute_rotations` for a drive with a central crank."""
     count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
     moving_reducer = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     springs = springs_of(moving_reducer, np.linspace(0.0, 2.0 * np.pi, count + 1))
@@ -525,12 +528,8 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
     With the law ``film``, the efficiency includes an interval.
     """
-    design = reducer.design
-    if isinstance(reducer, RvReducer):
-        mean_powers = shaft_powers(reducer, load, rv_sheet.SETTINGS.force_angles)
-        sources = {"crank_bearing": "crank bearings", "planet": "planets"}
-    else:
-        mean_powers, sources = shaft_powers(reducer, load), {"cam": "cam", "output": "output"}
+    design, of_layout = reducer.design, SHEETS[reducer.LAYOUT]
+    mean_powers, sources = shaft_powers(reducer, load, of_layout.angles), of_layout.sources
     if design.has_film:
         yield spread_quantity("efficiency", sampled_efficiency(reducer, load))
     else:
@@ -548,16 +547,17 @@ def shaft_powers(reducer: Reducer, torque: float, poses: int = POSES) -> Powers:
 
     The means are over `poses` crank angles. The reducer may have a central crank or be an RV reducer.
     """
-    if isinstance(reducer, RvReducer):
-        return rv_sheet.rv_powers(reducer, torque, poses)
+    return SHEETS[reducer.LAYOUT].powers(reducer, torque, poses)
+
+
+def _central_powers(reducer: Reducer, torque: float, poses: int) -> Powers:
+    """Compute the result of `shaft_powers` for a drive with a central crank."""
     return powers(reducer, torque, turn_evenly(reducer, poses))
 
 
 def sampled_losses(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
     """Compute the power lost with the law ``film`` by a reducer of any layout; see `film_spread.lost_powers`."""
-    if isinstance(reducer, RvReducer):
-        return rv_sheet.rv_lost_powers(reducer, torque, samples)
-    return lost_powers(reducer, torque, samples)
+    return SHEETS[reducer.LAYOUT].lost_powers(reducer, torque, samples)
 
 
 def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
@@ -650,3 +650,63 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "the bearings of the shafts are not included",
         *part_notes(design),
     )
+
+
+class SheetOfLayout(NamedTuple):
+    """What the sheet of a layout consists of.
+
+    Attributes
+    ----------
+    parts, quick_parts
+        Functions that yield the quantities of a part of the sheet, by its name, and those of `quick_sheet`.
+    assumptions
+        Function that returns the assumptions of the quantities, a sentence each.
+    inertia
+        Which inertia forces the quantities include, in words.
+    is_compared
+        Whether differences from dynamic runs are known, and effects of the inertia are stated.
+    rotations, powers, lost_powers
+        Functions as `_compute_rotations`, `shaft_powers` and `sampled_losses`.
+    sources, angles
+        Kinds of friction next to the teeth -> their names in `Powers`, and number of crank angles of the losses.
+    """
+
+    parts: Mapping[SheetPart, Callable[[Any, float], Iterator[Quantity]]]
+    quick_parts: tuple[Part, ...]
+    assumptions: Callable[[Any], tuple[str, ...]]
+    inertia: str
+    is_compared: bool
+    rotations: Callable[[Any, float, str, str], dict[str, Array]]
+    powers: Callable[[Any, float, int], Powers]
+    lost_powers: Callable[[Any, float, int], tuple[float, Array]]
+    sources: Mapping[str, str]
+    angles: int
+
+
+SHEETS: Mapping[Layout, SheetOfLayout] = {
+    "central": SheetOfLayout(
+        parts=PARTS_OF_SHEET,
+        quick_parts=(_motion_figures, _loaded_error, _loads_and_yield, _efficiency_figures),
+        assumptions=_assumptions,
+        inertia="quasi-static with disc centrifugal force",
+        is_compared=True,
+        rotations=_central_rotations,
+        powers=_central_powers,
+        lost_powers=lost_powers,
+        sources={"cam": "cam", "output": "output"},
+        angles=POSES,
+    ),
+    "rv": SheetOfLayout(
+        parts=RV_PARTS,
+        quick_parts=(_cached_part("motions"), _cached_part("loads"), _cached_part("losses"), _loaded_error),
+        assumptions=rv_sheet.assumptions,
+        inertia="quasi-static",
+        is_compared=False,
+        rotations=_rv_rotations,
+        powers=rv_sheet.rv_powers,
+        lost_powers=rv_sheet.rv_lost_powers,
+        sources={"crank_bearing": "crank bearings", "planet": "planets"},
+        angles=rv_sheet.SETTINGS.force_angles,
+    ),
+}
+"""Layout -> its sheet."""
