@@ -70,6 +70,8 @@ GROUPS = (
     Group("Effect of gravity", "weight of the parts", "gravity", "%"),
     Group("MuJoCo: transmission error, forces, speeds", "planar solver", "witness", "%"),
     Group("MuJoCo: efficiency", "planar solver", "witness", "points"),
+    Group("RV reducer: ratio, wind-up, forces, error map", "closed forms, statics", "rv", "%"),
+    Group("RV reducer: efficiency in both solvers", "statics", "rv", "points"),
 )
 
 
