@@ -129,7 +129,7 @@ def fit_contact_friction() -> dict[str, Any]:
     fits["0, output"] = cm.calibrate(drawn, loops, RUBBING, "output")
     rows: dict[str, Any] = {}
     for held, calibration in fits.items():
-        content, ends = calibration.as_json(), stops(Reducer(calibration.design), calibration.fitted.bench.crank)
+        content, ends = calibration.as_json(), stops(Reducer(calibration.design), calibration.fitted.condition.crank)
         rows[held] = {
             "parameters": content["parameters"],
             "play": math.degrees(ends[1] - ends[0]),

@@ -22,8 +22,8 @@ from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
 from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, loop_coulomb_torque, loop_figures, loop_width
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import (
-    RUBBING,
-    STANDS_FOR_RUBBING,
+    CONTACT_FRICTION,
+    WIND_UP_FRICTION,
     Model,
     default_keys,
     fit_parameters,
@@ -205,7 +205,7 @@ class Calibration(Presented):
     @property
     def stretches(self) -> tuple[model_selection.LoopStretch, ...]:
         """Deviation of the fitted model from each stretch of each loop."""
-        return model_selection.compare_stretches(self.fitted)
+        return model_selection.compare_sections(self.fitted)
 
     @property
     def preferred(self) -> model_selection.ModelFit | None:
@@ -217,12 +217,12 @@ class Calibration(Presented):
         """Sentences on how the loops deviate from the fitted model.
 
         There is a sentence for each loop that deviates by more than the model error (`MODEL_ERROR`). The last sentence
-        reports the candidate model that explains the loops better than the design's, if there is one.
+        reports the candidate model of friction that explains the loops better than the design's, if there is one.
         """
-        best, sentences = self.preferred, list(self._worst_stretches())
-        if best is None or best.key == model_selection.WRITTEN:
+        best, sentences = self.preferred, list(self._worst_sections())
+        if best is None or best.key == model_selection.DESIGN_MODEL:
             return tuple(sentences)
-        design_fit = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
+        design_fit = next(item for item in self.candidates if item.key == model_selection.DESIGN_MODEL)
         extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
@@ -235,19 +235,20 @@ class Calibration(Presented):
         )
         return (*sentences, better + (remedy if best.key == "load" else ""))
 
-    def _worst_stretches(self) -> Iterator[str]:
+    def _worst_sections(self) -> Iterator[str]:
         """Yield a sentence for each loop on the section of it that deviates most from the fitted model.
 
-        A loop has six sections (`model_selection.compare_stretches`); loops within the model error are skipped.
+        A loop has six sections: unloading, crossing of the play and loading, with rising and with falling torque. Loops
+        within the model error are skipped.
         """
-        all_stretches = self.stretches
+        sections = self.stretches
         for loop in self.fitted.loops:
-            stretches = [item for item in all_stretches if item.loop == loop.name]
-            deviating_stretches = [item for item in stretches if not item.is_within_model_error]
-            if deviating_stretches:
-                worst = max(deviating_stretches, key=attrgetter("share"))
+            loop_sections = [item for item in sections if item.loop == loop.name]
+            deviating_sections = [item for item in loop_sections if not item.is_within_model_error]
+            if deviating_sections:
+                worst = max(deviating_sections, key=attrgetter("share"))
                 limit = (
-                    f"{len(deviating_stretches)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
+                    f"{len(deviating_sections)} of {len(loop_sections)} stretches differ by more than {MODEL_ERROR:.0%}"
                 )
                 yield f"{worst.sentence} ({limit})"
 
@@ -286,7 +287,10 @@ class Calibration(Presented):
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
-        """Return a table of the loop figures (`DEFINITIONS`), such as play, for measured loops and fitted model."""
+        """Return a table of play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
+
+        Each has a row with its unit and 95 % intervals (`DEFINITIONS`).
+        """
         modelled_figures = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
@@ -298,7 +302,8 @@ class Calibration(Presented):
     def _loop_table(self) -> Table:
         """Return a table of the loops: points, ranges of deflection [deg] and torque [N m], and rms residual [deg].
 
-        The residual is also stated relative to the range of deflection, with and without an offset of the torque.
+        The residual is also stated relative to the range of deflection, with and without a fitted zero offset of the
+        torque.
         """
         header = (
             *("loop", "points", "height [deg]", "residual rms [deg]", "relative to the height"),
@@ -315,33 +320,33 @@ class Calibration(Presented):
     def _deviation_table(self) -> Table:
         """Return a table of the deviation of the loops from the fitted model, with a row for each section of each loop.
 
-        A loop has up to six sections, which differ in sense and range of the torque (`compare_stretches`). Columns are
-        loop, section, range of torque [N m], mean and rms of the measured minus the modelled deflection [deg], and this
-        rms relative to the loop's height, the range of its deflection.
+        A loop has up to six sections: unloading, crossing of the play and loading, with rising and with falling torque.
+        Columns are loop, section, range of torque [N m], mean and rms of the measured minus the modelled deflection
+        [deg], and this rms relative to the loop's height, the range of its deflection.
         """
         deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
-        for stretch in self.stretches:
+        for section in self.stretches:
             torques, deviations = (
-                f"{stretch.first:+.3g} to {stretch.last:+.3g}",
-                (stretch.mean / DEGREE, stretch.rms / DEGREE),
+                f"{section.first:+.3g} to {section.last:+.3g}",
+                (section.mean / DEGREE, section.rms / DEGREE),
             )
-            rows.append((stretch.loop, stretch.stretch, torques, *deviations, f"{stretch.share:.1%}"))
+            rows.append((section.loop, section.stretch, torques, *deviations, f"{section.share:.1%}"))
         header = ("loop", "stretch", "torque [N m]", *deviation)
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
         """Convert the calibration to JSON values; keys end in their units.
 
-        ``parameters`` are the fitted values with intervals. ``measured`` and ``model`` are the loop figures
-        (`DEFINITIONS`) of measured loops and fitted model. ``loops`` are the measured loops, ``misses`` the deviations
-        of the model by section of each loop, ``models`` and ``losses`` the compared models.
+        ``parameters`` are the fitted values with intervals. ``measured`` and ``model`` are play, width, stiffness and
+        Coulomb torque of measured loops and fitted model (`DEFINITIONS`). ``loops`` are the measured loops, ``misses``
+        the deviations of the model by section of each loop, ``models`` and ``losses`` the compared models.
         """
         figures = self.measured.in_units()
         return {
             "design": self.design.name,
-            "held": self.fitted.bench.held,
-            "crank_deg": self.fitted.bench.crank / DEGREE,
+            "held": self.fitted.condition.held,
+            "crank_deg": self.fitted.condition.crank / DEGREE,
             "parameters": {key: _estimate_json(estimate) for key, estimate in self.estimates.items()},
             "model_error_share": MODEL_ERROR,
             "intervals": INTERVALS,
@@ -383,10 +388,10 @@ class Calibration(Presented):
 
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
-    """Convert a fitted value to JSON values.
+    """Convert the estimate of a fitted parameter to JSON values.
 
-    ``ci95`` and ``noise95`` are its intervals of 95 %, with the assumed model error and from the noise alone.
-    ``prior`` is None if the value has none. All are in the ``unit`` of the value.
+    ``ci95`` and ``noise95`` are its intervals of 95 %, with the assumed model error and from the noise alone. ``prior``
+    is None if the parameter has none. All are in the ``unit`` of the parameter.
     """
     prior = {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
     return {
@@ -399,9 +404,9 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
 def _loop_json(fit: Fitted, loop_index: int) -> dict[str, Any]:
     """Convert a measured loop and its deviation from the fitted model to JSON values; the keys end in their units.
 
-    ``height`` is the range of the measured deflection, and ``residual_rms`` the rms difference of the model from it.
-    ``offset_torque`` and ``offset`` are the fitted zero offsets of torque and deflection. Shares are relative to the
-    height.
+    `loop_index` is the index of the loop in the `fit`. ``height`` is the range of the measured deflection, and
+    ``residual_rms`` the rms difference of the model from it. ``offset_torque`` and ``offset`` are the fitted zero
+    offsets of torque and deflection. ``residual_share`` is relative to the height.
     """
     loop, rms, offset = fit.loops[loop_index], fit.rms(loop_index), fit.offsets[loop_index]
     return {
@@ -474,9 +479,9 @@ def calibrate(
         raise UsageError("no measured hysteresis loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
     model = Model(reducer, Losses(drag), needs_contact_friction(reducer, keys))
-    bench = LoopCondition(held, crank, max(loop.most for loop in loops))
-    _require_units(model, loops, bench)
-    problem = FitProblem(model, fit_parameters(reducer, keys, loops), tuple(loops), bench, Trials())
+    condition = LoopCondition(held, crank, max(loop.most for loop in loops))
+    _require_units(model, loops, condition)
+    problem = FitProblem(model, fit_parameters(reducer, keys, loops), tuple(loops), condition, Trials())
     _require_sensitivity(problem)
     return _fit_and_compare(
         replace(problem, trials=Trials(progress)), with_candidates=set(keys) == set(default_keys(reducer))
@@ -486,8 +491,9 @@ def calibrate(
 def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     """Fit the parameters of a problem to its loops, and return the calibration with values, intervals and notes.
 
-    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. The candidate with the lowest Bayesian
-    information criterion then decides whether the final fit has an offset of the torque's zero point for each loop.
+    If `with_candidates`, all friction models of `model_selection.CANDIDATES` are fitted first. The candidate with the
+    lowest Bayesian information criterion then decides whether the final fit has an offset of the torque's zero point
+    for each loop.
 
     Raises
     ------
@@ -496,21 +502,21 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     CalibrationStopped
         Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
-    model, loops, bench, trials = problem.model, problem.loops, problem.bench, problem.trials
+    model, loops, condition, trials = problem.model, problem.loops, problem.condition, problem.trials
     fits: dict[str, Fitted] = {}
     compared: tuple[model_selection.ModelFit, ...] = ()
     torque_offset, offset_gain = None, math.nan
     try:
         if with_candidates:
-            for key, item in model_selection.fit_candidates(model, loops, bench, trials):
+            for key, item in model_selection.fit_candidates(model, loops, condition, trials):
                 fits[key] = item
             compared = model_selection.compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
             best = fits[model_selection.select_model(compared).key]
             torque_offset, offset_gain = best.torque_offset, best.offset_gain
-        fitted = fit_loops(model, problem.parameters, loops, bench, trials, torque_offset=torque_offset)
+        fitted = fit_loops(model, problem.parameters, loops, condition, trials, torque_offset=torque_offset)
     except FitStopped as stop:
-        partial_calibration = _build_calibration(fits.get(model_selection.WRITTEN, stop.fitted))
+        partial_calibration = _build_calibration(fits.get(model_selection.DESIGN_MODEL, stop.fitted))
         notes = (*partial_calibration.notes, STOPPED)
         raise CalibrationStopped(
             stop, replace(partial_calibration, complete=False, candidates=compared, notes=notes)
@@ -559,7 +565,7 @@ def compare_losses(
     common = [
         "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
         for parameter in fitted.parameters
-        if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
+        if parameter.key not in (*CONTACT_FRICTION, *WIND_UP_FRICTION)
     ]
     frictionless = fitted.model.reducer.but(friction=NO_FRICTION).design
     trials = Trials(progress)
@@ -573,7 +579,7 @@ def compare_losses(
         chosen = fit_parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         loops, offset = fitted.loops, fitted.torque_offset
         fits[key, meaning] = fit_loops(
-            base_model, chosen, loops, fitted.bench, trials, intervals=False, torque_offset=offset
+            base_model, chosen, loops, fitted.condition, trials, intervals=False, torque_offset=offset
         )
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
         calibration = replace(calibration, variants=model_selection.compare_fits(fits))
@@ -591,7 +597,10 @@ def correlations(fitted: Fitted) -> Array:
 
 
 def _build_calibration(fitted: Fitted) -> Calibration:
-    """Return the calibration of a fit: the calibrated design, estimates with intervals, loop figures and notes."""
+    """Return the calibration of a fit: the calibrated design, estimates with intervals, notes, and loop figures.
+
+    The loop figures are play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
+    """
     count = len(fitted.parameters)
     estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     parameter_correlations = correlations(fitted)
@@ -614,7 +623,7 @@ def _build_calibration(fitted: Fitted) -> Calibration:
 
 
 def _writable_design(reducer: Reducer) -> Design:
-    """Return the calibrated design of a fitted reducer, without values that its layout does not have.
+    """Return the design of a calibrated reducer, without values that the design file of its layout does not have.
 
     An RV reducer has no table ``[springs]``: its constant friction becomes ``drag.output``.
     """
@@ -653,7 +662,7 @@ def _percent(shares: Sequence[float]) -> str:
 
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
-    """Return a table of several models' fits to the same loops, a row each.
+    """Return a table of the fits of several models to the same loops, a row for each model.
 
     The columns are the residuals of each loop, the information criteria minus the lowest of all models, and the fitted
     values. `title` is the heading of the table, `compared` are the fits.
@@ -702,23 +711,23 @@ def _advise_loops(
     There are recommendations for play, friction and stiffness only.
     """
     open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
-    max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
+    max_torque, condition = max(loop.most for loop in fitted.loops), fitted.condition
     lowest = min(fitted.loops, key=attrgetter("height"))
     coulomb, advice = loop_coulomb_torque(lowest).value, []
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
         design = fitted.model.reducer.design
         turns = design.lobes if isinstance(fitted.model.reducer, RvReducer) else design.reduction
-        angle = bench.crank / DEGREE + 180.0 / design.ring.teeth * turns
+        angle = condition.crank / DEGREE + 180.0 / design.ring.teeth * turns
         advice.append(
             f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
         )
-    if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
+    if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *CONTACT_FRICTION} & open_keys:
         small_torque = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * max_torque
         advice.append(
             f"losses: a loop of +-{small_torque:.2g} N m, in which constant friction is most of the torque, in "
             f"addition to one of +-{max_torque:.4g} N m"
         )
-        other_shaft = "output" if bench.held == "crank" else "crank"
+        other_shaft = "output" if condition.held == "crank" else "crank"
         advice.append(
             f"friction: the same loop with the {other_shaft} locked (--held {other_shaft}), where friction acts in the "
             "other direction"
@@ -756,18 +765,18 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
+def _require_units(model: Model, loops: Sequence[MeasuredLoop], condition: LoopCondition) -> None:
     """Raise UsageError if torques are probably not in N m, or deflections not in degrees.
 
-    Torques are compared with the rated torque, deflections with those that the model predicts under the condition
-    `bench` of the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A deflection is not
-    checked if the model has no static equilibrium at the torques of its loop.
+    Torques are compared with the rated torque, deflections with those that the model predicts under the `condition` of
+    the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A deflection is not checked if
+    the model has no static equilibrium at the torques of its loop.
     """
     rated_torque = model.reducer.design.rated_torque
     for loop in loops:
         require_torque(loop, rated_torque)
         try:
-            turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])
+            turn = np.concatenate([turn for _, turn in model_branches(model, condition, loop)])
         except RunError:
             continue
         expected = float(np.ptp(turn))

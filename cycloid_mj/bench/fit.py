@@ -64,7 +64,7 @@ class Fitted:
 
     model: Model
     parameters: tuple[Parameter, ...]
-    bench: LoopCondition
+    condition: LoopCondition
     loops: tuple[MeasuredLoop, ...]
     """The model before the fit, its parameters, and the loops with the condition under which they were measured."""
     likeliest: Array
@@ -111,7 +111,7 @@ class Fitted:
         """Return torque [N m] and deflection [rad] of the model along each branch of each loop, offsets included."""
         lines = []
         for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
-            branches = model_branches(self.calibrated_model, self.bench, loop, float(torque))
+            branches = model_branches(self.calibrated_model, self.condition, loop, float(torque))
             lines.append([(loads + torque, turns + deflection) for loads, turns in branches])
         return tuple(lines)
 
@@ -156,7 +156,7 @@ class Fitted:
     def rms_without_offset(self, loop_index: int) -> float:
         """Return the rms difference of a loop [rad] without a torque offset, with the best deflection offset."""
         loop = self.loops[loop_index]
-        turn = interpolate_deflections(loop, model_branches(self.calibrated_model, self.bench, loop))
+        turn = interpolate_deflections(loop, model_branches(self.calibrated_model, self.condition, loop))
         return float(np.std((turn - loop.deflection)[loop.points_left_out :]))
 
 
@@ -172,7 +172,7 @@ def fit_loops(
     model: Model,
     parameters: Sequence[Parameter],
     loops: Sequence[MeasuredLoop],
-    bench: LoopCondition,
+    condition: LoopCondition,
     trials: Trials | None = None,
     start: Array | None = None,
     intervals: bool = True,
@@ -182,13 +182,13 @@ def fit_loops(
 
     Parameters
     ----------
-    model, parameters, loops, bench
+    model, parameters, loops, condition
         The model, its parameters to fit, the measured loops, and the condition of their measurement.
     trials
         Counter of evaluations.
     start
-        Scaled values (`bench.search`) from which a single search starts, shape (v,); by default there are several
-        starts.
+        Parameters and zero offsets of the loops, in units of their scales, shape (v,), from which a single search
+        starts; by default there are several starts.
     intervals
         Whether to compute intervals by profile likelihood, which requires further searches. Otherwise the intervals are
         those of the linearised model.
@@ -202,7 +202,9 @@ def fit_loops(
     FitStopped
         Ctrl-C was pressed. Its `fitted` has the best values so far, some with intervals of the linearised model.
     """
-    problem = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
+    problem = FitProblem(
+        model, tuple(parameters), tuple(loops), condition, trials or Trials(), torque_offset is not False
+    )
     interval_searches = {"ends": 2 * len(problem.parameters), "nearest": 1} if intervals else {}
     solutions: list[tuple[float, Array]] = []
     fits: list[Fitted] = []
@@ -240,15 +242,16 @@ def _continue_search(
     """Continue the search from the best solution, and compute the intervals of the fitted values.
 
     The intervals are those of profile likelihood (`widen_intervals`). If the search for one of them reaches a lower
-    cost, both are repeated from there, with at most `PROFILE.max_restarts` searches in all.
+    cost, both are repeated from there, with at most `PROFILE.max_restarts` searches in all. Scaled values are
+    parameters and offsets in units of their scales.
 
     Parameters
     ----------
     problem
         The least-squares problem.
     solutions
-        Cost and scaled values (`bench.search`) of the searches so far, sorted by cost. Those of the new searches are
-        appended in the order in which they end.
+        Cost and scaled values of the searches so far, sorted by cost. Those of the new searches are appended in the
+        order in which they end.
     fits
         List to which the fit of each new search is appended, with its intervals.
     offset_gain
@@ -283,8 +286,8 @@ def _continue_search(
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     """Return residuals, uncertainties and intervals of a fit to loops at fixed values, without a search.
 
-    `scaled_values` (v,) are those of the parameters and offsets of the `problem`, divided by the scale of each
-    (`bench.search`). The intervals are those of the linearised model and include `MODEL_ERROR`.
+    `scaled_values` (v,) are those of the parameters and offsets of the `problem`, in units of their scales. The
+    intervals are those of the linearised model and include `MODEL_ERROR`.
 
     Raises
     ------
@@ -325,7 +328,7 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     return Fitted(
         model=problem.model,
         parameters=problem.parameters,
-        bench=problem.bench,
+        condition=problem.condition,
         loops=problem.loops,
         likeliest=scaled_values,
         scaled=scaled_values,
@@ -356,8 +359,8 @@ def _choose_offset(
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Decide by the Bayesian information criterion whether an offset of the zero of torque is fitted for each loop.
 
-    `problem` is that with offsets. `solutions` are cost and scaled values (v,) (`bench.search`) of its searches, the
-    best first.
+    `problem` is that with offsets. `solutions` are cost and scaled values (v,) of its searches, the best first; scaled
+    values are parameters and offsets in units of their scales.
 
     Returns
     -------
@@ -384,11 +387,11 @@ def _choose_offset(
     return (problem, gain, solutions) if gain > 0.0 else (problem_without_offset, gain, solutions_without)
 
 
-def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+def widen_intervals(problem: FitProblem, fitted: Fitted, minima: Sequence[tuple[float, Array]]) -> Array | None:
     """Replace the ends of the intervals in `fitted` by those of profile likelihood (Venzon and Moolgavkar 1988).
 
     Values at a bound, and those on which no residual depends, keep their ends. The function returns early if a search
-    reaches a lower cost than the solution.
+    reaches a lower cost than the solution. Scaled values are parameters and offsets in units of their scales.
 
     Parameters
     ----------
@@ -396,18 +399,18 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
         The least-squares problem.
     fitted
         Its solution; `ends` is changed in place.
-    valleys
-        Cost and scaled values (`bench.search`) of local minima at which searches ended, the solution first. An end is
-        computed from each minimum whose cost is within the limit of the interval; the farthest of these ends is used.
+    minima
+        Cost and scaled values of local minima at which searches ended, the solution first. An end is computed from each
+        minimum whose cost is within the limit of the interval; the farthest of these ends is used.
 
     Returns
     -------
     Array or None
         Scaled values (v,) with a lower cost than the solution; None if no search reached any.
     """
-    inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
-    is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
-    valleys = [valleys[0], *(valley for valley, distinct in zip(valleys[1:], is_distinct, strict=True) if distinct)]
+    inverse, lowest_cost = fitted.uncertainty.inverse, minima[0][0]
+    is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in minima[1:]]
+    minima = [minima[0], *(minimum for minimum, distinct in zip(minima[1:], is_distinct, strict=True) if distinct)]
     unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
     open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(problem.parameters)])
     trials_before, ends_done, usual_trials = problem.trials.done, 0, problem.expected_trials(ends=1)
@@ -421,32 +424,32 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
             linear_distance = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
             allowed, reached_distances = 0.5 * linear_distance**2 / inverse[index, index], []
-            for cost, valley_values in valleys:
+            for cost, minimum_values in minima:
                 if (remaining := allowed - (cost - lowest_cost)) <= 0.0:
                     continue
                 distance, better_values = _profile_distance(
-                    problem, fitted, (cost, valley_values), int(index), side, remaining
+                    problem, fitted, (cost, minimum_values), int(index), side, remaining
                 )
                 if better_values is not None and better_values[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
                     return better_values[1]
-                reached_distances.append(float(valley_values[index]) + distance)
+                reached_distances.append(float(minimum_values[index]) + distance)
             fitted.ends[index, side] = max(reached_distances) if side else min(reached_distances)
     return None
 
 
 def _profile_distance(
-    problem: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed_rise: float
+    problem: FitProblem, fitted: Fitted, minimum: tuple[float, Array], index: int, side: int, allowed_rise: float
 ) -> tuple[float, tuple[float, Array] | None]:
     """Compute how far a scaled value can move from its value at a minimum until the cost rises by `allowed_rise`.
 
     The value is fixed at distances that double, and all others are fitted again each time. The distance is then
-    interpolated. Values and distance are scaled [1], as in `bench.search`.
+    interpolated. Values and distance are in units of the scales of parameters and offsets.
 
     Parameters
     ----------
     problem, fitted
         The least-squares problem and its solution.
-    valley
+    minimum
         Cost and scaled values (v,) at a local minimum of the cost, from which distances are counted.
     index, side
         Index of the value; 0 for its lower end, 1 for its upper end.
@@ -459,15 +462,15 @@ def _profile_distance(
         The signed distance. Cost and scaled values of a point with a lower cost than the minimum, if a search reached
         one, else None.
     """
-    (cost, valley_values), inverse = valley, fitted.uncertainty.inverse
+    (cost, minimum_values), inverse = minimum, fitted.uncertainty.inverse
     direction = inverse[:, index] / inverse[index, index]
-    limit = float(problem.bounds[side][index] - valley_values[index])
+    limit = float(problem.bounds[side][index] - minimum_values[index])
     distance = (2.0 * allowed_rise * float(inverse[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
     rise_before = last_distance = rise = 0.0
     better_values = None
     for _ in range(PROFILE.max_doublings):
-        start = np.clip(valley_values + distance * direction, *problem.bounds)
+        start = np.clip(minimum_values + distance * direction, *problem.bounds)
         new_cost, trial = problem.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
         if new_cost < cost:
             better_values = new_cost, trial

@@ -354,10 +354,11 @@ def _median_filter(values: Array) -> Array:
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
     """Return the number of points of the first branch if it only leads from rest to the loop, else 0.
 
-    The first branch is such a branch if its first torque is at most the share `SETTINGS.end_torque` of the largest
-    torque, and if it starts at a distance from the later branches of the same direction. This distance exceeds the
-    share `SETTINGS.lead_distance` of that between both directions. `torque` [N m], `deflection` [rad] and `branch`, the
-    number of reversals before each point, have shape (n,).
+    A branch is the points between two reversals of the torque. The first branch leads to the loop if its first torque
+    is at most the share `SETTINGS.end_torque` of the largest torque, and if it starts at a distance from the later
+    branches of the same direction. This distance exceeds the share `SETTINGS.lead_distance` of that between both
+    directions. `torque` [N m], `deflection` [rad] and `branch`, the number of reversals before each point, have shape
+    (n,).
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():

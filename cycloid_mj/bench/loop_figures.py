@@ -91,7 +91,7 @@ class LoopFigures:
     coulomb: LoopFigure
 
     def in_units(self) -> dict[str, LoopFigure]:
-        """Return the figures and their intervals by the keys of `DEFINITIONS`, in the units in which these keys end."""
+        """Return the figures with their intervals, such as ``play_deg``, in the units in which their keys end."""
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
             "width_deg": self.width.scale(1.0 / DEGREE),
@@ -119,11 +119,11 @@ class _Line(NamedTuple):
 
 
 def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
-    """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals (`DEFINITIONS`).
+    """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals.
 
-    Play and stiffness are those of the loop with the largest torque. Width and Coulomb torque are those of the loop
-    with the smallest range of deflection. A figure is NaN if its loop does not allow it, for example with too few
-    points.
+    `DEFINITIONS` defines them. Play and stiffness are those of the loop with the largest torque. Width and Coulomb
+    torque are those of the loop with the smallest range of deflection. A figure is NaN if its loop does not allow it,
+    for example with too few points.
     """
     largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = loop_coulomb_torque(smallest_loop)
@@ -165,8 +165,8 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """Compute the lost motion of a loop [rad], with its 95 % interval.
 
-    It is the rotation between the torques +3 % and -3 % of `rated_torque` [N m]; at each of them it is the mean of the
-    rising and the falling branch. NaN if a branch does not cross one of these torques.
+    It is the rotation between the torques +3 % and -3 % of `rated_torque` [N m], each averaged over the rising and the
+    falling branch. NaN if a branch does not cross one of these torques.
     """
     level = LOST_MOTION_SHARE * rated_torque
     crossings = [
@@ -212,9 +212,10 @@ def loop_width(loop: MeasuredLoop) -> LoopFigure:
 
 
 def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
-    """Compute half the torque between the branches of a loop at its middle deflection [N m], with its 95 % interval.
+    """Compute the Coulomb torque of a loop [N m], with its 95 % interval.
 
-    NaN if a branch does not cross that deflection.
+    It is half the torque between the rising and the falling branch at the middle deflection. NaN if a branch does not
+    cross that deflection.
     """
     inner = loop.deflection[loop.points_left_out :]
     value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
@@ -238,10 +239,10 @@ def _fit_loading_line(
 
 
 def _line_stiffness(line: _Line | None) -> LoopFigure:
-    """Return the stiffness [N m/rad] by a loading line, the inverse of its slope [rad/(N m)], with its 95 % interval.
+    """Return the stiffness [N m/rad] by a loading line with its 95 % interval: the inverse slope of the line.
 
-    All are NaN without a line, or if its slope is not positive. The upper end is infinite if the interval of the slope
-    includes 0.
+    Stiffness and interval are NaN without a line, or if its slope is not positive. The upper end is infinite if the
+    interval of the slope includes 0.
     """
     if line is None or line.slope <= 0.0:
         return NO_FIGURE
@@ -284,9 +285,10 @@ def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: 
     crossings = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if crossings is None:
         return NO_FIGURE
-    (above, upper_variance, upper_freedom), (below, lower_variance, lower_freedom) = crossings
+    (falling_value, upper_variance, upper_freedom), (rising_value, lower_variance, lower_freedom) = crossings
     return LoopFigure.about(
-        above - below, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
+        falling_value - rising_value,
+        _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5,
     )
 
 

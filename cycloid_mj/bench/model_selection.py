@@ -12,14 +12,14 @@ from cycloid_mj.bench.fit import Fitted, fit_loops
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import READING, loop_coulomb_torque
 from cycloid_mj.bench.overlay import LoopCondition
-from cycloid_mj.bench.parameters import STANDS_FOR_RUBBING, Model, default_keys, fit_parameters
+from cycloid_mj.bench.parameters import WIND_UP_FRICTION, Model, default_keys, fit_parameters
 from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
 
-WRITTEN = "hysteresis"
+DESIGN_MODEL = "hysteresis"
 """Candidate whose values the calibrated design has: a design and stock MuJoCo have only friction of constant size."""
 
 CANDIDATES: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    WRITTEN: ("constant friction and hysteresis", ("hysteresis", "hysteresis_travel")),
+    DESIGN_MODEL: ("constant friction and hysteresis", ("hysteresis", "hysteresis_travel")),
     "constant": ("constant friction alone", ()),
     "load": ("constant friction and friction in proportion to the torque", ("load_friction",)),
 }
@@ -100,12 +100,13 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
 
 
 def fit_candidates(
-    model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition, trials: Trials
+    model: Model, loops: Sequence[MeasuredLoop], condition: LoopCondition, trials: Trials
 ) -> Iterator[tuple[str, Fitted]]:
-    """Fit each model in `CANDIDATES` to the loops, one after the other.
+    """Fit each friction model in `CANDIDATES` to the loops, one after the other.
 
-    The fits have no intervals by profile likelihood. `bench` is the condition under which the loops were measured. The
-    number of evaluations that `trials` expects includes a later fit of the model `WRITTEN` with intervals.
+    The fits have no intervals by profile likelihood. `condition` is that under which the loops were measured. The
+    number of evaluations that `trials` expects includes a later fit of the design's own model, `DESIGN_MODEL`, with
+    intervals.
 
     Yields
     ------
@@ -119,18 +120,18 @@ def fit_candidates(
     FitStopped
         Ctrl-C was pressed.
     """
-    common = [key for key in default_keys(model.reducer) if key not in STANDS_FOR_RUBBING]
+    common = [key for key in default_keys(model.reducer) if key not in WIND_UP_FRICTION]
     parameters_by_model = {
         key: fit_parameters(model.reducer, (*common, *extra), loops) for key, (_, extra) in CANDIDATES.items()
     }
     problems = {
-        key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in parameters_by_model.items()
+        key: FitProblem(model, values, tuple(loops), condition, trials) for key, values in parameters_by_model.items()
     }
     expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
-    final_trials = problems[WRITTEN].usual_trials(intervals=True)
+    final_trials = problems[DESIGN_MODEL].usual_trials(intervals=True)
     for fitted_count, (key, values) in enumerate(parameters_by_model.items(), 1):
         trials.later = sum(list(expected.values())[fitted_count:]) + final_trials
-        yield key, fit_loops(model, values, loops, bench, trials, intervals=False)
+        yield key, fit_loops(model, values, loops, condition, trials, intervals=False)
     trials.later = 0.0
 
 
@@ -139,7 +140,7 @@ def select_model(fits: Sequence[ModelFit]) -> ModelFit:
     return min(fits, key=lambda item: item.bayesian)
 
 
-def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
+def compare_sections(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """Return the deviation of the model's deflection from the measured one in six sections of each loop.
 
     There are three sections with rising and three with falling torque. In the first the drive is unloaded to zero
@@ -153,28 +154,34 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
         for direction, direction_text in ((1, "torque rising"), (-1, "torque falling")):
             is_moving, signed_torque = loop.moving(direction), direction * loop.torque
             crossing = (signed_torque >= 0.0) & (signed_torque < loaded_torque)
-            stretches = {
+            sections = {
                 "unloading": signed_torque < 0.0,
                 "across the play": crossing,
                 "loading": signed_torque >= loaded_torque,
             }
-            for stretch, is_inside in stretches.items():
+            for section, is_inside in sections.items():
                 if np.any(is_moving & is_inside):
                     rows.append(
-                        _compare_stretch(
-                            loop, modelled_deflection, f"{direction_text}, {stretch}", is_moving & is_inside, direction
+                        _compare_section(
+                            loop, modelled_deflection, f"{direction_text}, {section}", is_moving & is_inside, direction
                         )
                     )
     return tuple(rows)
 
 
-def _compare_stretch(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
+def _compare_section(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
     """Return the deviation of the modelled deflection [rad], shape (n,), from the measured one in a section of a loop.
 
     `mask` selects the points of the section, `name` is its name; `direction` is 1 if the torque rises in it, else -1.
     """
     differences, torque = (loop.deflection - modelled)[mask], loop.torque[mask]
-    first, last = (float(torque.min()), float(torque.max()))[::direction]
+    start_torque, end_torque = (float(torque.min()), float(torque.max()))[::direction]
     return LoopStretch(
-        loop.name, name, first, last, float(np.mean(differences)), rms(differences), rms(differences) / loop.height
+        loop.name,
+        name,
+        start_torque,
+        end_torque,
+        float(np.mean(differences)),
+        rms(differences),
+        rms(differences) / loop.height,
     )

@@ -57,30 +57,30 @@ def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -
     return model
 
 
-def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, torque_offset: float = 0.0) -> Branches:
+def model_branches(model: Model, condition: LoopCondition, loop: MeasuredLoop, torque_offset: float = 0.0) -> Branches:
     """Compute torque [N m] and rotation [rad] of a model along each branch of a measured loop, as pairs of arrays.
 
-    The torque of the model reverses at the reversal torques of the loop minus `torque_offset` [N m]. The model starts
-    from rest. Two branches that lead from rest to the loop are computed and omitted. `bench` is the condition of the
-    measurement.
+    A branch is the curve between two reversals of the torque. The model reverses at the reversal torques of the loop
+    minus `torque_offset` [N m]. It starts from rest; two branches that lead from rest to the loop are computed and
+    omitted. `condition` is that of the measurement.
     """
     ends = [end - torque_offset for end in loop.turns]
     if model.contact_friction:
-        return _branches_with_contact_friction(model, bench, ends, SETTINGS.max_rotation * loop.height)
-    curve = solve_locked_curve(model.reducer, bench.max_torque, bench.crank)
+        return _branches_with_contact_friction(model, condition, ends, SETTINGS.max_rotation * loop.height)
+    curve = solve_locked_curve(model.reducer, condition.max_torque, condition.crank)
     # two branches lead to the loop: from rest to its second end, and back to its first
     load = load_friction(model.losses.load, model.reducer.design.springs.friction_travel)
     return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends], load)[2:]
 
 
 def _branches_with_contact_friction(
-    model: Model, bench: LoopCondition, reversals: list[float], max_turn: float
+    model: Model, condition: LoopCondition, reversals: list[float], max_turn: float
 ) -> Branches:
     """Compute torque [N m] and rotation [rad] along the branches between reversals, with friction in the contacts.
 
-    `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points, and `bench` is
-    the condition of the measurement. Two branches, from rest to the second reversal and back to the first, are computed
-    first and omitted from the result.
+    `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points, and `condition`
+    is that of the measurement. Two branches, from rest to the second reversal and back to the first, are computed first
+    and omitted from the result.
     """
     spans = list(pairwise(reversals))
     lead = [
@@ -89,7 +89,9 @@ def _branches_with_contact_friction(
     ]
     distinct = list(dict.fromkeys(spans))
     torque_path = np.concatenate([*lead, *(np.linspace(start, end, SETTINGS.points) for start, end in distinct)])
-    positions, turn = follow_torque_path(model.reducer, torque_path, bench.crank, model.losses, bench.held, max_turn)
+    positions, turn = follow_torque_path(
+        model.reducer, torque_path, condition.crank, model.losses, condition.held, max_turn
+    )
     load = np.interp(positions, np.arange(len(torque_path)), torque_path)
     starts = np.searchsorted(positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct) + 1))
     branches = [(load[start:end], turn[start:end]) for start, end in pairwise(starts)]
@@ -109,8 +111,9 @@ def interpolate_deflections(loop: MeasuredLoop, branches: Branches) -> Array:
 def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: float, deflection_offset: float) -> Array:
     """Compute the signed distance [1] of each measured point from the model's branch, shape (n - points_left_out,).
 
-    Torque and deflection are divided by the loop's ranges. `torque_offset` [N m] and `deflection_offset` [rad] are
-    added to the model's branches. The distance is positive for points to the left of the branch, seen in its direction.
+    `branches` are the model's curves between reversals of the torque. Torque and deflection are divided by the loop's
+    ranges. `torque_offset` [N m] and `deflection_offset` [rad] are added to the branches. The distance is positive for
+    points to the left of the branch, seen in its direction.
     """
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))

@@ -114,13 +114,13 @@ DEFAULT = ("play", "structure_stiffness", "drag", "drag_travel", "hysteresis", "
 RV_DEFAULT = ("play", "bearing_stiffness", *DEFAULT[2:])
 """The same for an RV reducer, whose crank bearings cause most of the deflection."""
 
-RUBBING = ("friction", "material_loss")
+CONTACT_FRICTION = ("friction", "material_loss")
 """Parameters of the friction of the contacts."""
 
-STANDS_FOR_RUBBING = ("hysteresis", "hysteresis_travel", "load_friction")
+WIND_UP_FRICTION = ("hysteresis", "hysteresis_travel", "load_friction")
 """Parameters that represent the friction of the contacts."""
 
-NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
+NAMED = (*DEFAULT, "load_friction", *CONTACT_FRICTION, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
 """All parameters that are no key of the design file."""
 
 
@@ -149,16 +149,16 @@ def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
     Raises
     ------
     UsageError
-        Some keys need friction in the contacts, and others (`STANDS_FOR_RUBBING`) represent the same friction; or the
+        Some keys need friction in the contacts, and others (`WIND_UP_FRICTION`) represent the same friction; or the
         reducer is an RV reducer, for which there is no model with friction in the contacts at a locked sun.
     """
-    contact_keys = [key for key in keys if key in RUBBING or key.partition(".")[0] == "friction"]
+    contact_keys = [key for key in keys if key in CONTACT_FRICTION or key.partition(".")[0] == "friction"]
     if contact_keys and not FITS[reducer.LAYOUT].has_contact_friction:
         raise UsageError(
             f"--fit: {contact_keys[0]} cannot be fitted for an RV reducer ({reducer.design.name}), because its loops "
             "are computed without friction of the contacts. Fit hysteresis and hysteresis_travel, or load_friction"
         )
-    wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
+    wind_up_keys = [key for key in keys if key in WIND_UP_FRICTION]
     if contact_keys and wind_up_keys:
         raise UsageError(
             f"--fit: {wind_up_keys[0]} and {contact_keys[0]} describe the same friction, and a loop can identify only "
@@ -412,10 +412,12 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 
 
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of hysteresis to fit: friction torque [N m] and travel [deg] of the wind-up, material loss.
+    """Return the three parameters of hysteresis that can be fitted to loops, by friction or by the material.
 
-    The travel is the rotation over which the friction builds up. The material loss is a share [1]. Start and scale of
-    both are shares of torque and range of deflection of the loop with the largest torque.
+    They are the friction torque [N m] that builds up gradually with the wind-up, the rotation over which it builds up,
+    its travel [deg], and the material loss: the fraction [1] of each contact's force that its material loses while it
+    is unloaded. Start and scale of the first two are fractions of torque and range of deflection of the loop with the
+    largest torque.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (
@@ -542,9 +544,9 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 
 
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
-    """Return a number of the design file, ``table.key``, as a parameter in the unit and with the bounds of the file.
+    """Return a number of the design file, by its key ``table.key``, as a parameter to fit.
 
-    The scale is a fifth of the design's value.
+    It has the unit and the bounds of the file. The scale is a fifth of the design's value.
 
     Raises
     ------

@@ -155,7 +155,7 @@ class Protocol(Presented):
         return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
-        """Return a table of text with the standard test figures of model and bench, a row for each line of `LINES`."""
+        """Return the standard test figures of model and bench, such as the lost motion, as a table of text."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -165,7 +165,7 @@ class Protocol(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table with a row for each test figure (`LINES`): simulated and measured value and interval, or NaN."""
+        """Table with a row for each standard test figure: computed and measured value with their intervals, or NaN."""
         sources = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
@@ -178,9 +178,9 @@ class Protocol(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the standard test figures of model and bench to JSON values.
 
-        ``lines`` has an entry for each test figure, by the keys of `LINES`, which end in the unit. Each has name, unit,
-        definition and source of the figure. Its ``model`` and ``bench`` are the simulated and the measured figure:
-        value and interval, or None.
+        ``lines`` has an entry for each test figure, by a key that ends in the unit. Each has name, unit, definition and
+        source of the figure. Its ``model`` and ``bench`` are the simulated and the measured figure: value and interval,
+        or None.
         """
         return {
             "design": self.design,
@@ -255,7 +255,7 @@ def protocol(
 ) -> Protocol:
     """Compute lost motion, stiffness, transmission error and no-load torques of a model, and of a bench's recordings.
 
-    The result has the lines of `LINES`, without values of the bench for which there is no file.
+    Values of the bench for which there is no file are missing from the result.
 
     Parameters
     ----------
@@ -369,11 +369,11 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 
 
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute lost motion, hysteresis loss and stiffness from loops, by the keys of `LINES` and in their units.
+    """Compute lost motion, hysteresis loss and stiffness from loops, in the units in which their keys end.
 
     Each value is the mean over the loops; its interval extends from the lowest to the highest end of their intervals.
-    Loops with too small a torque are left out: it must reach the share `SETTINGS.min_full_torque` of the rated torque
-    [N m], or of the torque of the largest loop if that is smaller.
+    Loops with too small a torque are left out: it must reach the fraction `SETTINGS.min_full_torque` of the rated
+    torque [N m], or of the torque of the largest loop if that is smaller.
     """
     full_loops = [
         loop
@@ -399,9 +399,9 @@ def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str,
 
 
 def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Return the mean of several values of a test figure, with an interval that covers all of their intervals.
+    """Return the mean of a test figure over several loops, with an interval that covers all of their intervals.
 
-    Values that are NaN are left out.
+    `figures` are the values with intervals; those that are NaN are left out.
     """
     known_figures = [item for item in figures if not math.isnan(item.value)]
     if not known_figures:
@@ -433,10 +433,10 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 
 
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute transmission error and no-load torques of the model, by the keys of `LINES`, without intervals.
+    """Compute transmission error and no-load torques of the model, in the units in which their keys end.
 
-    The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue
-    of figures does not have for the reducer are left out.
+    The values have no intervals. The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N
+    m]. Torques that the catalogue of figures does not have for the reducer are left out.
     """
     error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
     torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}
@@ -447,7 +447,7 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
 
 
 def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator[str]:
-    """Yield the assumptions of the computed figures, and for an RV reducer their deviations from the definitions.
+    """Yield the assumptions of the computed test figures, and for an RV reducer their deviations from the definitions.
 
     Each is a clause for the notes of the result. `rated_torque` [N m] is that on the output, and `angles` the number of
     crank angles at which loops are computed.
@@ -477,10 +477,10 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Compute transmission error and no-load torques of a bench, by the keys of `LINES`, without intervals.
+    """Read transmission error and no-load torques from the files of a bench, in the units in which their keys end.
 
-    Missing files are skipped. The running torque is the mean magnitude over its file. Raises UsageError if a file is
-    malformed.
+    The values have no intervals. Missing files are skipped. The running torque is the mean magnitude over its file.
+    Raises UsageError if a file is malformed.
     """
     figures = {}
     if files.te:

@@ -71,9 +71,9 @@ class Trials:
     def __init__(self, progress: Progress = silent) -> None:
         self.done, self.later, self._total, self._progress = 0, 0.0, 0.0, progress
 
-    def expect(self, more: float) -> None:
+    def expect(self, evaluations: float) -> None:
         """Set how many evaluations of this fit follow; the `later` evaluations, of other fits, are added."""
-        self._total = self.done + more + self.later
+        self._total = self.done + evaluations + self.later
 
     def __call__(self) -> None:
         """Count one evaluation. None is reported as the last, since a search does not know."""
@@ -91,7 +91,7 @@ class FitProblem:
     model: Model
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
-    bench: LoopCondition
+    condition: LoopCondition
     """The model, its fitted parameters, the measured loops, and the condition under which they were measured."""
     trials: Trials
     """Counter of the model's evaluations."""
@@ -169,17 +169,19 @@ class FitProblem:
         @lru_cache(maxsize=4 * len(self.loops))
         def branches(scaled_values: tuple[float, ...], loop: int, torque_offset: float) -> Branches | None:
             try:
-                return model_branches(self._cached_models(scaled_values), self.bench, self.loops[loop], torque_offset)
+                return model_branches(
+                    self._cached_models(scaled_values), self.condition, self.loops[loop], torque_offset
+                )
             except RunError:
                 return None
 
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the signed distances [1] of the points from the model's branches, an array (points,) for each loop.
+        """Compute the signed distances [1] of the points from the model's curves, an array (points,) for each loop.
 
-        `scaled` are the scaled parameters and offsets, shape (v,). Torque and deflection are divided by the loop's
-        ranges. Points before the loop are omitted. Without a static equilibrium of the model, residuals are
+        `scaled` are parameters and offsets in units of their scales, shape (v,). Torque and deflection are divided by
+        the loop's ranges. Points before the loop are omitted. Without a static equilibrium of the model, residuals are
         `SETTINGS.failed_residual`.
         """
         residuals = []
@@ -277,7 +279,7 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return the initial vector of each search: scaled parameters and offsets, shape (v,) each.
+        """Return the initial values of each search: parameters and offsets in units of their scales, shape (v,) each.
 
         There is a search for each dict of `start_factors`. It starts from the values `Parameter.start` times these
         factors, and from the offsets of the centre of each loop. If stiffness or play is fitted, several further
@@ -410,7 +412,7 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function from values (f,) to a copy of `start`, shape (v,), with the values at the indices `free`."""
+    """Return a function that takes f values and returns `start` (v,) with these values at the indices `free`."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

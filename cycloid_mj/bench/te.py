@@ -118,9 +118,10 @@ class BenchComparison(Presented):
         return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
     def table(self, max_rows: int = 20) -> Table:
-        """Return a table of the strongest orders, at most `max_rows`: amplitudes, phase, explained share and causes.
+        """Return a table of the strongest orders of the transmission error, at most `max_rows`.
 
-        Amplitudes are in [arcsec], the phase is in [deg].
+        Columns are the measured and the computed amplitude [arcsec], the phase between them [deg], the fraction of the
+        measured power that the model explains, and possible causes.
         """
         rows = tuple(
             (
@@ -146,8 +147,8 @@ class BenchComparison(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the comparison of measured and computed transmission error to JSON values; keys end in units.
 
-        ``explained`` is the share of the variance, or of the power of an order, that the model explains. ``orders`` has
-        the amplitudes of each order, the strongest first. Its ``phase`` is positive if the model leads.
+        ``explained`` is the fraction of the variance, or of the power of an order, that the model explains. ``orders``
+        has the amplitudes of each order, the strongest first. Its ``phase`` is positive if the model leads.
         """
         return {
             "design": self.design,
@@ -235,7 +236,7 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
         No static balance exists.
     """
     reducer = reducer_of(resolve(design))
-    measured = _against_crank(reducer, measured)
+    measured = _convert_to_cranks(reducer, measured)
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(
@@ -289,10 +290,10 @@ def _crank_turns(reducer: Reducer) -> int:
     return round(reducer.design.lobes * reducer.mesh_turn / (2.0 * np.pi))
 
 
-def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
-    """Return a measured transmission error over the angle of the crank.
+def _convert_to_cranks(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
+    """Convert a measured transmission error of an RV reducer from the angle of the sun to that of its cranks.
 
-    For an RV reducer it is measured over the angle of the sun.
+    That of another reducer is returned unchanged.
 
     Raises
     ------
@@ -314,10 +315,11 @@ def _against_crank(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
-    They are the multiples of the two base orders of the design (`base_orders`): 1 and N/(N-1), where N is the number of
-    teeth of the ring, or (N-1)/N and 1 if the ring rotates. A multiple is left out if its distance from an integer is
-    at most `TE.min_separation`, about one cycle over the measurement. The highest order is `TE.max_harmonic` times N,
-    or lower if the points are too far from each other to resolve it.
+    `measured` is the measured transmission error. The orders are the multiples of the two base orders of the design
+    (`base_orders`): 1 and N/(N-1), where N is the number of teeth of the ring, or (N-1)/N and 1 if the ring rotates. A
+    multiple is left out if its distance from an integer is at most `TE.min_separation`, about one cycle over the
+    measurement. The highest order is `TE.max_harmonic` times N, or lower if the points are too far from each other to
+    resolve it.
     """
     teeth = reducer.design.ring.teeth
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns

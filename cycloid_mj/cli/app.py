@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     No error is raised: a message is printed on stderr. The exit code is 2 for wrong usage, 1 for a failure or a closed
     pipe, and 128 plus the number of the signal after Ctrl-C or another signal.
     """
-    words = _expand_folded_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
+    words = _replace_old_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
         quiet = "--quiet" in words
         with command_scope(), collect_warnings(None if quiet else tell), log_to_stderr(quiet):
@@ -96,7 +96,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def application(names: Collection[str] | None = None) -> App:
-    """Build the command line, with flags and help of all commands or only of `names`.
+    """Build the command line, with flags and help of all commands or only of the commands `names`.
 
     The other commands are listed by name only. Their modules are not imported, so that help is fast.
     """
@@ -173,7 +173,7 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Return whether a paper's function can be used as a command with flags; warn if it cannot.
+    """Return whether the function of a paper can become a command, so that its arguments are flags; warn if it cannot.
 
     The command is built on trial. Any exception means that it cannot be used, because the packages of papers are
     written by others.
@@ -191,10 +191,10 @@ def _has_command(paper: "Paper") -> bool:
     return True
 
 
-def _expand_folded_command(words: list[str]) -> list[str]:
-    """Replace an old command name at the start of a command line by its group and name, and warn of it.
+def _replace_old_command(words: list[str]) -> list[str]:
+    """Replace a deprecated command name at the start of a command line by its new group and name, and warn of it.
 
-    `words` are returned unchanged if they do not start with an old name.
+    `words` are returned unchanged if they do not start with such a name.
     """
     if not words or (group := FOLDED.get(words[0])) is None:
         return words

@@ -221,11 +221,11 @@ def _fit_loss_models(
 
 
 def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test whether checks, statics and `reduce` accept the calibrated design; return a sentence on the first failure.
+    """Test whether a calibrated design can be used; return a sentence on the first failure, in a tuple, or ().
 
-    The sentence, in a tuple that is empty if there is no failure, also lists the fitted parameters that cause it. A
-    parameter is a cause if the design passes all tests when this parameter alone has its value in the original design.
-    With `quiet` no progress is printed.
+    The tests are checks of the design, statics at the torque of the loops, and its reduction to a joint (`reduce`). The
+    sentence also lists the fitted parameters that cause the failure. A parameter is a cause if the design passes all
+    tests when this parameter alone has its value in the original design. With `quiet` no progress is printed.
     """
     from cycloid_mj.cli.progress import show_activity
 
@@ -338,9 +338,10 @@ def _calibration_outcome(
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
-    """Return at most `MOST_FIGURES` values as texts by name: play, stiffness, friction, residual, fitted parameters.
+    """Return the main figures of a calibration as texts by name, at most `MOST_FIGURES`.
 
-    Play, stiffness and friction are stated for the measured loops and for the fitted model.
+    They are play, stiffness and friction, for the measured loops and for the fitted model, the residual, and the fitted
+    parameters.
     """
     from cycloid_mj.base.units import DEGREE
 

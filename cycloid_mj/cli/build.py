@@ -122,9 +122,9 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 
 def _measure_plain_coacd(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
-    """Decompose the toothed parts by CoACD without slices, for comparison; `seed` is that of CoACD.
+    """Decompose the toothed parts by CoACD without slices, for comparison; return deviations of the surfaces [um].
 
-    Returns the deviations of their surfaces [um] by part and threshold of CoACD.
+    The result is by part and threshold of CoACD. `seed` is the random seed of CoACD.
     """
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring

@@ -101,8 +101,10 @@ class CompareOptions:
     @property
     def for_runs(self) -> tuple[str, ...]:
         """Flags of the command line that apply to simulations only."""
-        given = [each.name for each in fields(self) if each.name != "q" and getattr(self, each.name) != each.default]
-        return tuple(f"--{name.strip('_').replace('_', '-')}" for name in given)
+        changed_fields = [
+            field.name for field in fields(self) if field.name != "q" and getattr(self, field.name) != field.default
+        ]
+        return tuple(f"--{name.strip('_').replace('_', '-')}" for name in changed_fields)
 
     @property
     def first(self) -> flags.Values:
@@ -194,7 +196,7 @@ def compare(
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: CompareOptions) -> None:
     """Raise UsageError unless at least two designs, or two logs and no designs, are named.
 
-    It is also raised if logs are named together with flags that apply to new simulations only.
+    It is also raised if logs are named together with `options` that apply to new simulations only.
     """
     if logs and len(logs) < len(designs):
         raise UsageError(
@@ -328,9 +330,10 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
 
 def _figure_encoders(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
-    """Return functions that encode the figures of a comparison, by name; `motions` are the settled motions of its runs.
+    """Return functions that encode the figures of a comparison in a file format, by name of the figure.
 
-    The figure of the curvature shows the designs of the runs under the first load.
+    `motions` are the motions of its runs without their settling. The figure of the curvature shows the designs of the
+    runs under the first load.
     """
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure

@@ -23,10 +23,10 @@ class Listed(NamedTuple):
     examples: str = "EXAMPLES"
 
     def add_to(self, app: App, name: str, group: Group, position: int) -> None:
-        """Import the function of the command, and add it with flags and help to an app.
+        """Import the function of this command, and add it with flags and help to an app.
 
         The attribute `function` has the form "module:function". If the function is named "commands", it builds a group
-        of commands. `position` is the place of the command in its `group` of the help.
+        of commands. `name` is the name of the command, `position` its place in its `group` of the help.
         """
         module_name, _, function_name = self.function.partition(":")
         module = import_module(f"cycloid_mj.cli.{module_name}")

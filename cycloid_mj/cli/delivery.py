@@ -69,7 +69,9 @@ def claim_destination(
     with_page: bool = False,
     resumed: bool = False,
 ) -> Destination:
-    """Claim the output files of a command before its work, so that no later command overwrites them.
+    """Check and reserve the output files of a command before its work, and return their paths as a `Destination`.
+
+    A later command cannot overwrite them.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ def claim_destination(
 def claim_page(
     flags: CommonFlags, stem: str, directory: Path | None = None, with_page: bool = False, resumed: bool = False
 ) -> Path | None:
-    """Claim the file name of the HTML page, and return it; None if no page is requested.
+    """Check and reserve the file of the HTML page of a command, and return its path; None if no page is requested.
 
     If ``--html`` does not name the page, its name is `stem` in the folder `directory`, and only with `with_page` or
     ``--html``. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run,
@@ -134,9 +136,10 @@ def claim_page(
 
 
 def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
-    """Write the files of a command's results, print them as text, or as JSON with ``--json``, and return the exit code.
+    """Write the files of a command's results, print the results as text or JSON, and return the exit code.
 
-    `destination` has the paths of the files, `flags` are the output flags of the command.
+    JSON is printed with ``--json``. `outcome` are the results, `destination` has the paths of the files, `flags` are
+    the output flags of the command.
     """
     write(outcome, destination, flags)
     if flags.json:
@@ -211,9 +214,10 @@ def _list_files(files: Collection[Path]) -> str:
 
 
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield the path and the content of every file of an outcome: files, pictures in each format, JSON, CSV and page.
+    """Yield the path and the content of every file of a command's results: files, pictures, JSON, CSV and page.
 
-    If the destination has no folder, only the page is yielded, if there is one.
+    There is a file of each picture for each format. If the destination has no folder, only the page is yielded, if
+    there is one.
     """
     if destination.folder:
         for name, content in outcome.files.items():
@@ -235,10 +239,10 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
 
 
 def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
-    """Print an outcome as text: headline, failures, warnings and summary; tables and notes if they fit into 25 lines.
+    """Print a command's results as text: headline, failures, warnings, summary; tables and notes if there is room.
 
-    With `show_hidden` (``--all``), all warnings, tables, notes and passed checks are printed. Otherwise the last line
-    states how many of them are hidden.
+    Tables and notes are printed if they fit into 25 lines. With `show_hidden` (``--all``), all warnings, tables, notes
+    and passed checks are printed. Otherwise the last line states how many of them are hidden.
     """
     passes = outcome.passes if show_hidden else ()
     show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines

@@ -166,7 +166,7 @@ class MotorInterface:
     ] = None
 
     def chosen(self) -> "Motor":
-        """Return the name of the motor if no dimensions are set; else the motor's interface with these dimensions.
+        """Return the motor that the flags describe: its name, or its interface if a flag sets one of the dimensions.
 
         Raises
         ------
@@ -331,7 +331,7 @@ def export(
 def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flags: ExportFlags) -> "Export":
     """Compute the files of the mechanism's parts in a file format, with the clearances measured in their outlines.
 
-    `flags` are those of the command.
+    `motor` is the motor whose shaft fits the drive, `flags` are those of the command.
     """
     from cycloid_mj.parts.export import export
 
@@ -352,8 +352,8 @@ def _drive_files(
 ) -> Mapping[str, bytes]:
     """Return the files of covers, flanges and the parts that are joined to them: name -> content.
 
-    The clearances are increased by ``--offset-um``. `sizes` are the sizes of the casing; without them the result is
-    empty.
+    `file_format` is their format, `settings` are those of printing. The clearances are increased by ``--offset-um``
+    among the `flags`. `sizes` are the sizes of the casing; without them the result is empty.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 
@@ -494,7 +494,8 @@ def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "Prin
 def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
     """Return the sizes of covers and flanges, or None if they do not fit; warn of the reason and of weak joints.
 
-    `cover_material` is the name of the covers' material. An RV reducer has no covers.
+    `motor` is the motor that is attached, `cover_material` the name of the covers' material. An RV reducer has no
+    covers.
     """
     from cycloid_mj.parts.export import casing_or_none
     from cycloid_mj.parts.export.rules import describe_violations

@@ -375,8 +375,8 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
 def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
     """Measure designs one after another, write and print the results, and return the exit code.
 
-    `name` is the name of the measure. Files are written after the last measurement. With several designs, the printed
-    JSON is an object whose ``measurements`` is the list of results.
+    `name` is the name of the measure, `options` are its settings. Files are written after the last measurement. With
+    several designs, the printed JSON is an object whose ``measurements`` is the list of results.
 
     Raises
     ------

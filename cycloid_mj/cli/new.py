@@ -366,7 +366,7 @@ def new(
 
 
 def _search(requirement: "Requirement", on_progress: "Callable[[Answer], None]") -> "Answer":
-    """Search for drives of the layout of a requirement; `on_progress` receives each intermediate answer."""
+    """Search for drives that meet a requirement, in its layout; `on_progress` receives each intermediate answer."""
     from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.rv import RvRequirement, size_rv
 

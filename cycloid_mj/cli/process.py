@@ -67,7 +67,7 @@ def first_start(words: Sequence[str]) -> bool:
 
 
 def replace_unencodable(*streams: TextIO) -> None:
-    """Set streams to replace characters that their encoding lacks, such as a degree sign by "deg".
+    """Make text streams replace characters that their encoding lacks, such as a degree sign by "deg".
 
     Without this, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
     """

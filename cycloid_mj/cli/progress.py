@@ -124,12 +124,12 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
     start = monotonic()
     last = [start]
 
-    def progress(done: int, total: int) -> None:
+    def progress(finished: int, total: int) -> None:
         time = monotonic()
-        if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and done < total):
+        if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and finished < total):
             return
         last[0] = time
-        tell(f"{activity}: {done} of {total}, about {seconds_left(start, done / total):.0f} s left")
+        tell(f"{activity}: {finished} of {total}, about {seconds_left(start, finished / total):.0f} s left")
 
     return progress
 

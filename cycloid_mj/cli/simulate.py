@@ -161,15 +161,15 @@ def _with_explanations(
     design_options: DesignOptions,
     quiet: bool,
 ) -> Outcome:
-    """Return a copy of the outcome of a run with sentences that explain its results, in place of its headline.
+    """Return a copy of the printable results of a run with sentences that explain them, in place of the headline.
 
     The summary has these sentences, the names of the files, and commands to continue with. The number of steps and the
-    wall time are appended to the run conditions. The review page is drawn when the outcome is delivered.
+    wall time are appended to the run conditions. The review page is drawn when the results are delivered.
 
     Parameters
     ----------
     outcome, findings
-        Outcome to change, and the findings of the run.
+        Results to change, and the findings of the run.
     logged_run
         The run with its log.
     page
@@ -444,7 +444,7 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
 
 
 def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
-    """Flush and evaluate a log that is not closed.
+    """Evaluate the run in a log that is still open for writing; return its findings and the run.
 
     `note` has the warnings that were known only at the end of the run; it becomes `Run.note`. `with_forces` is whether
     to read the contact forces too, which the findings of an RV reducer include.

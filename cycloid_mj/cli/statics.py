@@ -101,8 +101,8 @@ def _outcome(
     """Convert the statics of a design to printable results: figures, and the efficiency map if it was computed.
 
     `static` has the quantities of the first table, `figures` those of the second, by the keys of `cycloid-mj figures`.
-    `inheritance` has the values that a design file takes from its preset; None without a file. `points` are those of
-    the efficiency map; empty if it was not computed.
+    `inheritance` has the values that the design file takes from its preset; None without a file. `points` are the
+    points of the efficiency map; empty if it was not computed.
     """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json

@@ -255,9 +255,10 @@ def _read_logs(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and check that the results can be written; return a `_Job`.
+    """Read the logs to study, mesh the requested parts, and check that the results can be written.
 
-    `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts.
+    `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts. The `_Job`
+    that is returned has the runs, the meshes and the destination of the results.
     """
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
     grids = _mesh_parts([design for design, _, _ in runs], parts, settings, delivery.quiet)
@@ -380,12 +381,12 @@ def _mesh_parts(designs: Sequence[Design], parts: Sequence[str], settings: "Stud
 
 
 def _read_log(path: Path, design: str) -> Logged:
-    """Read the log of a run, and repeat its warnings; return its design, the run and the path.
+    """Read the log of a run, and issue its warnings again; return the design of the run, the run and the path.
 
     Raises
     ------
     UsageError
-        The run is not that of `design`, a name or a file; empty accepts any run.
+        The run is not that of `design`, a name or a file; an empty `design` accepts any run.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
@@ -404,7 +405,8 @@ def _study_parts(
 ) -> "list[StressStudy]":
     """Compute the stress of the meshed parts of every run by finite elements, with progress on stderr.
 
-    `grids_by_run` are the meshes by part of each run. With `quiet` no progress is printed.
+    `runs` are the designs with their runs, `grids_by_run` are the meshes by part of each run. With `quiet` no progress
+    is printed.
     """
     from cycloid_mj.stress.cost import estimate_cost
     from cycloid_mj.stress.study import stress_study

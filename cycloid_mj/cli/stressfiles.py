@@ -32,8 +32,8 @@ COLUMNS = (
 def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
     """Convert stress studies to printable results: tables, VTU files, verdicts on the claims of papers, and figures.
 
-    Parts whose stress exceeds the yield strength are failures. Parts that exceed shakedown, or whose stress has not
-    converged with the grid, are warnings. `figures` are the kinds of figures to draw.
+    Parts whose stress exceeds the yield strength are failures. Parts that exceed the shakedown limit, or whose stress
+    has not converged with the grid, are warnings. `figures` are the kinds of figures to draw.
     """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json
@@ -101,7 +101,7 @@ def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
 
 
 def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
-    """Draw the requested kinds of `figures`; return, by figure name, a function that encodes it in a file format."""
+    """Draw the requested kinds of `figures` of stress `studies`; return functions that encode them, by name."""
     if not figures:
         return {}
     from cycloid_mj.plots.save import encode_figure
@@ -133,7 +133,10 @@ def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
 
 
 def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
-    """Return stress and safety of the `MOST_FIGURES` parts with the smallest safety, as text by "design part"."""
+    """Return stress and safety factor of the parts with the smallest safety factors, as text by "design part".
+
+    There are at most `MOST_FIGURES` parts.
+    """
     parts = [(part.safety, f"{item.design} {part.part}", part.governing) for item in findings for part in item.parts]
     parts += [
         (item.strength.yield_strength / stress, f"{item.design} {part}", stress)

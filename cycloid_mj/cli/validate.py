@@ -56,15 +56,18 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
 
 
 def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":
-    """Run the parts of a validation in `workers` processes with progress on stderr; return all rows."""
+    """Run the parts of a validation in `workers` processes with progress on stderr; return the rows of all of them.
+
+    A row compares a value with a reference. With `quick`, the parts use fewer cases.
+    """
     from cycloid_mj.validate.suite import run_parts, sort_rows
 
     start, total = monotonic(), sum(part.cost[not quick] for part in parts)
-    done, finished_parts = 0.0, []
+    finished_cost, finished_parts = 0.0, []
     for index, rows in run_parts(parts, quick, workers):
         finished_parts.append((index, rows))
-        done += parts[index].cost[not quick]
-        remaining = seconds_left(start, done / total)
+        finished_cost += parts[index].cost[not quick]
+        remaining = seconds_left(start, finished_cost / total)
         note(
             f"{len(finished_parts)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
             f"{remaining:.0f} s left"
@@ -73,7 +76,10 @@ def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
-    """Convert the rows of a validation to printable results: failed rows first; `wall` is its duration [s]."""
+    """Convert the rows of a validation to printable results: failed rows first.
+
+    `quick` is whether the validation was the shorter one, `wall` its duration [s].
+    """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES

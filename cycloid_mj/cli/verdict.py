@@ -35,9 +35,9 @@ def catalogue_figures(designs: Sequence[Design]) -> dict[str, dict[str, Quantity
 
 
 def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
-    """Tabulate the figures of `HEADLINE`: a column for each design, the ratios to the first design, and the unit.
+    """Tabulate the main figures of several designs: a column for each design, ratios to the first design, unit.
 
-    `by_design` has the figures of each design by its name and their keys.
+    The figures are those of `HEADLINE`. `by_design` has the figures of each design by its name and their keys.
     """
     first_row = next(iter(by_design.values()))
     rows: list[tuple[str | float, ...]] = []
@@ -118,7 +118,10 @@ def overload_words(load: float, capacity: float) -> str:
 
 
 def overloads(designs: Iterable[Design]) -> dict[str, str]:
-    """Return, by name of the design, a sentence for each design whose load exceeds its capacity, see `capacity_of`."""
+    """Return a sentence for each design whose load exceeds its capacity, by name of the design.
+
+    The capacity is the torque at which a contact first yields (`capacity_of`).
+    """
     capacities = {design: capacity_of(design) for design in designs}
     return {
         design.name: overload_words(abs(design.load.torque), capacity)
@@ -178,7 +181,7 @@ def _number(value: float) -> str:
 
 def _differences(comparison: "Comparison") -> str:
     """Return the keys in which the designs differ."""
-    differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
+    differing = (f"{key} ({', '.join(map(_value, values))})" for key, values in comparison.differences.items())
     return f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
 
 

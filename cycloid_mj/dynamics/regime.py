@@ -258,7 +258,7 @@ def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 
 
 def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> float:
-    """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step of `seconds`.
+    """Estimate the error of the friction of sliding teeth in a time step of `seconds`, over their working force [1].
 
     The reference acceleration of a contact is corrected by its acceleration in the previous step
     (`reference_correction`), which has rotated by w dt since then. The estimate is (mu D c w^2/F) w dt, with the time

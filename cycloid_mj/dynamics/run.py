@@ -316,9 +316,9 @@ def provenance(
 def run_warnings(compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None) -> tuple[str, ...]:
     """Return the warnings that are known before a run: about the model, its speed, and a load that is too small.
 
-    `compiled` is the model of the run. `cycle` is its drive cycle; None is that of the design. Warnings that depend on
-    the speed are omitted if the crank starts from rest in a `cycle`. That about the load (`idle_warning`) is omitted
-    with any `cycle`.
+    `compiled` is the model of the run, `cycle` its drive cycle; None is the cycle of the design. With a `cycle`, the
+    warning of a small load is omitted, and if the crank starts from rest, those that depend on the speed are omitted,
+    too.
     """
     is_turning = cycle is None or cycle.speed != 0.0
     mesh_texts = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
@@ -337,10 +337,10 @@ def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Return the contents of the files attached to a log, by name: the design file, the MuJoCo model and its meshes.
+    """Return the contents of the files to attach to a log, by name: the design file, the MuJoCo model and its meshes.
 
-    They are created on first access. For a planar `compiled` model, the MuJoCo model is that of its design, without
-    meshes.
+    They are created on first access. A planar `compiled` model has no meshes; a MuJoCo model of the design is built for
+    it.
     """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
@@ -662,8 +662,8 @@ class _Recorder:
         )
 
 
-def _describe_skip(which: str, error: Array, sample: int) -> str:
+def _describe_skip(part: str, error: Array, sample: int) -> str:
     return (
-        f"{which} skipped a tooth: it is {math.degrees(error[sample]):.3f} deg away from the angle that the crank "
+        f"{part} skipped a tooth: it is {math.degrees(error[sample]):.3f} deg away from the angle that the crank "
         "dictates; check clearances and load"
     )

@@ -250,16 +250,16 @@ class Optimum(Tabular):
     def notes(self) -> tuple[str, ...]:
         """Sentences about keys that follow, failed checks of the best design, and its further checks."""
         linked = [f"{key} follows: {rule}" for key, rule in self.task.follows.items()]
-        failed = [f"the best design: {each}" for each in check(self.design()) if not each.passed]
+        failed = [f"the best design: {item}" for item in check(self.design()) if not item.passed]
         return (*linked, *failed, *(self.checked.notes if self.checked else ()))
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
         """Sentences that name the ends of ranges and the limits which the best point reaches.
 
-        It reaches an end if its distance from it is less than the share `AT_END` of the range, and a limit if it is
-        less than the same share of the bound. The range of a list of numbers is from its smallest to its largest; a
-        list of words or booleans has none.
+        The point reaches an end of a range at a distance below the fraction `AT_END` of the range, and a limit at a
+        distance below the same fraction of its bound. The range of a list of numbers is from the smallest to the
+        largest; a list of words or booleans has no range.
         """
         if self.best is None:
             return ()
@@ -347,7 +347,7 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 
 
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
-    """Tabulate the checks of the best design: first the quantities of statics next to those of the start design.
+    """Tabulate the checks of the best design, starting with the quantities of statics of best design and start design.
 
     Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
     follow. Tables without results are left out.

@@ -111,12 +111,12 @@ def list_batches(samples: int) -> list[Batch]:
     """
     first_count = min(SAMPLING.first_batch, samples, SAMPLING.block)
     batches = [Batch(0, first_count)]
-    done = first_count
-    while done < samples:
-        block, offset = divmod(done, SAMPLING.block)
-        count = min(SAMPLING.max_batch, SAMPLING.block - offset, samples - done)
+    drawn_count = first_count
+    while drawn_count < samples:
+        block, offset = divmod(drawn_count, SAMPLING.block)
+        count = min(SAMPLING.max_batch, SAMPLING.block - offset, samples - drawn_count)
         batches.append(Batch(block, count, offset))
-        done += count
+        drawn_count += count
     return batches
 
 

@@ -61,10 +61,10 @@ class Sweep(Tabular):
     @property
     def line(self) -> str:
         """Number of points and of failures, varied keys, and the first quantities."""
-        done = f"{len(self.points)}" if self.complete else f"{len(self.rows)} of {len(self.points)}"
+        finished = f"{len(self.points)}" if self.complete else f"{len(self.rows)} of {len(self.points)}"
         failed = f", {self.failed} failed" if self.failed else ""
         varied, measured = ", ".join(self.task.keys), ", ".join(self.quantities[:4])
-        return f"{self.task.reducer.design.name}, {done} points of {varied}{failed}; {measured}"
+        return f"{self.task.reducer.design.name}, {finished} points of {varied}{failed}; {measured}"
 
     @property
     def failed(self) -> int:

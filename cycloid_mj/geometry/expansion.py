@@ -163,10 +163,11 @@ def _expand_rv(design: Design) -> Design:
 
 
 def warm_material(design: Design, part: str) -> Material:
-    """Return the material of a part of `design.PARTS` with modulus and strengths at its temperature.
+    """Return the material of a part of `design.PARTS` with modulus and strengths at the part's temperature.
 
-    They are interpolated linearly between the temperatures of the material's table. Expansion, density and Poisson's
-    ratio remain those at 20 °C, as do all values of a material without a table, such as an unnamed plastic.
+    Modulus and strengths are interpolated linearly between the temperatures of the material's table. Expansion, density
+    and Poisson's ratio remain those at 20 °C, as do all values of a material without a table, such as an unnamed
+    plastic.
     """
     import numpy as np
 

@@ -34,7 +34,8 @@ def calibration_figure(calibration: Calibration) -> Figure:
     grid[1, 0].set_ylabel("residual [deg]")
     style.legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
     style.add_condition(
-        figure, f"{calibration.design.name}, {fit.bench.held} fixed, crank at {fit.bench.crank / DEGREE:.4g} deg"
+        figure,
+        f"{calibration.design.name}, {fit.condition.held} fixed, crank at {fit.condition.crank / DEGREE:.4g} deg",
     )
     return figure
 

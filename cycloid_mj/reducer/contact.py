@@ -241,9 +241,9 @@ class Contact:
     def relative_curvature(self) -> float:
         """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
-        For a pin or a plain cam, it is the curvature of a cylinder in its bore. For a cam with rollers, it is that of a
-        roller on the cam, both convex, where the pressure is higher than in the bore. The raceway of the cam is assumed
-        to have the radius of the bore.
+        A pin or a plain cam is a cylinder in a bore, whose curvatures are subtracted. With rollers, a roller and the
+        cam are both convex, so that the pressure is higher than at the bore. The raceway of the cam is assumed to have
+        the radius of the bore.
         """
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
@@ -334,7 +334,7 @@ class Contact:
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
     def _compute_stiffness(self) -> float:
-        """Compute the stiffness of a contact of the pair [N/m] by the rules of the property `stiffness`.
+        """Compute the stiffness of a contact of the pair [N/m], which the property `stiffness` caches.
 
         Raises
         ------
@@ -427,10 +427,11 @@ class Contacts:
 
     @property
     def working_load(self) -> float:
-        """Output torque [N m] whose ideal sharing determines the working forces.
+        """Output torque [N m] whose ideal sharing among the contacts determines the working forces.
 
-        It is ``contact.working_load`` if the design sets it. Otherwise it is the magnitude of the load, or `own_load`
-        if that is larger. A preloaded ring, whose contacts are loaded at any torque, has at least the nominal torque.
+        It is ``contact.working_load`` if the design sets it. Otherwise it is the larger one of the load and `own_load`,
+        the torque that corresponds to weight and inertia of the discs. A preloaded ring, whose contacts are loaded at
+        any torque, has at least the nominal torque.
         """
         design = self._reducer.design
         preload_torque = design.rated_torque if design.ring.preload else 0.0
@@ -467,8 +468,8 @@ class Contacts:
     def creep_speed(self) -> float:
         """Sliding speed [m/s] from which friction at the working force has its full value.
 
-        Below it, friction is proportional to the speed (regularised Coulomb friction). It is that of the design file.
-        By default it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at rest,
+        Below it, friction is proportional to the speed (regularised Coulomb friction). If the design file does not set
+        it, it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at rest,
         `CONTACT.slow_creep`.
         """
         design = self._reducer.design

@@ -109,9 +109,9 @@ class Reducer:
         return type(self)(self.design.steady(settled, driven_turns, samples, **changes), self.worn)
 
     def working_at(self, torque: float) -> Self:
-        """Return the reducer whose contact stiffnesses are those at an output torque [N m], not those at its load.
+        """Return the same reducer with contact stiffnesses at an output torque [N m] instead of at its load.
 
-        If the design sets a working load, or a working force for all pairs, the reducer itself is returned.
+        If the design sets a working load, or a working force for all pairs, the reducer is returned unchanged.
         """
         contact = self.design.contact
         if contact.working_load or contact.working_force:
@@ -131,9 +131,9 @@ class Reducer:
     def for_slices(self) -> Self:
         """Reducer for simulations with mesh contact, in which working surfaces are divided into convex slices.
 
-        Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. They are not reduced
-        for a smaller load, because the contact of slices becomes softer at a small depth anyway. The creep speed is
-        that of the design, or `SLICES_CREEP` if the design has none.
+        Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. A smaller load does
+        not reduce them, because the contact of slices becomes softer at a small depth anyway. Its creep speed is
+        `SLICES_CREEP` unless the design sets one.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         creep_speed = self.design.contact.creep_speed or SLICES_CREEP

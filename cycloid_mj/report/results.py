@@ -50,7 +50,7 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
             title=f"cycloid_mj: {calibration.design.name}",
             calibration=calibration,
             remarks=remarks,
-            bench=f"{calibration.fitted.bench.held} fixed",
+            bench=f"{calibration.fitted.condition.held} fixed",
             tables=calibration.tables(),
             texts=TextTable.of,
             unexplained=calibration.unexplained,

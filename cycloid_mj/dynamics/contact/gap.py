@@ -300,10 +300,11 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute the results of `flank_distance` for rotated flanks: t, distance, normal x and y, and whether at a corner.
+    """Compute the distance of a point (x, y) [m] from the two rotated flanks of a lobe, minus `flank.offset`.
 
-    They are those of the flank with the larger distance. If its foot point is cut away by the other flank, they are
-    those of the corner at which both flanks meet.
+    The distance is the larger one of both flanks, or that from the corner at which the flanks meet if the foot point is
+    cut away by the other flank. The results are those of `flank_distance`: trochoid parameter [rad], distance [m],
+    outward unit normal x and y, and whether the nearest point is a corner.
     """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.

@@ -95,9 +95,9 @@ def colour(part: str) -> Colour:
 
 
 def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Return the axial position and half width of a group of surfaces: those of its disc, or of all discs.
+    """Return the axial position and half width of a group of surfaces, which span their disc, or all discs.
 
-    Teeth of sun and planets have those of the planets.
+    The teeth of sun and planets have the width of the planets.
 
     Returns
     -------

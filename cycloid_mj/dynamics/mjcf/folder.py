@@ -199,7 +199,7 @@ def _manifest(
         "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
         "surfaces": {name: quality_um(figures) for name, figures in surface_errors.items()},
         "rest": [
-            {"part": rest.sector.part, "copies": rest.sector.count, **quality_um(rest.quality)} for rest in remainders
+            {"part": item.sector.part, "copies": item.sector.count, **quality_um(item.quality)} for item in remainders
         ],
         "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
     }

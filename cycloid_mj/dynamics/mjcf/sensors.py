@@ -38,8 +38,8 @@ def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
 def add_sensors(spec: Any, reducer: Reducer) -> None:
     """Add the sensors to an editable model."""
     for sensor in _sensors(reducer):
-        kind, what = _KINDS[sensor.reads]
-        spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
+        sensor_type, object_type = _KINDS[sensor.reads]
+        spec.add_sensor(name=sensor.column, type=sensor_type, objtype=object_type, objname=sensor.of)
 
 
 def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:

@@ -33,4 +33,4 @@ def unused_flags(model: Any) -> int:
         flag_names.mjDSBL_DAMPER: model.dof_damping.any(),
         flag_names.mjDSBL_CLAMPCTRL: model.actuator_ctrllimited.any(),
     }
-    return 0 if model.ntendon else sum(int(flag) for flag, used in is_used.items() if not used)
+    return 0 if model.ntendon else sum(int(flag) for flag, is_needed in is_used.items() if not is_needed)

@@ -47,10 +47,10 @@ ACCURACY = StepAccuracy(
 
 
 def choose_step(reducer: Reducer) -> TimeStep:
-    """Return the automatic time step of planar runs and what determines it, or ``settings.timestep`` if that is set.
+    """Return the time step of planar runs and the limit that determines it; ``settings.timestep`` if that is set.
 
-    The step divides the time between two log samples. It is the longest that satisfies the limits: an absolute limit,
-    and those by the oscillation on all contacts and by the passing of a tooth.
+    Otherwise the step is the longest that divides the time between two log samples and is within the limits: an
+    absolute one, and limits by the oscillation on all contacts and by the passing of a tooth.
     """
     design = reducer.design
     if design.settings.timestep:
