@@ -547,7 +547,7 @@ def compare_losses(
     calibration
         The calibration whose loops and parameters are used.
     progress
-        Called at each evaluation, as in `calibrate`.
+        Called at each evaluation with the number of evaluations so far and the expected total.
     on_fit
         Called after each fit with the calibration that has the fits so far as `variants`.
 
@@ -705,7 +705,7 @@ def _format_number(value: float) -> str:
 def _advise_loops(
     fitted: Fitted, undetermined_keys: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
 ) -> tuple[str, ...]:
-    """Recommend further loops to measure, a sentence each, that would determine the values of some keys.
+    """Return recommendations of further loops to measure, a sentence each, that would determine some values.
 
     `undetermined_keys` are the keys of undetermined values, `indistinguishable` pairs of keys with their correlation.
     There are recommendations for play, friction and stiffness only.

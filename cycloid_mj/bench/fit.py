@@ -187,8 +187,7 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Parameters and zero offsets of the loops, in units of their scales, shape (v,), from which a single search
-        starts; by default there are several starts.
+        Start of a single search: parameters and offsets over their scales, shape (v,); by default several starts.
     intervals
         Whether to compute intervals by profile likelihood, which requires further searches. Otherwise the intervals are
         those of the linearised model.

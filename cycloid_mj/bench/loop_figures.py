@@ -334,10 +334,11 @@ def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to the points (x, y) selected by a mask, shape (n,) each, by least squares.
+    """Fit a line to the points (x, y) selected by a mask, shape (n,) each, by least squares, with its uncertainty.
 
-    Variances and degrees of freedom depend on the number of independent points. This is the number of points divided by
-    their `autocorrelation_time`. Return None for fewer than `READING.min_points`, or if all have the same x.
+    The line has a value at the mean x, a slope, their variances, and degrees of freedom. These depend on the number of
+    independent points: the number of points divided by their `autocorrelation_time`. Return None for fewer than
+    `READING.min_points`, or if all have the same x.
     """
     x, y = x[mask], y[mask]
     count, offsets = len(x), x - np.mean(x) if len(x) else x

@@ -181,8 +181,8 @@ class FitProblem:
         """Compute the signed distances [1] of the points from the model's curves, an array (points,) for each loop.
 
         `scaled` are parameters and offsets in units of their scales, shape (v,). Torque and deflection are divided by
-        the loop's ranges. Points before the loop are omitted. Without a static equilibrium of the model, residuals are
-        `SETTINGS.failed_residual`.
+        the loop's ranges. Points that only lead from rest to the loop are omitted. Without a static equilibrium of the
+        model, residuals are `SETTINGS.failed_residual`.
         """
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
@@ -191,10 +191,10 @@ class FitProblem:
         return residuals
 
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
-        """Yield each measured loop, the model's branches of it, and its offsets of torque [N m] and deflection [rad].
+        """Yield each measured loop, the model's curves for it, and its offsets of torque [N m] and deflection [rad].
 
-        The branches are torque and rotation along them; None if the model has no static equilibrium. `scaled` are the
-        scaled parameters and offsets, shape (v,).
+        The curves are torque and rotation of the model along each branch between two reversals; None if the model has
+        no static equilibrium. `scaled` are parameters and offsets in units of their scales, shape (v,).
         """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
@@ -249,7 +249,7 @@ class FitProblem:
         Parameters
         ----------
         scaled
-            Scaled parameters and offsets, shape (v,).
+            Parameters and offsets in units of their scales, shape (v,).
         indices
             Indices of the values by which to differentiate.
         central

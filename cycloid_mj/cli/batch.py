@@ -40,7 +40,7 @@ def run_all(
     solver
         Solver of the runs.
     viewable
-        Designs whose logs contain frames and model for viewers; by default all, see `run_into_log`.
+        Designs whose logs contain frames and model for viewers, and are evaluated; by default all.
 
     Raises
     ------

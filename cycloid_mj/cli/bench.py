@@ -194,7 +194,9 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
 def _fit_loss_models(
     calibration: "Calibration", destination: Destination, delivery: CalibrationDelivery
 ) -> "Calibration":
-    """Fit the loss models of `compare_losses`; return the calibration with all of them, and write it after each model.
+    """Fit models with different losses (constant friction, friction of contacts, lossy material) to measured loops.
+
+    Return the calibration with all of them; it is written after each model.
 
     Raises
     ------
@@ -280,7 +282,7 @@ def _calibration_outcome(
 ) -> Outcome:
     """Convert a calibration to printable results with tables, warnings, figure, page, design file and residuals.
 
-    `unusable` is the result of `_describe_defect`; it is None if the design was not tested.
+    `unusable` has the sentence on why the calibrated design cannot be used, or is empty; None if it was not tested.
     """
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE

@@ -110,7 +110,8 @@ def claim_page(
 
     If ``--html`` does not name the page, its name is `stem` in the folder `directory`, and only with `with_page` or
     ``--html``. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run,
-    whose page may be replaced. Errors are those of `claim_destination`.
+    whose page may be replaced. Raise UsageError for a name that cannot be a page, TakenError if the file must not be
+    replaced, and CycloidError if its folder cannot be created.
     """
     if flags.html is None and not with_page:
         return None

@@ -175,8 +175,8 @@ def _encode_files(
 ) -> "Mapping[str, bytes]":
     """Return the contents of the files that describe a joint in a format, by file name.
 
-    With `drives`, the joints of drawn drives, files for domain randomization are included. `scenes` are the time steps
-    of scene.xml and lossy_scene.xml, which only the format ``mjcf`` has.
+    With `drives`, the joints of randomly drawn drives, files for domain randomization are included. `scenes` are the
+    trial runs with the time steps of scene.xml and lossy_scene.xml, which only the format ``mjcf`` has.
     """
     from cycloid_mj.robot.description import write_descriptions
     from cycloid_mj.robot.files import joint_files

@@ -179,9 +179,9 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
 
 
 def creep_warning(reducer: Reducer) -> Iterator[str]:
-    """Yield a warning if parts slide too slowly for fully developed friction.
+    """Yield a warning if parts slide too slowly for fully developed friction, so that losses are too low.
 
-    The condition is that the missing loss exceeds `LIMITS.max_missing_loss` of the output power.
+    The condition is that the loss which is missing exceeds the fraction `LIMITS.max_missing_loss` of the output power.
     """
     missing_share, missing_loss = missing_friction(reducer)
     if missing_loss > LIMITS.max_missing_loss:

@@ -163,7 +163,7 @@ def log_columns(model: Model, reducer: Reducer) -> Groups:
 def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", held: Held = "crank") -> Model:
     """Compile a reducer for simulation by a solver, with a kind of contact: exact profiles or convex meshes.
 
-    `held` is the shaft with a servo, as in ``mjcf.build``; with convex meshes, it is the crank.
+    `held` is the shaft with a servo, "crank" or "output"; with convex meshes, it is the crank.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def simulate(
     Raises
     ------
     RunError
-        The run failed; see `blocks`.
+        The run failed, for example because the drive jams or skips a tooth; see `blocks`.
     DesignError, ContactError
         The model cannot be built; see ``mjcf.build``.
 

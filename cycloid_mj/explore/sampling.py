@@ -131,7 +131,7 @@ def draw_deviations(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
     """Draw the deviations of the samples of a batch from the nominal design [m], by tolerance, shape (samples, ...).
 
     `zones` are the tolerances by key, `seed` is the random seed. A wave of the profile has the amplitudes of its cosine
-    and sine, shape (samples, 2), see `Samples.waves`.
+    and sine, shape (samples, 2).
     """
     uniform_numbers = _draw_uniform_numbers(reducer, zones, seed, batch)
     deviations = {key: zone.quantiles(uniform_numbers[key]) for key, zone in zones.items()}

@@ -53,7 +53,7 @@ def parse_zone(
     Parameters
     ----------
     text, key
-        Text of the design file in one of the `FORMS`, and its key.
+        Text of the design file, such as ``normal 2``, ``uniform 5`` or ``IT6`` (`FORMS`), and its key.
     size
         Diameter to which ISO tolerance grades and fits refer [m].
     clearance

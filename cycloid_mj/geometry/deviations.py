@@ -146,7 +146,7 @@ def _errors_of_parts(design: Design, name: str, standard_deviation: float, count
 def _draw_errors(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
     """Draw normally distributed errors [m], shape (count,), from the random stream of a list and of a `disc`.
 
-    `name` is a key of `_STREAMS`. The errors are 0 if the `standard_deviation` [m] is.
+    `name` is the list of the design file, such as ``pin_dr``. The errors are 0 if the `standard_deviation` [m] is.
     """
     if not standard_deviation:
         return np.zeros(count)

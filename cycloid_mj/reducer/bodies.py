@@ -432,7 +432,7 @@ def surfaces_on_circle(
     surface_names, body
         Names of the n surfaces, and name of their body: a common name, or one for each surface.
     role
-        Kind of the surfaces, see `Role`.
+        Kind of the surfaces, such as pin, lobe or planet.
     circle_radius
         Radius of the circle [m].
     radius

@@ -164,10 +164,10 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
 
 
 def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve a single linear program for the stops (n, 2) [rad], see `stops_at`, at the n crank angles `cranks` [rad].
+    """Compute how far the output can turn in both directions (n, 2) [rad] at n crank angles [rad] by a linear program.
 
-    The angles are independent of each other. If the program has no solution, each angle is solved alone, so that the
-    error message can name the angle at which the disc jams. `sides` is the number of sides of a cam's polygon.
+    The angles `cranks` are independent of each other. If the program has no solution, each angle is solved alone, so
+    that the error message can name the angle at which the disc jams. `sides` is the number of sides of a cam's polygon.
 
     Raises
     ------

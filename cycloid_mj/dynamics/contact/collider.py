@@ -84,8 +84,8 @@ def _compile_lobe_collider(layout: Layout) -> Any:
     """Compile or load MuJoCo's collision function for the teeth of a disc and the lobes of the internal gear.
 
     The result is a numba ``cfunc``, which passes all other pairs to the general collider. Its compilation takes as long
-    as that of all other pairs together; pinwheels do not need it. `layout` has the offsets of the arrays in MuJoCo's
-    memory.
+    as that of all other pairs together; rings of pins do not need it. `layout` has the offsets of the arrays in
+    MuJoCo's memory.
     """
 
     @cfunc(_SIGNATURE, cache=cacheable())

@@ -371,8 +371,8 @@ def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, lar
 def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
     """Find and write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots.
 
-    Contacts are written at an address, in the world's frame, `STRIDE` bytes apart; see `read_touch`. Their number is
-    returned, at most ``SETTINGS.max_touches``.
+    Contacts are written at an address, in the world's frame, `STRIDE` bytes apart, with gap, position, stiffness factor
+    and normal. Their number is returned, at most ``SETTINGS.max_touches``.
 
     Parameters
     ----------
@@ -498,7 +498,8 @@ def inner_touches(
 
     The centre of the inner circle is at (x, y) [m], displaced by (dx, dy) [m] from that of the outer circle. `outer` is
     a closed circle if its `sine` is 0. Otherwise it is an arc, whose edges may be in contact, too. There are at most
-    two contacts, with gaps below `margin` [m], `STRIDE` bytes apart; see `read_touch`.
+    two contacts, with gaps below `margin` [m], `STRIDE` bytes apart. Each has gap, position, stiffness factor and
+    normal (`read_touch`).
     """
     # Most circles are open, which needs no exact gap.
     clearance = outer.radius - inner - margin

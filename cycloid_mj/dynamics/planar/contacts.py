@@ -234,8 +234,8 @@ def _find_lobe_contacts(
 ) -> int:
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
-    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of `scratch`. `q`
-    and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of the working
+    memory. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
@@ -312,8 +312,8 @@ def _find_seat_contacts(
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
     `pair` is the index of the first pin's pair, `plane` that of the plane of the contacts, `ring` the pose of the ring,
-    `address` that of `scratch`. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time
-    step [s].
+    `address` that of the working memory. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of
+    the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for i in range(len(system.place)):
@@ -441,9 +441,9 @@ def _find_round_contacts(
     inner, outer
         The inner circle and the outer circle or arc.
     kind, cosine
-        Row of the pair in the film table, and cosine of the phase of its pin.
+        Row of the pair in the table of lubricated friction, and cosine of the phase of its pin.
     address
-        Address of `scratch` in `find_contacts`.
+        Address of the working memory.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)

@@ -145,10 +145,7 @@ class Stepper:
 
 @cache
 def _compile_steps() -> Any:
-    """Compile or load the function that advances a planar run, and return it.
-
-    numba compiles a version each for lobes, pins and cranks.
-    """
+    """Compile or load the function that advances a planar run, with versions for lobes, pins, cranks; return it."""
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(
@@ -250,11 +247,12 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 
 @njit
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
-    """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search.
+    """Return whether a disc or a moving pin is so far from the pose of the contact search that it has to be repeated.
 
-    The pose follows from the `predicted` midpoint speeds, the midpoint from the speeds `midpoint` of the solution, both
-    of shape (unknowns,) [m/s, rad/s]. `half_step` is half of the time step [s]; all but the first `size` unknowns are
-    those of pins. A rotation of a disc is converted to a path at the radius of the pin circle.
+    The search is at the pose that follows from the `predicted` midpoint speeds, which is compared with that by the
+    speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s]. `half_step` is half of the time step [s];
+    all but the first `size` unknowns are those of pins. A rotation of a disc is converted to a path at the radius of
+    the pin circle.
     """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
