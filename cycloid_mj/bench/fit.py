@@ -189,8 +189,7 @@ def fit_loops(
     start
         Start of a single search: parameters and offsets over their scales, shape (v,); by default several starts.
     intervals
-        Whether to compute intervals by profile likelihood, which requires further searches. Otherwise the intervals are
-        those of the linearised model.
+        Whether to compute intervals by profile likelihood, by further searches; else those of the linearised model.
     torque_offset
         Whether to fit an offset of the zero of torque for each loop; by default the Bayesian criterion decides.
 

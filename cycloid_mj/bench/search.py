@@ -144,7 +144,7 @@ class FitProblem:
 
     @cached_property
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Cached function that maps the scaled values of the first k parameters to the model with these values.
+        """Cached function that returns the model with the values of the first k parameters, in units of their scales.
 
         k is the number of the values; the other parameters are those of the attribute `model`.
         """
@@ -162,8 +162,8 @@ class FitProblem:
     def _cached_branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
         """Cached function that computes the model's torque [N m] and rotation [rad] along each branch of a loop.
 
-        Its arguments are the scaled values of the parameters (without offsets), the index of the loop, and the loop's
-        offset of torque [N m]. It returns None where the model has no static equilibrium.
+        Its arguments are the parameters in units of their scales, the index of the loop, and the loop's offset of
+        torque [N m]. It returns None where the model has no static equilibrium.
         """
 
         @lru_cache(maxsize=4 * len(self.loops))

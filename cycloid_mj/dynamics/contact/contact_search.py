@@ -346,7 +346,7 @@ def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
 
 @njit(inline="always")
 def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
-    """Compute the separation [1] of the contacts of the teeth on arc and root of a lobe, from 0 (one patch) to 1.
+    """Compute how far the contacts of the teeth on arc and root of a lobe are apart [1]: 0 for one patch, 1 for two.
 
     It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
 

@@ -39,9 +39,10 @@ SETTINGS = RootSettings()
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
-    """Compute a point of the curve S at the phase B [rad]: a root of the internal gear, offset by the pin radius.
+    """Compute a point at the phase B [rad] of a root of the internal gear, offset by the pin radius into the gear.
 
-    S leads from the centre of one lobe's arc to the next (see the module). `ring` has the shape of the gear.
+    The offset curve S leads from the centre of one lobe's arc to that of the next. `ring` has pin circle, eccentricity
+    and number of teeth of the gear.
 
     Returns
     -------
