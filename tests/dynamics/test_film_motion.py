@@ -13,8 +13,8 @@ from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure.efficiency_map import run_forward
 from cycloid_mj.measure.steady import steady_design
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.balance import powers
+from cycloid_mj.reducer import Reducer, reducer_of
+from cycloid_mj.statics.sheet import shaft_powers
 from cycloid_mj.statics.springs import springs_of
 
 TOLERANCE = 0.2
@@ -24,7 +24,7 @@ TOLERANCE = 0.2
 def lubricated(*changes: str, name: str = "pin", at: float = 20.0) -> Reducer:
     """Return a preset with the law ``film`` at a temperature [°C]."""
     parts = [f"thermal.{part}_c={at}" for part in ("disc", "ring", "crank", "output")] if at != 20.0 else []
-    return Reducer(resolve(name, ["friction.law=film", *parts, *changes]))
+    return reducer_of(resolve(name, ["friction.law=film", *parts, *changes]))
 
 
 def difference(reducer: Reducer, torque: float, rpm: float, solver: Solver) -> float:
@@ -32,7 +32,7 @@ def difference(reducer: Reducer, torque: float, rpm: float, solver: Solver) -> f
     steady = steady_design(reducer)
     loaded = steady.but(drive={"speed": rpm * RPM}, load={"torque": torque})
     run = run_forward(steady, torque, rpm * RPM, 12, solver)
-    return 100.0 * (run.powers.efficiency - powers(loaded, torque).efficiency)
+    return 100.0 * (run.powers.efficiency - shaft_powers(loaded, torque).efficiency)
 
 
 @pytest.mark.parametrize("pins", ["free", "fixed"])
@@ -59,6 +59,18 @@ CONDITIONS = [
 @pytest.mark.parametrize("solver", ["planar", "mujoco"])
 def test_solvers_agree_with_statics(solver: Solver, name: str, pins: str, torque: float, rpm: float, at: float) -> None:
     assert abs(difference(lubricated(f"ring.pins={pins}", name=name, at=at), torque, rpm, solver)) < TOLERANCE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pins", ["free", "fixed"])
+@pytest.mark.parametrize(("torque", "rpm", "at"), [(784.0, 2295.0, 20.0), (392.0, 1147.0, 40.0), (78.4, 2295.0, 60.0)])
+def test_mujoco_agrees_with_statics_for_rv_reducers(pins: str, torque: float, rpm: float, at: float) -> None:
+    assert abs(difference(lubricated(f"ring.pins={pins}", name="rv80e", at=at), torque, rpm, "mujoco")) < TOLERANCE
+
+
+@pytest.mark.parametrize(("pins", "torque"), [("free", 5.2), ("free", 10.4), ("fixed", 1.0), ("fixed", 5.2)])
+def test_planar_solver_agrees_with_statics_for_printed_drives(pins: str, torque: float) -> None:
+    assert abs(difference(lubricated(f"ring.pins={pins}", name="printed"), torque, 60.0, "planar")) < TOLERANCE
 
 
 @pytest.mark.parametrize(
