@@ -124,7 +124,7 @@ class Rated:
     """A drive rated at a torque [N m]: its rating, figures by the keys of the estimate, capacity, and weakest item.
 
     `study` has yield [%] and backlash [arcmin] of the tolerance study; it is empty before. A drive that `passed` it
-    carries the torque.
+    carries the torque; `too_large` is a torque [N m] at which its study failed before.
     """
 
     reducer: Reducer
@@ -134,6 +134,7 @@ class Rated:
     items: Mapping[str, RatedItem] = field(default_factory=dict)
     study: Figures = field(default_factory=dict)
     passed: bool = False
+    too_large: float = math.inf
 
     @property
     def life(self) -> float:
@@ -412,7 +413,7 @@ class Pool:
         improvements[list(self.rated)] = 0.0
         candidate = int(np.argmax(improvements))
         if improvements[candidate] > (SETTINGS.min_improvement if is_within else SETTINGS.min_probability):
-            torque = max(float(figures["capacity"][candidate]), 1e-3 * self.requirement.torque)
+            torque = max(float(figures["capacity"][candidate]), self.requirement.diameter**3)  # at least a small load
             return 1.0 if self._rate(candidate, torque) else SETTINGS.build_share
         return 0.0 if row is not None and self._add_neighbours(row) else None
 
@@ -464,7 +465,8 @@ class Pool:
         if studied and torque < required <= studied.capacity:
             studied = self._study_at(drive.reducer, required)
         elif studied and studied.capacity < torque < required:
-            studied = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(studied)))
+            smaller = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(studied)))
+            studied = smaller and replace(smaller, too_large=torque)
         if studied and not drive.study:
             backlash = studied.figures["backlash"] / drive.figures.get("backlash", studied.figures["backlash"])
             self.biases[tuple(self.points[row])] = math.log(studied.capacity / drive.capacity), math.log(backlash)
@@ -472,8 +474,12 @@ class Pool:
         return studied
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
-        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last."""
-        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
+        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last.
+
+        If a study failed at a larger torque, the torque is the geometric mean of both (bisection).
+        """
+        middle = math.sqrt(drive.torque * drive.too_large)
+        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, middle, self.requirement.torque))
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
 

@@ -10,7 +10,7 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange
 from cycloid_mj.sizing.objective import shortest, strongest
-from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
 from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of
 
 LENGTH_WORDS = "a length of {:.4g} mm"
@@ -44,21 +44,33 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         remedy; and the pool of the drive with this torque, or None if there are no candidates.
     """
     failed: list[Pool] = []
+    # the search for the largest torque follows, which is not monotone in a limited length
+    max_ratings = SETTINGS.few_ratings if requirement.length == math.inf else SETTINGS.ratings
     for pool in pools_of(requirement):
-        if drive_found := find_drive(pool, study=True):
+        if drive_found := find_drive(pool, study=True, max_ratings=max_ratings):
             return Trial(pool, pool.lightest() or drive_found), Answer(pool.requirement, ()), None
         failed.append(pool)
     if not failed:
         return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
     length_changes = _longer(requirement, failed)
-    pool = max(failed, key=_rated_merit)
-    drive = pool.best(strongest(pool.requirement))
+    pool, drive = _find_strongest(requirement)
     if not drive:
         return None, Answer(requirement, (), 0.0, _describe_torque_limit(pool), length_changes), pool
-    drive = pool.nearer_to_capacity(drive)
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
+        pool = replace(pool, requirement=pool.requirement.but(torque=requirement.torque), rated={}, extended=set())
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
     return None, Answer(requirement, (), drive.torque, _describe_torque_limit(pool), length_changes), pool
+
+
+def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
+    """Find the drive with the largest torque for a requirement, and its pool; None if no drive passes its study.
+
+    The required torque does not influence the result, so that every refusal states the same maximum.
+    """
+    unlimited = requirement.but(torque=QUANTITIES["torque"].high)
+    pool = max(pools_of(unlimited), key=_rated_merit)
+    drive = pool.best(strongest(pool.requirement))
+    return pool, drive and pool.nearer_to_capacity(drive)
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
@@ -83,7 +95,7 @@ def _rated_merit(pool: Pool) -> float:
     none can be rated. Tolerance studies are left out.
     """
     objective = strongest(pool.requirement)
-    drive = pool.best(objective, study=False) or pool.nearest(objective)
+    drive = pool.best(objective, study=False, max_ratings=SETTINGS.few_ratings) or pool.nearest(objective)
     if not drive:
         return -math.inf
     excess = float(objective.excess({"capacity": drive.capacity, **drive.figures}))
