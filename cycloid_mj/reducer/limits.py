@@ -80,9 +80,10 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     """Convert a pose of discs and output to a `Fit` with displacements [m] and rotations [rad] of the parts.
 
     `pose` (u,) [m] has x, y and rotation of each disc, and the rotation of the output, relative to the ring; rotations
-    are multiplied by the radius of the circle of output pins. If the ring is the output, its rotation is added to the
-    rotations in `Fit`. `mesh_gaps` are the gaps at this crank angle, and `min_gap` [m] is the smallest gap in this
-    pose.
+    are multiplied by the radius of the circle of output pins. Angles in `Fit` are not relative to the ring: if the ring
+    is the output, a rotation of the ring by its `output_turn` also rotates each disc, by N/(N-1) as much with N ring
+    teeth, which is added to `gear_turn`. `mesh_gaps` are the gaps at this crank angle, from which `pin_shift` is
+    computed, and `min_gap` [m] is the smallest gap in this pose.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -102,8 +103,8 @@ def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, 
     Returns
     -------
     tuple
-        The minimum gap [m]; and for each kind of pair, including ``cam``, a fraction from 0 to 1. It is that of this
-        kind in the contact forces which press the parts into the pose (dual values of the linear program).
+        The minimum gap [m]; and kind of pair, including ``cam`` -> its share of the limit, from 0 to 1; the sum is 1.
+        The shares are dual values of the linear program: contact forces that press the parts into this pose.
     """
     mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank_angle)
     kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
@@ -237,10 +238,11 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
 
 
 def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return the displacement of each ring pin that avoids an overlap with the discs in a pose, shape (mates, 2) [m].
+    """Return the displacement of each ring pin that avoids an overlap with the discs in a pose, shape (n, 2) [m].
 
-    A moving pin that overlaps a disc is displaced along the normal of the deepest overlap, to the middle between
-    touching the disc and touching its seat. The displacement of all other pins is 0.
+    The n pins (or lobes) are those of the ring, or of both of its halves. A moving pin that overlaps a disc is
+    displaced along the normal of the deepest overlap, to the middle between touching the disc and touching its seat.
+    The displacement of all other pins is 0.
 
     Parameters
     ----------

@@ -52,9 +52,10 @@ class PairIndex:
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     """Return tables with which compiled code finds the mating pair of two geoms in contact, for a model with `pairs`.
 
-    The tables (`PairIndex`) have the surface of each geom, the pair of any two surfaces, and the body of each pair. A
-    geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0 stands for none.
-    The number of a pair is negative if the logged force acts on the first of the two surfaces (`Pair.on`).
+    The tables (`PairIndex`) have the surface of each geom, the pair of any two surfaces, and for each pair the body on
+    which its logged force acts: the body of the surface `Pair.on`. A geom named ``<surface>/...`` is a slice of that
+    surface. Surfaces and pairs are counted from 1; 0 stands for none. The number of a pair is negative if the first of
+    the two surfaces is `Pair.on`, because MuJoCo's contact force acts on the second.
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
@@ -110,7 +111,8 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     Three values are written at the address `summary`: the number of contacts that carry a force, the deepest geometric
     penetration [m], and the largest force of one contact [N]. At the address `pair_table`, force x and y [N], moment [N
     m], peak force [N] and powers of friction and normal force [W] of every pair are written (``PAIR_COLUMNS``); all
-    numbers there but the peak forces must be zero before. `state` is the state of the run.
+    numbers there but the peak forces must be zero before. Force and moment act on the body of the surface `Pair.on`,
+    the moment about its origin. `state` is the state of the run.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, max_depth, peak = 0, 0.0, 0.0

@@ -111,7 +111,10 @@ def solve_step(
     system, equations
         The reducer, and the workspace of a step.
     contacts, count
-        Contacts, and their number, at the `predicted` midpoint speeds.
+        Contacts and their number; their states and forces are updated.
+    predicted
+        Speeds of all unknowns that were expected at the midpoint, at which the contacts were linearised, shape
+        (unknowns,).
     q0, v0
         Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at the beginning of the step, shape (unknowns,),
         in the order that the module ``system`` describes.
@@ -120,7 +123,8 @@ def solve_step(
     timestep
         Time step [s].
     pin_span
-        Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
+        Time [s] in which forces accelerate moving pins from v0 to v: half a step by the midpoint rule, or a full step
+        by implicit Euler.
     v
         Array for the result: the midpoint speeds of all unknowns, shape (unknowns,).
 
@@ -163,9 +167,9 @@ def _assemble(
 
     `count` is the number of `contacts`. `q0` and `v0` are positions and speeds of all unknowns at the beginning of the
     step, `predicted` are the midpoint speeds at which the contacts were linearised. `command` (2,) are the commands of
-    output and crank, `timestep` is in [s], and `pin_span` is the time [s] in which forces accelerate pins. Sliding
-    friction is in proportion to the normal force of this iteration if `coupled_friction`, else of the previous
-    iteration.
+    output and crank, `timestep` is in [s], and `pin_span` is the time [s] in which forces accelerate pins, see
+    `solve_step`. Sliding friction is in proportion to the normal force of this iteration if `coupled_friction`, else of
+    the previous iteration.
     """
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
@@ -223,7 +227,7 @@ def _add_pin_inertia(
     """Add inertia and gravity of a pin to its block of the equations, whose first row is `row`.
 
     `pin_unknown` is the index of its first unknown, `v0` are the speeds of all unknowns at the beginning of the step,
-    and `pin_span` is the time [s] in which forces accelerate pins.
+    and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`.
     """
     pins, pins_right, gx, gy = equations.pins, equations.pins_right, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
@@ -423,7 +427,9 @@ def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent
 def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
     """Add the force at the predicted speeds to the right side of a body's equations.
 
-    `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the rotation.
+    `side` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
+    speeds. `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the
+    rotation.
     """
     for a in range(3):
         right[first_row + a + (shift if a < 2 else 0)] += (
@@ -683,11 +689,12 @@ def _update_states(
 
 @njit
 def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: float) -> float:
-    """Update speeds [m/s] and forces [N] of a contact at speeds v, and return its normal force, which may be negative.
+    """Update a contact's speeds [m/s] and forces [N], in place; return its normal force, which is negative if it pulls.
 
-    An open contact closes when its gap is below 0 at the predicted midpoint; a closed contact opens when its force
-    vanishes. Friction opposes the slip: creep times the slip, limited to the friction coefficient times the normal
-    force.
+    `v` are the new midpoint speeds of all unknowns, `predicted` those at which the contact was linearised, and
+    `half_step` is half of the time step [s]. An open contact has a force if its gap at the midpoint is below 0. The
+    friction force opposes the slip: it is the slip times `Contact.creep` [N s/m], limited to the friction coefficient
+    times the normal force.
     """
     contact.speed, contact.slip = relative_speeds(contact, v)
     normal_force = contact.force - contact.slope * contact.speed

@@ -116,8 +116,8 @@ class Stepper:
     def advance(self, samples: int) -> Array:
         """Advance the run up to and including its next `samples` samples, and return these, shape (samples, columns).
 
-        When all rows of the commands are used, the last one is repeated. The columns are those of the slices `copied`,
-        `solver`, `pairs` and `drags`, see `sample_layout`.
+        Each step uses the next row of the commands that `command` has set; after the last row, this is repeated. The
+        columns are those of the slices `copied`, `solver`, `pairs` and `drags`, see `sample_layout`.
         """
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._stride
@@ -162,12 +162,14 @@ def _compile_steps() -> Any:
         stride: int,
         rows: Array,
     ) -> None:
-        """Take a step for each row of `commands`, and write samples to `rows`.
+        """Take a step for each row of `commands`; update `motion`, and write samples to `rows`, (samples, columns).
 
-        There is a sample every `stride` steps from step `next_sample` on. In each step, the contact search at the
-        predicted midpoint and the solution are repeated until both agree (fixed-point iteration). `lobes` is None
-        without an internal gear, `train` without cranks; `timestep` and `pin_span` [s] are those of
-        ``equations.solve_step``.
+        A row of `commands`, shape (steps, 2), has the commands of output and crank: the angle [rad] of a shaft with a
+        servo, else its torque [N m]. There is a sample every `stride` steps from step `next_sample` on, counted from 1.
+        In each step, the contact search at the predicted midpoint and the solution are repeated until both agree
+        (fixed-point iteration). `contacts` and `equations` are working memory. `lobes` are the radii of the lobes [m],
+        None without an internal gear; `train` is None without cranks. `timestep` is in [s], and `pin_span` [s] is the
+        time in which forces accelerate moving pins to their midpoint speeds: half a step, or a step.
         """
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
@@ -233,10 +235,10 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 
 @njit
 def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
-    """Advance the state of a run to the end of a step, from the speeds at its midpoint.
+    """Advance the state of a run, `motion`, in place to the end of a step with the speeds `midpoint` at its midpoint.
 
     All but the first `size` unknowns are those of pins. `timestep` is in [s], and `pin_span` [s] is the time in which
-    forces accelerate pins, half a step or a step.
+    forces accelerate pins to their midpoint speeds, half a step or a step.
     """
     of_pins = timestep / pin_span
     for i in range(len(midpoint)):
@@ -300,9 +302,11 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `q` and `v` are positions and speeds of all unknowns (`Motion`) at the midpoint of the step. `iterations` is the
-    largest number of Newton iterations in the steps since the last sample; only the last contact search of a step
-    counts. `unconverged` is the number of these steps whose contact geometry did not converge.
+    The first `count` of the `contacts` are written, and the peak forces in `motion`, which are set to 0. `q` and `v`
+    are positions and speeds of all unknowns (`Motion`) at the midpoint of the step, `command` (2,) the commands of
+    output and input. `iterations` is the largest number of Newton iterations in the steps since the last sample; only
+    the last contact search of a step counts. `unconverged` is the number of these steps whose contact geometry did not
+    converge.
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
