@@ -314,9 +314,10 @@ def _require_degrees(height: float, origin: str) -> None:
 
 
 def _require_no_outlier(values: Array, column: str, origin: str) -> None:
-    """Raise UsageError for a value that differs from the median of its neighbours by more than the loop's range.
+    """Raise UsageError for a value that differs from its running median by more than the range of the running medians.
 
-    `values` have shape (n,); `column` and `origin` name them and their file in the message.
+    The running median is that of five consecutive values, the value itself in the middle. `values` are torques or
+    deflections in the order of measurement, shape (n,); `column` and `origin` name them and their file in the message.
     """
     medians = _median_filter(values)
     differences = np.abs(values - medians)
@@ -329,9 +330,9 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
 
 
 def _mean_opening(loop: MeasuredLoop) -> float:
-    """Compute the deflection at falling minus that at rising torque [rad], averaged over the torques of the loop.
+    """Compute the mean opening of a loop [rad]: the deflection at falling minus that at rising torque.
 
-    It is negative for a loop that releases energy.
+    It is the mean over the torques that both branches cover. It is negative for a loop that releases energy.
     """
     directions = [loop.moving(direction) for direction in (1, -1)]
     common_range = (
@@ -376,10 +377,10 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
 
 def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
-    """Compute the torque of a reversal [N m]: the extreme torque among the neighbours of the point with an index.
+    """Compute the torque of a reversal [N m]: the extreme torque among the points around that with the index `index`.
 
-    The extreme is limited to a distance from the median at that point, so that an outlier has no effect. `torque` [N m]
-    and its moving `medians` have shape (n,).
+    These are `SETTINGS.median_window` points before and after it. The extreme is limited to a distance from the median
+    at `index`, so that an outlier has no effect. `torque` [N m] and its running `medians` [N m] have shape (n,).
     """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
     outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())

@@ -109,8 +109,9 @@ def interpolate_deflections(loop: MeasuredLoop, branches: Branches) -> Array:
 
 
 def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: float, deflection_offset: float) -> Array:
-    """Compute the signed distance [1] of each measured point from the model's branch, shape (n - points_left_out,).
+    """Compute the signed distance [1] of each measured point from the model's branch, shape (points,).
 
+    The points that only lead from rest to the loop (`MeasuredLoop.points_left_out`) are omitted.
     `branches` are the model's curves between reversals of the torque. Torque and deflection are divided by the loop's
     ranges. `torque_offset` [N m] and `deflection_offset` [rad] are added to the branches. The distance is positive for
     points to the left of the branch, seen in its direction.
@@ -127,9 +128,10 @@ def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: floa
 
 @njit(cache=True)
 def _write_distances(points: tuple[Array, Array], mask: Mask, polyline: tuple[Array, Array], distance: Array) -> None:
-    """Write the signed distance of masked points from a polyline, positive on its left, to `distance`, shape (n,).
+    """Compute the signed distance of some points from a polyline, positive on its left, and write it to `distance`.
 
-    `points` and `polyline` are pairs of coordinates x and y, shapes (n,) and (m,).
+    `points` and `polyline` are pairs of coordinates x and y, shapes (n,) and (m,). `mask` (n,) selects the points;
+    only their values in `distance` (n,) are changed, in place.
     """
     for index in np.flatnonzero(mask):
         nearest = np.inf

@@ -369,11 +369,11 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 
 
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute lost motion, hysteresis loss and stiffness from loops, in the units in which their keys end.
+    """Compute the lines of a protocol that follow from loops: lost motion, hysteresis loss and stiffness, by key.
 
-    Each value is the mean over the loops; its interval extends from the lowest to the highest end of their intervals.
-    Loops with too small a torque are left out: it must reach the fraction `SETTINGS.min_full_torque` of the rated
-    torque [N m], or of the torque of the largest loop if that is smaller.
+    They have the units in which their keys end. Each value is the mean over the loops; its interval extends from the
+    lowest to the highest end of their intervals. Loops with too small a torque are left out: it must reach the fraction
+    `SETTINGS.min_full_torque` of the rated torque [N m], or of the torque of the largest loop if that is smaller.
     """
     full_loops = [
         loop
@@ -433,10 +433,11 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 
 
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute transmission error and no-load torques of the model, in the units in which their keys end.
+    """Compute the lines of a protocol for transmission error and no-load torques of the model, by key.
 
-    The values have no intervals. The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N
-    m]. Torques that the catalogue of figures does not have for the reducer are left out.
+    They have the units in which their keys end, and no intervals. The transmission error is that under
+    `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of figures does not have for the
+    reducer are left out.
     """
     error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
     torques = {line: figure(key) for line, key in TORQUE_FIGURES.items() if figure(key).applies_to(reducer)}
@@ -477,10 +478,10 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Read transmission error and no-load torques from the files of a bench, in the units in which their keys end.
+    """Read the lines of a protocol for transmission error and no-load torques from the files of a bench, by key.
 
-    The values have no intervals. Missing files are skipped. The running torque is the mean magnitude over its file.
-    Raises UsageError if a file is malformed.
+    They have the units in which their keys end, and no intervals. Missing files are skipped. The running torque is the
+    mean magnitude over its file. Raises UsageError if a file is malformed.
     """
     figures = {}
     if files.te:

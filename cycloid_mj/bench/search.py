@@ -282,8 +282,8 @@ class FitProblem:
         """Return the initial values of each search: parameters and offsets in units of their scales, shape (v,) each.
 
         There is a search for each dict of `start_factors`. It starts from the values `Parameter.start` times these
-        factors, and from the offsets of the centre of each loop. If stiffness or play is fitted, several further
-        factors are tried for them, and those with the smallest residuals are used.
+        factors; the offsets start at the torque and deflection in the middle of each loop's ranges. If stiffness or
+        play is fitted, several further factors are tried for them, and those with the smallest residuals are used.
         """
         keys = {parameter.key for parameter in self.parameters}
         centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
@@ -412,7 +412,7 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function that takes f values and returns `start` (v,) with these values at the indices `free`."""
+    """Return a function from values at the indices `free` to a copy of `start` (v,) with these values inserted."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

@@ -145,10 +145,11 @@ class _Terms(NamedTuple):
 
 
 def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Scale the deviations of parts to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
+    """Scale the deviations of parts to mean 0 and variance 1; return an array (rows, k) for each tolerance.
 
-    `zones` are the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the
-    indices of the samples to use.
+    k is the number of random numbers of the tolerance in a sample, such as 80 for the positions of 40 pins. `zones` are
+    the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the indices of the
+    samples to use.
     """
     standardised = []
     for key, zone in zones.items():
@@ -161,11 +162,11 @@ def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], row
 
 
 def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
-    """Compute the terms of each sample whose means over the samples are variances: of a quantity, and by tolerance.
+    """Compute terms for each of n samples whose means are the variance of a quantity, and its parts by tolerance.
 
-    The latter are the first-order and the total variance of each tolerance. A linear model serves as control variate
-    (`_fit_control_variate`). `figure` are the values of the quantity in all sample sets, `deviations` the standardised
-    deviations in the sets A and B, a list over the tolerances, shape (n, numbers) each.
+    The parts are the first-order and the total variance of each tolerance. A linear model serves as control variate
+    (`_fit_control_variate`). `figure` are the values of the quantity in all sample sets. `deviations` are those in the
+    sets A and B, from `_standardise`: an array (n, k) for each tolerance, with its k random numbers.
     """
     centre, linear, variances = _fit_control_variate(figure, deviations)
     values_a, values_b, values_mixed = figure.set_a - centre, figure.set_b - centre, figure.mixed - centre
@@ -179,8 +180,8 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
     """Fit a linear model of a quantity to the deviations by cross-validation, as a control variate of its variance.
 
     In each fold of the samples the model has the coefficients fitted to the other folds. `figure` are the values of the
-    quantity in all sample sets, `deviations` the standardised deviations in the sets A and B, a list over the
-    tolerances, shape (n, numbers) each.
+    quantity in all sample sets. `deviations` are those in the sets A and B, from `_standardise`: an array (n, k) for
+    each tolerance, with its k random numbers in n samples.
 
     Returns
     -------
@@ -218,8 +219,8 @@ def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> li
 
     Only tolerances that change the value of at least one sample are included, those with the fewest random numbers
     first. The number of columns of the fit is limited to the number of its rows times `SobolSettings.max_columns`.
-    `figure` are the values of the quantity in all sample sets; `deviations` are standardised, of set A, shape (n,
-    numbers) for each tolerance.
+    `figure` are the values of the quantity in all sample sets; `deviations` are those in set A, from
+    `_standardise`: an array (n, k) for each tolerance, with its k random numbers in n samples.
     """
     rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0
@@ -234,7 +235,8 @@ def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> li
 def _columns(deviations: list[Array], chosen: Sequence[int], rows: Mask) -> Array:
     """Stack the columns of a linear model: a constant, and the deviations of the tolerances with the indices `chosen`.
 
-    `deviations` is a list over the tolerances, shape (n, numbers) each, and `rows` selects samples, shape (n,).
+    `deviations` has an array (n, k) for each tolerance, with its k random numbers in n samples; `rows` (n,) selects
+    samples.
     """
     return np.concatenate([np.ones((int(rows.sum()), 1)), *(deviations[i][rows] for i in chosen)], axis=1)
 

@@ -82,7 +82,7 @@ class RunPlan:
         """Compare the designs by what was measured in all runs; return tables, order of the designs, and sensitivities.
 
         `measures_by_design` has the measured quantities of every simulated design. `motions` has the logged motion of
-        the first run of each case, by its design.
+        the first run of each design under each load, by that design.
         """
         changes = sensitivities(
             self.trials(measures_by_design, self.loaded_designs),

@@ -86,7 +86,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     seed
         Random seed of the study.
     jams
-        Which samples of the study's first block jam, shape (samples,); at least one.
+        Which of the study's first samples jam, shape (samples,); at least one.
     """
     rows = np.flatnonzero(jams)[: JAM.max_examined]
     block = draw_deviations(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))

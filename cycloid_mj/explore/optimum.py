@@ -180,7 +180,8 @@ class Optimum(Tabular):
 
         ``best`` and ``start`` have values by keys of the design file, in its units; ``figures`` are by key of the
         figure. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
-        rejected by each check or limit, ``verified`` the checks of the best design.
+        rejected by each check or limit. ``verified`` are the results of statics, full dynamics and tolerance study of
+        the best design.
         """
         best, objectives = self.best, self.task.objectives
         objective_values = None if best is None else [self.figures(best)[objective.key] for objective in objectives]
@@ -289,7 +290,7 @@ class Optimum(Tabular):
     ran_into = deprecated_attribute("Optimum", "ran_into", "active_bounds")
 
     def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
-        """Convert the checks of the best design to JSON values.
+        """Convert the results that verify the best design to JSON values.
 
         ``statics`` are figures by key, ``dynamics`` those of a run with their differences, and ``tolerances`` a study
         of tolerances. ``statics`` and ``tolerances`` are None if missing.
@@ -309,10 +310,11 @@ def _format_cell(value: Cell) -> str:
 
 
 def tables(optimum: Optimum) -> tuple[Table, ...]:
-    """Tabulate the best point of an optimisation next to its start, the rejections, the Pareto front, and the checks.
+    """Tabulate the best point of an optimisation next to its start, rejections, Pareto front, and verification.
 
-    The rejections are the numbers of points that each check or limit rejected. Tables without rows are left out. The
-    optimum must have a best point.
+    The rejections are the numbers of points that each check or limit rejected. The verification of the best design is
+    by statics, a run in full dynamics and its tolerance study, if they were computed (`BestChecks`). Tables without
+    rows are left out. The optimum must have a best point.
     """
     assert optimum.best is not None
     start, best = optimum.values(0), optimum.values(optimum.best)
@@ -347,10 +349,11 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 
 
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
-    """Tabulate the checks of the best design, starting with the quantities of statics of best design and start design.
+    """Tabulate the verification of the best design of an optimisation by statics, full dynamics and tolerances.
 
-    Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
-    follow. Tables without results are left out.
+    The first table compares the statics of the best design with those of the start. Tables of the best design in full
+    dynamics, of its distributions within the tolerances, and of its error budget follow. Tables without results are
+    left out.
     """
     tables = []
     if best_checks.sheet is not None:

@@ -246,7 +246,7 @@ def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) ->
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """Return the values of a key of the design file in a study, from its list or range, an `axis`.
+    """Return the values of a key of the design file in a study; `axis` is the list or the range of the key.
 
     A range has `Axis.count` evenly spaced values. With a count of 0, the values are both ends of the range; this
     applies to a range ``lo:hi``, of which `draw_points` draws samples.
@@ -316,10 +316,10 @@ def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -
 
 
 def _scale_to_axis(axis: Axis, coordinates: Array) -> list[Value]:
-    """Convert coordinates (n,) from 0 to 1 to n values of a key of the design file, whose range or list is an `axis`.
+    """Convert coordinates from 0 to 1, shape (n,), to n values of a key of the design file.
 
-    A range of real numbers is scaled linearly. Each value of a list, and each integer of a range, has an interval of
-    coordinates of equal length.
+    `axis` is the list or the range of the key. A range of real numbers is scaled linearly. Each value of a list, and
+    each integer of a range, has an interval of coordinates of equal length.
     """
     if axis.values or axis.count:
         values = axis_values(axis)

@@ -191,7 +191,7 @@ class _Run:
     def advance(self, searches: Sequence[EvolutionSearch], until: int, per_search: float = math.inf) -> None:
         """Run generations of the searches until `until` points are evaluated in total, or `per_search` by each search.
 
-        Converged searches stop earlier; a generation that has begun is completed.
+        The searches are changed in place. Converged searches stop earlier; a generation that has begun is completed.
         """
         evaluations_before = {id(search): search.used for search in searches}
         while active_searches := [

@@ -140,17 +140,17 @@ def backlash(
         raise UsageError(f"angles = {angles} (the number of crank angles) is out of range: choose 1 or more")
     reducer = reducer.at_rated_load
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
-    by_kind, checks = _run_presses(reducer, crank_angles, solver, progress)
+    stops_by_case, checks = _run_presses(reducer, crank_angles, solver, progress)
     closed_forms = REFERENCES[reducer.LAYOUT](reducer, crank_angles)
     return Measurement(
         measure="backlash",
         design=reducer.design,
         condition=f"{reducer.INPUT} locked, without friction and weight, {SOLVERS[solver]}",
-        quantities=by_key(_quantities(by_kind, checks, closed_forms)),
-        curves=_curves(reducer, by_kind, closed_forms),
-        assumptions=_assumptions(reducer, [pair.run for pairs in by_kind.values() for pair in pairs], solver),
-        runs={name: presses[0].run for name, presses in by_kind.items()},
-        details={"angles": _angle_rows(by_kind, closed_forms)},
+        quantities=by_key(_quantities(stops_by_case, checks, closed_forms)),
+        curves=_curves(reducer, stops_by_case, closed_forms),
+        assumptions=_assumptions(reducer, [pair.run for pairs in stops_by_case.values() for pair in pairs], solver),
+        runs={name: presses[0].run for name, presses in stops_by_case.items()},
+        details={"angles": _angle_rows(stops_by_case, closed_forms)},
     )
 
 
@@ -164,7 +164,7 @@ def _run_presses(
 
     Returns
     -------
-    presses_by_kind
+    stops_by_case
         For each case the stops, one pair per crank angle.
     checks
         For each case the stops at the first angle, pressed for a longer time with a shorter time step, for the
@@ -185,10 +185,10 @@ def _run_presses(
     pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
     checks, presses = dict(zip(cases, pairs, strict=False)), pairs[len(cases) :]
     count = len(crank_angles)
-    presses_by_kind = {
+    stops_by_case = {
         name: presses[case_index * count : (case_index + 1) * count] for case_index, name in enumerate(cases)
     }
-    return presses_by_kind, checks
+    return stops_by_case, checks
 
 
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
@@ -305,7 +305,7 @@ REFERENCES: Mapping[Layout, Callable[[Reducer, list[float]], dict[str, ClosedFor
 
 
 def _quantities(
-    presses_by_kind: dict[str, list[StopPair]], checks: dict[str, StopPair], closed_forms: dict[str, ClosedForm]
+    stops_by_case: dict[str, list[StopPair]], checks: dict[str, StopPair], closed_forms: dict[str, ClosedForm]
 ) -> Iterator[Quantity]:
     """Yield the quantities of the backlash [arcmin].
 
@@ -314,7 +314,7 @@ def _quantities(
 
     Parameters
     ----------
-    presses_by_kind
+    stops_by_case
         Stops by case ("all" clearances, or the kind of a single clearance), one pair per crank angle.
     checks
         Stops at the first angle by case, with other settings, for the numerical error.
@@ -322,7 +322,7 @@ def _quantities(
         Closed forms by the same cases; a case without a closed form has no reference.
     """
     single_clearances = []
-    for name, presses in presses_by_kind.items():
+    for name, presses in stops_by_case.items():
         values, closed_form = np.array([pair.backlash for pair in presses]), closed_forms.get(name)
         numerical = abs(checks[name].backlash - presses[0].backlash)
         error = add_errors(numerical, error_of_mean(values, closed_form))
@@ -350,15 +350,16 @@ def _quantities(
 
 
 def _curves(
-    reducer: Reducer, presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
+    reducer: Reducer, stops_by_case: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> tuple[Curve, ...]:
     """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form.
 
-    `presses_by_kind` are the simulated stops by case, from `_run_presses`; `closed_forms` have the same keys.
+    A case is "all" clearances, or the clearance of one kind of mating pair alone. `stops_by_case` are the simulated
+    stops by case, from `_run_presses`; `closed_forms` have the same keys.
     """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
-    for name, presses in presses_by_kind.items():
+    for name, presses in stops_by_case.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([pair.crank for pair in presses])
         if name in closed_forms:
@@ -391,24 +392,23 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
     )
 
 
-def _angle_rows(
-    presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
-) -> list[dict[str, Any]]:
+def _angle_rows(stops_by_case: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]) -> list[dict[str, Any]]:
     """Return a JSON object for each crank angle: both stops and backlash [arcmin], its closed form, and time steps [s].
 
-    `presses_by_kind` are the simulated stops by case, from `_run_presses`. The stops in the object are measured with
-    all clearances together. Backlash, closed form and time step are objects with a value for each case.
+    The stops are those with all clearances together. Backlash, closed form and time step have a value for each case:
+    "all" clearances, or the clearance of one kind of mating pair alone, with the kind as its key. `stops_by_case` has a
+    pair of stops per crank angle for each case, from `_run_presses`; `closed_forms` are by case, too.
     """
     return [
         {
             "crank_angle_deg": math.degrees(pair.crank),
             "low_arcmin": pair.low / ARCMINUTE,
             "high_arcmin": pair.high / ARCMINUTE,
-            "backlash_arcmin": {name: pairs[index].backlash / ARCMINUTE for name, pairs in presses_by_kind.items()},
-            "timestep_s": {name: bench.timestep_of(pairs[index].run) for name, pairs in presses_by_kind.items()},
+            "backlash_arcmin": {name: pairs[index].backlash / ARCMINUTE for name, pairs in stops_by_case.items()},
+            "timestep_s": {name: bench.timestep_of(pairs[index].run) for name, pairs in stops_by_case.items()},
             "closed_form_arcmin": {
                 name: float(closed_form.sampled[index]) / ARCMINUTE for name, closed_form in closed_forms.items()
             },
         }
-        for index, pair in enumerate(presses_by_kind[_ALL])
+        for index, pair in enumerate(stops_by_case[_ALL])
     ]
