@@ -49,7 +49,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
 
 
 def outcome_of(findings: "Findings") -> Outcome:
-    """Convert the findings of a run to printable results: the window, the groups of findings as a table, and notes."""
+    """Convert the findings of a run to printable results: evaluated time, a table with groups of findings, notes."""
     from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import make_frame
 

@@ -108,7 +108,10 @@ class CompareOptions:
 
     @property
     def first(self) -> flags.Values:
-        """Values of the first design, which are used for all designs."""
+        """Pairs of a quantity and the value of its flag: time step, speed, ramp and hold of the first design.
+
+        All designs run with these values. A value is None if its flag is not set.
+        """
         return (
             (flags.TIMESTEP, self.timestep_us),
             (flags.SPEED, self.speed_rpm),
@@ -247,9 +250,10 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of all cases: independent starts, a sweep of contact parameters, and variations of assumed values.
+    """Plan the runs of a comparison: independent starts, a sweep of contact parameters, varied assumptions.
 
-    `options` selects them: the sweep runs with ``--sweep``; ``--quick`` omits the variations and most starts.
+    `cases` are the designs under their loads, from `list_cases`. `options` selects the runs: the sweep runs with
+    ``--sweep``; ``--quick`` omits the variations and most starts.
 
     Raises
     ------

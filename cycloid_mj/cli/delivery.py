@@ -80,7 +80,7 @@ def claim_destination(
     stem
         Name of the JSON file, the CSV file and the page, without the ending.
     names
-        Names of other files.
+        Names of further files in the folder.
     default_folder
         Folder without ``--out``; if it is empty, no files are written.
     with_page

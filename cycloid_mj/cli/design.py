@@ -178,7 +178,7 @@ def _outcome(
 def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
     """Return a sentence on the motor torque and speed that apply by default; empty if the design file states both.
 
-    `motor` are the keys that the file leaves out.
+    `motor` are the keys of motor torque and speed that the file leaves out, such as "drive.torque_nm".
     """
     if not motor:
         return ""

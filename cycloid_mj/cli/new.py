@@ -586,7 +586,7 @@ def _parse_ratio_range(text: str) -> tuple[int, int]:
 
 
 def _parse_discs(text: str) -> int:
-    """Parse a number of discs, by default 1; ``auto`` is 0. Raise UsageError for any other text."""
+    """Parse the text of ``--discs``: a number; 1 for an empty text, 0 for ``auto``. Raise UsageError for any other."""
     if text == "auto":
         return 0
     if not text:

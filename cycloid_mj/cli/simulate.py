@@ -312,7 +312,7 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
 
 
 def logs_folder(default_folder: str, out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Return the folder for the logs `names`: the requested one, or the first unused of `default_folder`, `-2`, ...
+    """Return the folder for the logs `names`: the requested one, or `default_folder` with -2, -3, ... if it exists.
 
     The folder is created, which claims it: two commands at the same time get different folders. `out` is the requested
     folder, None without one; `force` is whether existing files are replaced.

@@ -137,7 +137,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check that designs under loads can be compared, and return the distinct designs by name.
+    """Check that designs under loads, `cases`, can be compared; return one of them for each name of a design.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def _same_solver(trials: Sequence[Trial]) -> str:
 
 
 def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequence[str]) -> None:
-    """Raise UsageError if the settings of a `case` differ from those of a `reference` in a key not in `exempt_keys`."""
+    """Raise UsageError if a design under a load, `case`, has other settings than `reference` in a non-exempt key."""
     expected, actual = conditions(reference), conditions(case)
     for key in expected | actual:
         if actual.get(key) != expected.get(key) and key not in exempt_keys:

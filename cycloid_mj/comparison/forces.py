@@ -57,7 +57,7 @@ def cam_force(motion: Series) -> Array:
 def forces(motion: Series) -> ForceSummary:
     """Compute how many teeth carry force, and the largest forces of all kinds of pairs [N], over full crank turns.
 
-    The samples are those of the hold after settling, or all of them if these are less than a turn.
+    The samples are those at constant speed after settling, or all of them if these are less than a turn.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)

@@ -94,10 +94,10 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Return a data frame of the quantities of simulated designs under each load: a row per quantity and design.
+    """Return a data frame of the quantities of simulated designs, with the columns `COLUMNS`.
 
-    Columns are `COLUMNS`. Mean, least and largest value are over the independent starts of a trial; quantities without
-    a value are omitted.
+    There is a row for each load, design and quantity with a value. Its mean, least and largest value are those over the
+    independent starts of the design under this load, a `Trial`.
     """
     rows: list[dict[str, Cell]] = [
         {

@@ -177,9 +177,9 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
 
 @contextmanager
 def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
-    """Lock the file of rows against other processes while the context is open; raise UsageError if it is locked.
+    """Lock the file `rows` of a study against other processes while the context is open.
 
-    `folder` and `study`, the name of the study, are for the message.
+    Raise UsageError if another process has locked it. `folder` and `study`, the name of the study, are for the message.
     """
     try:
         release = lock_file(rows)

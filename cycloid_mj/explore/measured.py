@@ -81,7 +81,7 @@ def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> M
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Simulate a design over its drive cycle, and return the results of the analysis of the log as columns of a table.
+    """Simulate a design (ramp, then constant speed), and return the results of its analysis as columns of a table.
 
     Under a load, pins have no inertia unless `options.real_pins` is set, because this allows longer time steps.
 

@@ -130,7 +130,8 @@ def compute_film_map(
 def _points_at(warm_reducer: Reducer, temperature: float, shares: Sequence[float]) -> list[MapPoint]:
     """Return the points of an efficiency map at a temperature [°C], that of all parts of `warm_reducer`.
 
-    `shares` are the loads relative to that of the design. Raises RunError without a static equilibrium.
+    `shares` are torques relative to the nominal torque, and at the same time speeds relative to the design's speed.
+    Raises RunError without a static equilibrium.
     """
     design = warm_reducer.design
     points = [MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))]

@@ -70,7 +70,8 @@ class ViewFrame:
     def draw_section(self, parts: Iterable[tuple[tuple[str, str], Prism]]) -> None:
         """Draw the axial section of prisms in the frame of the reducer, with centre line and title.
 
-        Each prism has the key of its style in `PART_STYLES`, and its hatching.
+        Each item of `parts` has a pair, the key of a style in `PART_STYLES` and a hatching of matplotlib, and the
+        prism.
         """
         for (style, hatch), prism in parts:
             patch_style = {**PART_STYLES[style], "linewidth": 0.6, "hatch": hatch}

@@ -125,7 +125,8 @@ def _add_light_body(joint: Any, model: Any, name: str) -> Any:
 def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int) -> str:
     """Add a spring between crank and hinge as a fixed tendon with a dead band, and return the tendon's name.
 
-    `reduced` has the springs, `joint` is the name of the hinge, and `index` is the index of the spring.
+    `spec`, an ``MjSpec``, is changed in place. `reduced` has the springs, `joint` is the name of the hinge, and `index`
+    is the index of the spring.
     """
     spring, name = reduced.springs[index], reducer_name(joint, index)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)

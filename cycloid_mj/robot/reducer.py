@@ -267,9 +267,9 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Loads and wind-ups between which transmission errors and springs' torques are linear, shape (n,) each.
+        """Return n loads between which transmission errors and springs' torques are linear, and their wind-ups.
 
-        These are shares of the nominal torque [1], and the wind-ups there [rad].
+        The loads are shares of the nominal torque [1], the wind-ups are in rad; shape (n,) each, in increasing order.
         """
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)

@@ -189,7 +189,7 @@ def try_time_step(
     """Try a time step [s] with an integrator: test stability, the static error, and the largest wind-up in an impact.
 
     Stability is tested with a locked and with a free crank. `inertia` is the inertia on the output [kg m2], and `load`
-    is its name. A rigid joint is only accelerated.
+    names this inertia in the result, such as a key of `INERTIAS`. A rigid joint is only accelerated.
     """
 
     def scene() -> TrialScene:

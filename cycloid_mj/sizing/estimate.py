@@ -133,10 +133,11 @@ class _Loads:
 
     @classmethod
     def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
-        """Compute the loads on the critical disc of n candidates at an output torque [N m], shape (n,).
+        """Compute the loads on the critical disc of n candidates at their output torques [N m], shape (n,).
 
-        The discs share the torque; the critical disc shares its part between teeth, and between output pins, as
-        springs.
+        The critical disc carries the largest share of the torque, because its errors let it lead the other discs. Its
+        teeth share this part as springs, and so do its output pins. `requirement` has the ratio, the speed and the
+        number of discs, `sizes` are the dimensions of the candidates, and `design` has their materials and clearances.
         """
         teeth, discs = requirement.ratio + 1, requirement.discs or 1
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES

@@ -44,7 +44,8 @@ class Objective:
     def expected_improvement(self, figures: Mapping[str, Array | float], scale: Array, best: float) -> Array:
         """Compute the expected improvement of the merit by a rating of each candidate, shape (n,).
 
-        `figures` are the estimates of the candidates. Their errors are normal with standard deviations of `DEVIATIONS`
+        The merit is the logarithm of the objective's figure (`merit`). `figures` are the estimates of the candidates,
+        by key, shape (n,) each. Their errors are normal with standard deviations of `DEVIATIONS`
         times `scale` (n,). The improvement over the merit `best` counts only within the limits (Schonlau, Welch and
         Jones, Global versus local search in constrained optimization of computer models, 1998). If `best` is -inf, it
         is the probability that all limits are met.

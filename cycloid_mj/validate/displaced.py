@@ -36,7 +36,7 @@ def phase_of(reducer: Reducer, disc: int) -> float:
 def in_ring_frame(
     reducer: Reducer, crank_angle: float, shifts: Array, rotations: Array, output_turn: float
 ) -> tuple[float, Array]:
-    """Transform a pose of discs and output from the fixed frame to the frame of the ring, which may turn.
+    """Transform a pose of D discs and the output from the fixed frame to the frame of the ring, which may turn.
 
     Parameters
     ----------

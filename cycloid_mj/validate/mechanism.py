@@ -195,7 +195,8 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     """Compare the power of the cams on the discs with the power of load plus friction at teeth and output pins.
 
-    `name` is the name of the case, whose `changes` are settings as for ``--set``.
+    The design has fixed pins, friction and no gravity. `changes` are further settings as for ``--set``, and `name`
+    names the changed design in the row.
     """
     frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"

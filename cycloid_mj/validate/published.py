@@ -103,11 +103,11 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
 
 
 def printed_drive_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the simulated backlash of the 3-D printed drive with that of rigid parts and with a measurement.
+    """Compare the simulated backlash of the preset ``printed`` with that of rigid parts and with a measurement.
 
     The simulated backlash is extrapolated to zero torque from runs under two torques. That of rigid parts is solved by
-    linear programming. The row of the measurement, by the builder of the drive, compares it with the mean for rigid
-    parts and has no bound. `quick` is ignored.
+    linear programming. The row of the measurement, by the builder of this 3-D printed drive, compares it with the mean
+    for rigid parts and has no bound. `quick` is ignored.
     """
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]

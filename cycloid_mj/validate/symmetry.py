@@ -139,9 +139,10 @@ def gear_arcsec(run: Run, reducer: Reducer) -> Array:
 
 
 def mean_ripple(run: Run, reducer: Reducer, direction: float) -> Array:
-    """Compute the mean transmission error of the disc [arcsec] in each bin of the mesh period, shape (BINS,).
+    """Compute the ripple of a run: the transmission error of the disc [arcsec] over a mesh period, shape (BINS,).
 
-    `direction` is the sign of the crank speed.
+    The period is divided into bins; each value is the mean over all samples of the run in a bin. `direction` is the
+    sign of the crank speed.
     """
     phase = np.mod(direction * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)

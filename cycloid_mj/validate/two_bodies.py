@@ -102,7 +102,10 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def static_deflection(contact_parameters: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Simulate the disc until rest under `TWO_BODIES.force`; return its penetration [m] and the contact force [N]."""
+    """Simulate the disc until rest under `TWO_BODIES.force`; return its penetration [m] and the contact force [N].
+
+    `contact_parameters` are the law of the contact; `timestep` is in [s].
+    """
     model = two_body_model(contact_parameters, timestep, TWO_BODIES.force / TWO_BODIES.mass)
     data = mujoco.MjData(model)
     with install():
@@ -131,7 +134,11 @@ def measure_frequency(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_restitution(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Simulate the impact of two bodies in MuJoCo (`TWO_BODIES.speed`); return the coefficient of restitution [1]."""
+    """Simulate the impact of a disc on a fixed circle in MuJoCo; return the coefficient of restitution [1].
+
+    The speed of the impact is `TWO_BODIES.speed`. `contact_parameters` are the law of the contact; `timestep` is in
+    [s].
+    """
     model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
@@ -152,7 +159,10 @@ def linear_restitution(ratio: float) -> float:
 
 
 def two_body_model(contact_parameters: ContactParameters, timestep: float, gravity: float) -> Any:
-    """Return the MuJoCo model (`MjModel`) of a disc in a fixed circle, into which `gravity` [m/s2] presses the disc."""
+    """Return the MuJoCo model (`MjModel`) of a disc in a fixed circle, into which `gravity` [m/s2] presses the disc.
+
+    `contact_parameters` are the law of the contact; `timestep` is in [s].
+    """
     parameters = solver_parameters(contact_parameters, 1.0 / TWO_BODIES.mass)
     text = _XML.format(
         timestep=timestep,
