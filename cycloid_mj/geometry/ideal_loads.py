@@ -104,10 +104,11 @@ def ideal_output_forces(
     crank_angle: npt.ArrayLike,
     phase: float = 0.0,
 ) -> Array:
-    """Share a torque on the gear among the output pins; return their forces (..., pins) [N] along the eccentric.
+    """Share a torque on the gear among the output pins; return their forces (..., pins) [N], which are not negative.
 
-    A pin touches its hole at -c along the eccentric, with the eccentricity c. So all pins push in the same direction,
-    with the arm r sin(beta) about the gear centre; beta is the angle from the eccentric to the hole.
+    A pin touches its hole at -c along the eccentric, with the eccentricity c. So all pins push the gear in the same
+    direction, opposite to the eccentric, with the arm r sin(beta) about the gear centre; beta is the angle from the
+    eccentric to the hole.
 
     Parameters
     ----------

@@ -194,7 +194,8 @@ def _run_presses(
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     """Return the design with the clearance of one kind of mating pair only, and no errors, friction or weight.
 
-    The other clearances are `PRESS.no_clearance`, and the holes are as large as the orbit of the output pins.
+    `kind` is the kind of pair that keeps its clearance; the others have the clearance `PRESS.no_clearance`. The nominal
+    radius of the holes is that of the output pins plus the eccentricity.
     """
     design = reducer.design
     exact: dict[str, Any] = {"errors": Errors(), "measured": Measured(), "modification": Modification()}

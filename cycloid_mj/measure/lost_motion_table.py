@@ -189,7 +189,8 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
 def _static_backlash(data: LostMotionLoops) -> ClosedForm | None:
     """Return the backlash of an RV reducer by statics [arcmin], at the crank angles of the loops and over the turn.
 
-    The torque of the stops is the smallest of the torque loop.
+    It is extrapolated to zero torque; the smaller of its two torques is the smallest at which the unloading branch of
+    the torque loop is evaluated (`LOOP.unloading`).
     """
     assert isinstance(data.reducer, RvReducer)
     torque = LOOP.unloading[0] * data.service[0].rated

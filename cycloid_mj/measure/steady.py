@@ -74,7 +74,7 @@ def run_steady(
     reducer
         The drive under its load.
     settling_time
-        Time before the first sample [s]; it is multiplied by the factor `slowness` for drives that settle slowly.
+        Time before the first sample [s]; it is multiplied by `settling.slowness`, at least 1.
     periods
         Number of mesh periods.
     solver

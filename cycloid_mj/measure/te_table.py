@@ -129,8 +129,8 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
     """Return the strongest orders (cycles per crank turn) of each condition with their causes, as JSON values.
 
-    `turns` is the number of crank turns. In the result, "turns_that_part_orders" is the smallest number of turns that
-    separates the orders of ring and holes, and "apart" is whether `turns` separates them.
+    `traces` are the errors by condition over crank `turns`. In the result, "turns_that_part_orders" is the smallest
+    number of turns that separates the orders of ring and holes, and "apart" is whether `turns` separates them.
     """
     return {
         "turns": turns,
@@ -301,7 +301,9 @@ def _compared_errors(
 ) -> tuple[Array, Array]:
     """Return the errors of a forward run with full and with half the time step, at the crank angles that both cover.
 
-    The run has the load and the pace of `condition`; `signal` is an attribute of `Trace`, such as "output".
+    The run has the load and the pace of `condition`; `traces` are the errors by condition, `finer_traces` those with
+    half the time step by load and pace, of the first part of the run. `signal` is an attribute of `Trace`, such as
+    "output".
 
     Returns
     -------

@@ -307,8 +307,8 @@ def _quantities(
 def _ripple_quantities(test: BrakedRun, half_step: BrakedRun | None) -> Iterator[Quantity]:
     """Yield peak to peak and rms of the output torque's ripple [N m], with their errors.
 
-    The errors are the largest changes over the second half of the run, which has less of the initial ringing, and in
-    the run `half_step` with half the time step.
+    `test` is the run. The errors are the largest changes over its second half, which has less of the initial ringing,
+    and in the run `half_step` with half the time step.
     """
     second_half = test.run.select(slice(len(test.run) // 2, None))
     other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]

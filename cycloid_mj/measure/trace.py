@@ -135,8 +135,8 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
     """Resample the errors of disc and output [arcsec] at equal steps of the crank angle, by a cubic spline.
 
-    `turns` is the number of crank turns, `direction` the sign of the crank's own speed. The angles increase in both
-    directions; the last angle is one step before the end of the turns.
+    `turns` is the number of crank turns; `direction` is 1 if the crank angle increases in the run, -1 if it decreases.
+    The angles of the result always increase; the last angle is one step before the end of the turns.
     """
     from scipy.interpolate import CubicSpline
 

@@ -64,10 +64,11 @@ class Distances:
 
 
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
-    """Return the distances [m] of a grid's nodes from the narrow contact patches of a load case at each crank angle.
+    """Return the distances [m] of a grid's nodes from the narrow contact patches of a loaded part at each crank angle.
 
-    The result also states which nodes are at sharp corners. Near narrow patches and sharp corners, the stress depends
-    on the size of the elements and is not the bulk stress.
+    `case` has the patches: narrow are the line contacts of Hertz's theory, not conformal contacts. The result also
+    states which nodes are at sharp corners. Near narrow patches and sharp corners, the stress depends on the size of
+    the elements and is not the bulk stress.
     """
     points = grid.points
     axial_distance = np.zeros(len(points))
@@ -135,9 +136,9 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
 def find_plateau(stress_by_distance: Array, first_index: int) -> int:
     """Return the index of the distance at which the largest stress reaches a plateau, searched from `first_index` on.
 
-    `stress_by_distance` [Pa], shape (s,), is the largest stress beyond each of s increasing distances. The result is
-    the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value, or else the index with the smallest
-    drop.
+    `stress_by_distance` [Pa], shape (s,), is the largest stress beyond each of the s distances of `search_distances`.
+    The result is the first index with a relative drop below `MAX_PLATEAU_DROP` to the next distance, or else the index
+    with the smallest drop.
     """
     first_index = min(first_index, len(stress_by_distance) - 1)
     relative_drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(

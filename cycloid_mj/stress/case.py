@@ -96,8 +96,8 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     """Return the nodal loads [N] of the contact forces on an extruded solid at k angles, a sparse matrix (n, k).
 
-    The forces on the planar grid of each disc are distributed over the width of that disc; n is the number of the
-    solid's unknowns.
+    The forces on the planar grid, `section`, are distributed over the width of the disc on which they act; n is the
+    number of the solid's unknowns.
     """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [

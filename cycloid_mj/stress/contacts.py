@@ -91,7 +91,7 @@ class Action:
         Parameters
         ----------
         centre, radius
-            Centre [m], shape (k, 2) or (2,), and radius [m] of the circle, in the frame of the action.
+            Centre [m], shape (k, 2) or (2,), and radius [m] of the circle, in the frame of this force.
         half_width
             Half width of the patch along the circle [m].
         side
@@ -255,8 +255,8 @@ def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
     """Compute the relative curvature [1/m], shape (k,), of a ring pin and the flank of the disc at this pin.
 
-    `pin` is its index: 0 is on +y, and indices increase clockwise. `gear_angle` [rad] (k,) is the angle of the disc's
-    teeth. `offset` [m] is the offset of the flank from the ideal profile.
+    `pin` is its index: 0 is on +y, and indices increase clockwise. `gear_angle` [rad] (k,) is the counter-clockwise
+    rotation of the disc's teeth against the ring. `offset` [m] is the distance of the flank from its trochoid.
     """
     t = profile.pin_angles(gear)[pin] + gear_angle
     return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius

@@ -151,7 +151,8 @@ def select_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
 def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
     """Compute the loads of a part other than its contact forces, as fields of `PartLoads` by name.
 
-    They are "body_force" [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque" [N m], (k,) each.
+    They are "body_force" (gravity minus acceleration) [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque"
+    (torque of crank, load or fixation) [N m], (k,) each.
     `contact_sum` is the sum of the contact forces, from which the acceleration of a movable part follows.
     """
     zeros = np.zeros_like(turn.angle)

@@ -88,7 +88,8 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     Returns
     -------
     points, corner, radius
-        Points (n, 2) [m], whether each is a corner, and the radius of curvature [m] there, inf at corners.
+        Points of the divided polygon (m, 2) [m], whether each is a corner, and the radius of curvature [m] there, inf
+        at corners; (m,) each.
     """
     edge_before, edge_after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]

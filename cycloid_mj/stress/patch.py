@@ -155,8 +155,8 @@ def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[n
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
     """Compute the arc length [m] (a,) of the outline's point that is nearest to each position (a, 2) [m].
 
-    `edge` and `xi` (a,) are the index of the edge on which the nearest sample of the outline is, and the sample's
-    parameter on this edge. The outline is replaced by its tangent at this sample.
+    `edges` are those of all outlines, `edge` and `xi` (a,) are the index of the edge on which the nearest sample of the
+    outline is, and the sample's parameter on this edge. The outline is replaced by its tangent at this sample.
     """
     chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])

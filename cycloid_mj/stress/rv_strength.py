@@ -140,8 +140,9 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    `stations` (s,) [m] are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
-    acts at the planet, and decreases along each eccentric.
+    `springs` and `loads` are the static equilibrium at the k angles, `stations` (s,) [m] are positions along z. A crank
+    is a beam on supports in the middles of the flanges. Its torque acts at the planet, and decreases along each
+    eccentric.
     """
     gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)

@@ -185,7 +185,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Solve for the shaft's response at the angles with indices `angles`, shape (c,), without tension in pads."""
+        """Solve for the shaft's response at the angles with indices `angles`, shape (c,); bearings do not pull."""
         weights = load_factors[:, angles]
         open_forces = np.column_stack(
             [

@@ -73,7 +73,10 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
 
 
 def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str, Array]]:
-    """Yield name and values (k,) of the logged columns of each disc: x, y [m], angle [rad], and their speeds, all 0."""
+    """Yield name and values (k,) of the logged columns of each disc: x, y [m], angle [rad]; and their speeds.
+
+    The speeds are 0. `springs` has the k crank angles.
+    """
     eccentrics = reducer.design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)
     for disc, name in enumerate(reducer.gears):
         x, y, angle = names.planar_joints(name)

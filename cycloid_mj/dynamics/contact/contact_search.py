@@ -205,7 +205,8 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
     profile
         Teeth of the gear.
     pin
-        The pin. If its `sine` and `cosine` are 0, its home direction is that of (px, py).
+        The pin. Its home direction is that of its centre in the middle of its seat, from the axis of the ring; if
+        `sine` and `cosine` are 0, it is the direction of (px, py).
     gear
         Pose of the gear in the world.
     px, py

@@ -80,7 +80,7 @@ def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
     """Solve for the phase B [rad] of the ideal contact in a root at a clockwise crank angle [rad], by Newton's method.
 
     It is valid for designs with ``is_monotone`` only, and for crank angles from -B0 to B0 - 2 pi/N. `min_phase` is B0,
-    where the root begins: its cosine is c N / E, with the symbols of `Trochoid`.
+    where the root begins: its cosine is c N / E, with the symbols of `Trochoid`, here `ring`.
     """
     radius, eccentricity, teeth = ring
     pitch_distance = eccentricity * teeth

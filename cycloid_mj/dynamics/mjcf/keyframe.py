@@ -87,8 +87,8 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
 def _best_fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
     """Compute the displacements of all joints from the ideal mesh to the best fit of parts with errors, by joint.
 
-    The best fit is the pose with the largest minimum gap. The displacements are in [m] or [rad], along directions of
-    the foundation's frame. `crank` is the crank angle [rad].
+    The best fit is the pose with the largest minimum gap. The displacements are in [m] or [rad], along the axes of the
+    frame that does not move, except that those of pins are in the frame of the ring. `crank` is the crank angle [rad].
     """
     fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)

@@ -555,7 +555,8 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        Speeds along normal, positive where the gap opens, and tangent [m/s].
+        Speed along the normal, positive where the gap opens, and along the tangent [m/s], both of the body that is
+        pushed along the normal. The tangent is the normal rotated by 90 degrees counter-clockwise.
     """
     disc, pin, shaft, crank = contact.disc, contact.pin, contact.shaft, contact.crank
     nx, ny = contact.nx, contact.ny

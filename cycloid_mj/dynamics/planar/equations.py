@@ -693,8 +693,8 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: floa
 
     `v` are the new midpoint speeds of all unknowns, `predicted` those at which the contact was linearised, and
     `half_step` is half of the time step [s]. An open contact has a force if its gap at the midpoint is below 0. The
-    friction force opposes the slip: it is the slip times `Contact.creep` [N s/m], limited to the friction coefficient
-    times the normal force.
+    friction force opposes the slip: it is the slip times the contact's `creep` [N s/m], limited to the friction
+    coefficient times the normal force.
     """
     contact.speed, contact.slip = relative_speeds(contact, v)
     normal_force = contact.force - contact.slope * contact.speed
