@@ -46,7 +46,10 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
 
 
 def with_speed_slope(compiled: Model, speed_slope: float) -> Model:
-    """Return a `compiled` model with an additional crank torque of -`speed_slope` [N m s/rad] times the crank speed."""
+    """Return a `compiled` model with an additional crank torque of -`speed_slope` [N m s/rad] times the crank speed.
+
+    The editable model of a MuJoCo model is changed in place.
+    """
     if isinstance(compiled, PlanarModel):
         return compiled.with_slope(speed_slope)
     import mujoco

@@ -170,7 +170,7 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
     """Compute the resultants (c, r) of all support forces on a part: forces [N], then moments about the origin [N m].
 
-    Supports are fixed nodes and elastic supports. They are in the order of the r `rigid_motions`.
+    Supports are fixed nodes and elastic supports. The resultants are in the order of the r `rigid_motions`.
 
     Parameters
     ----------

@@ -126,9 +126,10 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the largest stress over the turn at a station of the shaft, given by its index.
+        """Return the largest stress over the turn at the shaft's station with the index `station`.
 
-        `factors` are the notch factors in bending and in torsion, `fillet` [m] is the radius of the fillet.
+        `name` is that of the result, `factors` are the notch factors in bending and in torsion, `fillet` [m] is the
+        radius of the fillet.
         """
         bending_factor, torsion_factor = factors
         station_bending, station_torsion = bending[:, station], torsion[:, station]

@@ -70,7 +70,7 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return radii and addresses that the geometric penetration of teeth is computed from, each of shape (geoms,).
+    """Return the radii and addresses from which the geometric penetration of teeth is computed, shape (geoms,) each.
 
     All are 0 in a model without exact teeth.
 

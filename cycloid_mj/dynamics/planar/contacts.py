@@ -311,9 +311,9 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `pair` is the index of the first pin's pair, `plane` that of the plane of the contacts, `ring` the pose of the ring,
-    `address` that of the working memory. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of
-    the time step [s].
+    `pair` is the index of the first pin's pair, `plane` that of the disc in whose plane the contacts are, `ring` the
+    pose of the ring, `address` that of the working memory. `q` and `v` are positions and speeds of all unknowns,
+    `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for i in range(len(system.place)):

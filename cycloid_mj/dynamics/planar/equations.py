@@ -596,7 +596,7 @@ def _multiply(matrix: Nine, x: float, y: float, z: float) -> tuple[float, float,
 def _invert(matrix: Array, row: int) -> Nine:
     """Return the inverse of a (3, 3) matrix, row by row, by cofactors.
 
-    It consists of three rows of `matrix` (..., 3), from `row` on.
+    The matrix that is inverted consists of the three rows of `matrix` (..., 3) from `row` on.
     """
     a, b, c = matrix[row, 0], matrix[row, 1], matrix[row, 2]
     d, e, f = matrix[row + 1, 0], matrix[row + 1, 1], matrix[row + 1, 2]
