@@ -152,9 +152,10 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
 def _distributions(columns: Mapping[str, Array], jams: Mask, condition_text: str) -> dict[str, Any]:
     """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
 
-    `columns` are the computed quantities of the samples by key, under a condition in words, and `jams` is which samples
-    jam, shape (samples,) each. Jammed samples are left out of the histograms, and so are quantities with fewer than two
-    solved samples or in a unit not in `UNITS`.
+    `columns` are the computed quantities of the samples by key, and `jams` is which samples jam, shape (samples,) each.
+    `condition_text` states the load and the model with which they were computed; it becomes ``condition``. Jammed
+    samples are left out of the histograms, and so are quantities with fewer than two solved samples or in a unit not in
+    `UNITS`.
     """
     charts = list[dict[str, Any]]()
     for key, values in columns.items():

@@ -22,8 +22,9 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
     Returns
     -------
     dict
-        ``teeth`` and ``output``: ``force`` [N], shape (m, D contacts), with ``position`` [m] and unit ``direction``,
-        shape (m, D contacts, 2); ``output`` are the cranks. ``discs``: displacements of the discs from their ideal pose
+        ``teeth`` and ``output``: ``force`` [N], shape (m, D * contacts), with ``position`` [m] and unit ``direction``,
+        shape (m, D * contacts, 2), disc by disc; D is the number of discs, and contacts are pins for ``teeth``, cranks
+        for ``output``. ``discs``: displacements of the discs from their ideal pose
         (x, y [m], rotation [rad]), shape (m, D, 3); ``output_turn``: rotation of the carrier from its ideal angle
         [rad], shape (m,); ``share``: share of each disc in the torque on the carrier, shape (m, D).
     """

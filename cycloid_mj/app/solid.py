@@ -153,9 +153,9 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 
 
 def _axes(reducer: Reducer) -> dict[str, Array]:
-    """Return the axes about which bodies turn at the crank angle 0 [m], by body: of discs, and of the cranks of an RV.
+    """Return the positions x, y [m] of the axes of discs, and of the cranks of an RV reducer, by body, shape (2,).
 
-    The needles of an RV reducer turn with their cranks, shape (cranks, 2).
+    They are those at the crank angle 0. The entry of the needles, which turn with their cranks, has shape (cranks, 2).
     """
     centres = reducer.design.gear.eccentricity * unit(-np.array(reducer.phases))
     axes = dict(zip(reducer.gears, centres, strict=True))

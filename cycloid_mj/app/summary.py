@@ -115,7 +115,7 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
     """Return the changes of a design that resolve a failed check of life, heat or strength at its load, as JSON values.
 
-    ``name`` is that of the check.
+    ``name`` in the result is the name of the check, and ``changes`` are the alternatives.
     """
     loaded, name = at_load(reducer), check_name.replace(" ", "_")
     changes = life_remedies(loaded, [name]).get(name, ())
@@ -189,7 +189,11 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
 
 
 def _judge_covered_size(reducer: Reducer, required: Any, motor: MotorName) -> tuple[Verdicts, dict[str, Any]]:
-    """Return the verdicts on diameter and length with covers, and the sizes of the result of `life`."""
+    """Return the verdicts on diameter and length with covers, and the part of the result of `life` about sizes.
+
+    `required` are the values in the start form by field name. The dict has ``cased`` (the result of `covered_size`),
+    ``no_covers`` (why no covers fit, else empty) and ``length_mm``, which is None with covers.
+    """
     size_with_covers, cover_problem = covered_size(reducer, motor)
     if size_with_covers:
         sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}

@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 
 
 def to_json_values(value: Any) -> Any:
-    """Convert records, mappings and sequences to JSON values; NaN and infinities become None.
+    """Convert dataclass objects, mappings and sequences to JSON values; NaN and infinities become None.
 
-    A record with `as_json` becomes its return value, any other record its fields.
+    An object with the method `as_json` becomes the return value of this method, any other dataclass object a dict of
+    its fields.
     """
     if hasattr(value, "as_json"):
         return to_json_values(value.as_json())
@@ -414,9 +415,9 @@ class Claim:
     def as_json(self) -> dict[str, Any]:
         """Convert a claim of a paper, with our value for it, to JSON values.
 
-        ``paper`` is the claim with the value of the source, ``ours`` our value, ``at_rated_load`` our value at the
-        rated load. ``removals`` and ``ranges_searched`` are `removals` and `searched`; other keys are names of
-        attributes.
+        ``paper`` is the claim with the value that the paper states, ``ours`` our value with its ``numerical_error``,
+        and ``at_rated_load`` our value at the rated load, or None. ``ranges_searched`` is the attribute `searched`; the
+        other keys are names of attributes.
         """
         return {
             "key": self.key,

@@ -52,7 +52,8 @@ class RatedLoad:
     def torque_at(self, kind: str, pressure: float) -> float:
         """Compute the output torque [N m] at which the peak Hertz pressure in a kind of contact is `pressure` [Pa].
 
-        Return NaN if they never reach it, if inertia forces alone exceed it, or if there is no equilibrium.
+        `kind` is a kind of mating pair, such as ``pin_gear``. Return NaN if no torque causes this pressure, if inertia
+        forces alone cause a larger one, or if there is no equilibrium.
         """
         try:
             with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes

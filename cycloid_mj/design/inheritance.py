@@ -113,7 +113,7 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 
 
 def _describing_keys(design: Design) -> list[str]:
-    """List the file keys (``table.key``) that describe the drive of a design, for its layout.
+    """List the file keys (``table.key``) that describe the drive and have an effect with the layout of the design.
 
     These are all keys of the tables `DESCRIBING` except those in `RAMP`, which describe a run, and ``material.name``.
     """

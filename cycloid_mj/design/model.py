@@ -752,9 +752,10 @@ class Material(Section):
     @model_validator(mode="before")
     @classmethod
     def _fill_from_library(cls, value: Any) -> Any:
-        """Add the values that a material table does not set, from the library, by the material's name.
+        """Return a material table, `value`, with the values that it does not set taken from the library by its name.
 
-        A table that sets numbers but no name has all other values from the default material.
+        A table that sets numbers but no name has all other values from the default material. The table itself is
+        unchanged; a `value` that is no table is returned as it is, for the validation to report.
         """
         if not isinstance(value, Mapping):
             return value
@@ -1125,9 +1126,9 @@ class Design(Section, Presented):
     @model_validator(mode="before")
     @classmethod
     def _inherit_material(cls, value: Any) -> Any:
-        """Fill the material tables of parts that name no material of their own from the table `material`.
+        """Return the tables of a design, `value`, in which parts without their own material inherit ``material``.
 
-        Runs before validation, on the values of the file.
+        These are the material tables of parts that set no ``name``. Runs before validation; `value` is unchanged.
         """
         part_keys = [f"{part}_material" for part in PARTS]
         tables = {key: value[key] for key in part_keys if isinstance(value.get(key), Mapping)}
@@ -1311,7 +1312,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_needles(self) -> Self:
-        """Raise ValueError if the rollers of a plain cam are to be springs of their own."""
+        """Raise ValueError if a plain cam, which has no rollers, is to have a spring for each roller."""
         if self.layout == "central" and self.contact.needles == "each" and self.gear.bearing != "rolling":
             raise ValueError(
                 'contact.needles = "each" applies to cams on rollers, but gear.bearing is "plain": set gear.bearing = '

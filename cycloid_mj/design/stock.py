@@ -634,7 +634,7 @@ def tube_for(outside: float, bore: float) -> Tube | None:
 
 
 def splines_around(shaft: float) -> tuple[StockSpline, ...]:
-    """List the straight-sided splines (ISO 14) over whose shaft diameter [m] their hubs pass, the smallest first."""
+    """List the straight-sided splines (ISO 14) whose hubs slide over a shaft diameter [m], the smallest first."""
     rows = _rows(_SPLINES, 4)
     fitting = (
         StockSpline(f"ISO 14 - {count:g} x {minor:g} x {major:g}", int(count), *_si(minor, major, width))

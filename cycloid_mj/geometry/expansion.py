@@ -202,8 +202,12 @@ def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple
     return {f"hole_{axis}": tuple(positions[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
 
 
-def _describe_jam(design: Design, pair: str, clearance: float) -> str:
-    """Describe, for an error message, a clearance [m] of a pair that is lost at the temperatures of the parts."""
+def _describe_jam(design: Design, pair: str, warm_clearance: float) -> str:
+    """Return the error message for a pair whose parts jam because of thermal expansion.
+
+    `pair` is a key of `PARTNERS`, such as "cam". `warm_clearance` [m] is its clearance at the temperatures of the
+    parts, zero or negative.
+    """
     inner_part, outer_part = (BODY_OF[part] for part in PARTNERS[pair])
     cold_clearance = getattr(design.clearance, pair)
     temperatures = f"{inner_part} at {getattr(design.thermal, inner_part):g} °C"
@@ -211,7 +215,8 @@ def _describe_jam(design: Design, pair: str, clearance: float) -> str:
         temperatures += f", {outer_part} at {getattr(design.thermal, outer_part):g} °C"
     return (
         f"the parts jam: thermal expansion reduces clearance.{pair}_um from {1e6 * cold_clearance:.4g} to "
-        f"{1e6 * clearance:.4g} um ({temperatures}). Increase the clearance or reduce the difference of temperatures"
+        f"{1e6 * warm_clearance:.4g} um ({temperatures}). Increase the clearance or reduce the difference of "
+        "temperatures"
     )
 
 

@@ -27,11 +27,11 @@ def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
 
 
 def pin_mass_matrix(reducer: Reducer) -> Array:
-    """Return the mass matrix of a moving pin for its motion in the planes of its contacts [kg], shape (planes, planes).
+    """Return the mass matrix [kg] of a moving pin for its motion in each plane of contact, shape (planes, planes).
 
-    A pin of two discs tilts, so it has a plane of contact for each disc. With the mass m, the transverse inertia I
-    about the centre and the distance 2 a of the planes, the elements are m/4 + I/(4 a^2) on the diagonal and m/4 -
-    I/(4 a^2) beside it. Otherwise the pin does not tilt, and the matrix is its mass.
+    A pin of two discs can tilt and has a plane of contact in the middle of each disc. With the mass m, the transverse
+    inertia I about the centre and the distance 2 a between the planes, the diagonal elements are m/4 + I/(4 a^2), the
+    others m/4 - I/(4 a^2). A pin that cannot tilt has one plane, and the matrix (1, 1) contains its mass.
     """
     pin = moving_masses(reducer)[names.PIN]
     if not reducer.design.has_tilting_pins:

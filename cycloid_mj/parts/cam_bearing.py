@@ -46,8 +46,8 @@ def cam_seat(reducer: Reducer) -> float:
 
     If no stock bearing fits, ``contact.cam_rollers`` rollers that touch each other run directly in the bore of the
     disc, and the result is the radius inside the rollers. This radius must exceed eccentricity plus shaft radius, so
-    that there is a cam around the shaft. Otherwise the rollers are thinner, and the result is the mean of that sum and
-    the bore radius of the disc.
+    that there is a cam around the shaft; if it does not, the rollers are thinner, and the result is the mean of that
+    sum and the bore radius of the disc.
     """
     gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
     if stock_bearing:

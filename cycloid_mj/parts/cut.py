@@ -8,10 +8,10 @@ from cycloid_mj.parts.prism import Prism
 
 
 def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """Cut a prism by the plane x = 0; return start and end of each interval along y [m] inside its material, in order.
+    """Cut a prism by the plane x = 0; return the intervals of y [m] inside its material, (start, end), in order.
 
-    `centre` [m] is the origin of the prism's frame. The plane is shifted by `SAME_LENGTH`, so that a vertex or an edge
-    on it counts once.
+    `centre` is the position (x, y) [m] of the prism's origin. The plane is shifted by `SAME_LENGTH`, so that a vertex
+    or an edge on it counts once.
     """
     x, y = centre
     crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))

@@ -61,8 +61,9 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 def housing_part(reducer: Reducer) -> Part:
     """Return the housing as exact outlines about the reducer axis: the ring without its pins, or the internal gear.
 
-    Each of two halves is one segment, rotated by its lead angle; the half next to the motor comes first. The housing of
-    sleeved pins includes the pressed-in pins, which both end plates (not drawn) support.
+    Each half of a divided ring is one segment, rotated by its angular offset (`ring_spans`), which preloads the teeth;
+    the half next to the motor comes first. The housing of sleeved pins includes the pressed-in pins, which both end
+    plates (not drawn) support.
 
     Parameters
     ----------
@@ -78,8 +79,8 @@ def housing_part(reducer: Reducer) -> Part:
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Segment("housing", outline, (TurnedContour(hole, lead_angle),), low, high)
-        for low, high, lead_angle in ring_spans(reducer)
+        Segment("housing", outline, (TurnedContour(hole, offset_angle),), low, high)
+        for low, high, offset_angle in ring_spans(reducer)
     ]
     return Part("housing", (*rings, *_sleeve_cores(reducer)), design.material_of("housing").density)
 
@@ -95,7 +96,7 @@ def ring_spans(reducer: Reducer) -> list[tuple[float, float, float]]:
     Returns
     -------
     list of tuple
-        Start and end along the axis [m], and clockwise rotation [rad].
+        Start and end along the axis [m], and counter-clockwise rotation [rad], 0 for an undivided ring.
     """
     design = reducer.design
     half_width = design.gear.stack_width / 2
@@ -116,8 +117,8 @@ def _sleeve_cores(reducer: Reducer) -> list[Segment]:
     radius, angles = sleeve_core_radius(reducer), 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
         Segment("pins", core, (), start, end)
-        for start, end, lead_angle in ring_spans(reducer)
-        for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - lead_angle))
+        for start, end, offset_angle in ring_spans(reducer)
+        for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - offset_angle))
     ]
 
 

@@ -139,8 +139,9 @@ def tilting_dowel_force(
 ) -> float:
     """Compute the force [N] at which a stiff dowel across the face of two soft parts shears, or tilts in both holes.
 
-    The holes yield on opposite sides of their depths [m] at the parts' yield strengths [Pa]: Johansen's limit load,
-    EN 1995-1-1, 8.6 (a) to (c), without friction. For two equal holes it is 0.414 d s R_e.
+    The holes have `depths` [m] in both parts and yield at the `yield_strengths` [Pa] of these: Johansen's limit load,
+    EN 1995-1-1, 8.6 (a) to (c), without friction. For equal holes of the depth s it is 0.414 d s R_e. `diameter` d
+    [m] is that of the dowel, and `shear` [Pa] its shear strength.
     """
     (depth, other_depth), (strength, other_strength) = depths, yield_strengths
     ratio, softness = other_depth / depth, other_strength / strength
@@ -293,10 +294,12 @@ class SlottedHub:
         return stiffness * max(clearance, 0.0) / (2.0 * self.shaft_arm**2)
 
     def torque(self, force: float, clearance: float = 0.0, friction: float = JOINTS.interface_friction) -> float:
-        """Compute the torque [N m] at which the hub slips, at the force of all screws [N] and a clearance [m].
+        """Compute the torque [N m] at which the hub slips, at the force F of all screws [N].
 
-        The halves press on the shaft along two opposite lines, each with the force N = (F l1 - M)/l2: T = mu N d
-        (Roloff/Matek 12.3.4). An even pressure would transmit pi/2 times as much.
+        The halves press on the shaft along two opposite lines, each with the force N = (F l1 - M)/l2, where l1 is
+        `screw_arm`, l2 `shaft_arm` and M the `closing_moment` at the `clearance` in diameter [m]. The torque is mu N d
+        with the coefficient of `friction` mu and the `diameter` d (Roloff/Matek 12.3.4). An even pressure would
+        transmit pi/2 times as much.
         """
         normal_force = max(force * self.screw_arm - self.closing_moment(clearance), 0.0) / self.shaft_arm
         return friction * normal_force * self.diameter

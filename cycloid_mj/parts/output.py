@@ -55,7 +55,7 @@ def pin_radius(reducer: Reducer) -> float:
 def roller_part(reducer: Reducer) -> Part:
     """Return the roller of an output pin in a disc, in its own frame: a tube of the material of the pins.
 
-    It is as wide as the disc and its bore has the radius of the core: needles between them are taken as solid.
+    It is as wide as the disc. Its bore has the radius of the core pin: needles between them count as solid material.
     """
     design = reducer.design
     output, half_width = design.output, design.gear.face_width / 2

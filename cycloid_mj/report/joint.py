@@ -137,7 +137,7 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
 
 
 def _friction_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate constant friction [N m] and damping [N m s/rad] at the joint, for simulators without friction by load.
+    """Tabulate constant friction [N m] and damping [N m s/rad] for simulators without load-dependent friction.
 
     Each row has the values that are correct at the rated speed under one of `FRICTION_LOADS`: friction with the crank
     driving, friction with the output driving, and damping.

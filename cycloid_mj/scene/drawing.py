@@ -166,7 +166,8 @@ def largest_magnification(reducer: Reducer) -> float:
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
     """Return an upper bound of the gaps between mating parts over all samples [m].
 
-    It is the largest sum of a clearance and the largest deviation in its pairs of surfaces.
+    For each kind of pair it is the clearance plus the largest deviation from the ideal position; the result is the
+    largest of these sums.
     """
     design = reducer.design
     return max(

@@ -63,10 +63,10 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the free distance (k,) [m] from points on the walls of a prism, along their normals, to its next wall.
+    """Compute the distance (k,) [m] from points on the walls of a prism, along the normals there, to the opposite wall.
 
-    It is at most `METHOD.reach`. `region` is the prism; `points` (k, 2) [m] are on its walls, and `normals` (k, 2)
-    point out of the material.
+    It is at most `METHOD.reach`, also where there is no opposite wall. `region` is the prism; `points` (k, 2) [m] are
+    on its walls, and the unit `normals` (k, 2) point out of the material.
     """
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)
@@ -77,9 +77,10 @@ def free_distance(region: Prism, points: Array, normals: Array) -> Array:
 
 
 def _first_crossing(corners: Array, edges: Array, normal: Array) -> float:
-    """Compute the distance [m] along a normal from the origin to the nearest of the edges, at most `METHOD.reach`.
+    """Compute the distance [m] along a unit normal (2,) from the origin to the nearest edge, at most `METHOD.reach`.
 
-    The edges (m, 2) [m] start at `corners` (m, 2) [m]. Crossings nearer than `METHOD.depth` do not count.
+    Edge i extends from `corners[i]` by the vector `edges[i]`, (m, 2) [m] each. Crossings nearer than `METHOD.depth` do
+    not count.
     """
     determinant = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
     determinant = np.where(determinant == 0.0, np.inf, determinant)

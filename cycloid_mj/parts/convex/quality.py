@@ -128,7 +128,8 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
     """Return maximum and RMS of the heights (k,) [m] at which convex pieces end above (+) or below (-) a surface.
 
-    The result also contains the number of pieces `parts` and their `volume_error`, see `Quality`.
+    The result also contains the number of pieces, `parts`, and `volume_error`: the sum of their volumes over the true
+    volume, minus 1.
     """
     overfill, underfill = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(

@@ -24,7 +24,8 @@ from cycloid_mj.reducer import Reducer
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
     """Slice the flanks of a disc, as manufactured, into convex pieces in its frame, valley 1 on +y.
 
-    `SlicePlacement.member` is the number of a valley and of the next lobe.
+    `SlicePlacement.member` is the number of the pitch to which a slice belongs. Pitch i extends from one lobe tip to
+    the next, with valley i in the middle.
 
     Raises
     ------

@@ -105,7 +105,10 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
 
 
 def _place_roller_bearings(reducer: Reducer, carrier_angle: float) -> Iterator[PlacedPart]:
-    """Yield the positions of the needle bearings in the rollers, side by side, with the carrier at an angle [rad]."""
+    """Yield the positions of the needle bearings side by side in the rollers of the output pins.
+
+    `carrier_angle` [rad] is the rotation of the output pins about the axis, counter-clockwise.
+    """
     stock_bearing = roller_bearing(reducer)
     if stock_bearing is None:
         return

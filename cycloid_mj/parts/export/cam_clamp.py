@@ -100,7 +100,7 @@ class CamClamp:
 
 @once
 def cam_clamp(reducer: Reducer) -> CamClamp | None:
-    """Choose the clamping screws of the cams, those that clamp hardest; None for another joint or a single disc.
+    """Choose the clamping screws of the cams, those that clamp hardest; None if cams are not clamped.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from cycloid_mj.reducer import Reducer, once
 
 @once
 def cam_spline(reducer: Reducer) -> stock.StockSpline | None:
-    """Choose the spline of the cams, the smallest around the journals; None for another joint or a single disc.
+    """Choose the spline between cams and shaft, the smallest around the journals; None if they have another joint.
 
     It leaves a wall in the cams, and stays within the faces of the spacer, which touch the cams but not their bearings.
 

@@ -358,8 +358,8 @@ def _size_motor_side(
 def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> OutputSide:
     """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
 
-    Returns fields of `Casing` by name. `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc.
-    Raises DesignError if no bearing fits.
+    `screws` are those of the covers; `seat` and `rim` are the radii [m] of the seats of the shaft bearings and of the
+    output's disc. Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
     is_short = design.output.main_bearing_seat == "disc"
@@ -423,9 +423,10 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
     """Return the stock bearings that can be at the output, of the kind that the design requires, the best choice last.
 
-    The larger of two is the better choice. Crossed roller bearings leave room for their retainer inside of the heads of
-    the cover screws, which begin two minimum walls, `wall` [m], outside of `max_radius` [m]. A retainer that ends one
-    wall before the heads is preferred to one that reaches up to them.
+    The larger of two is the better choice. `max_radius` [m] is the largest outer radius of the bearing: two minimum
+    walls, `wall` [m] each, inside of the heads of the cover screws. Crossed roller bearings leave room for their
+    retainer inside of the heads. A retainer that ends one wall before the heads is preferred to one that reaches up to
+    them.
     """
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":
@@ -444,8 +445,9 @@ def _input_side(
 ) -> tuple[float, float]:
     """Return the position of the motor's flange face, and that of the motor-side end of the crank, along z [m].
 
-    A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank keeps its journal; that of
-    a hollow crank protrudes from the face, for a belt pulley or the rotor of a frameless motor.
+    A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank starts where the journal of
+    the design does; the journal of a hollow crank protrudes from the face, for a belt pulley or the rotor of a
+    frameless motor.
 
     Parameters
     ----------
@@ -551,7 +553,7 @@ def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) ->
     reducer, screws
         The reducer, and the screws of its covers.
     min_radius
-        Radius of other parts in the cavity [m].
+        Largest radius of the other parts in the cavity [m].
     wall
         Gap around the crank, and minimum wall of the cover [m].
     """

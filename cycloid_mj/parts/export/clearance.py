@@ -39,7 +39,7 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Compute the distance (n,) [m] of points (n, 2) [m] from the trochoid of a disc, positive inside."""
+    """Compute the distance (n,) [m] of points (n, 2) [m] from the path of pin centres (trochoid), positive inside."""
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
@@ -165,9 +165,10 @@ def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[Outli
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Compute the clearance (n,) [m] at points (n, 2) [m] of a disc's outline, without its profile modification.
+    """Compute the clearance (n,) [m] between the teeth and an ideal pin, at points `outline` (n, 2) [m] of a disc.
 
-    With rotated flanks the disc is the intersection of two rotated profiles.
+    The equidistant modification of the profile is subtracted, so that the design's clearance remains. With rotated
+    flanks the disc is the intersection of two rotated profiles.
     """
     gear, modification = reducer.gear_profile, reducer.design.modification
     rotations = (modification.rotation, -modification.rotation) if modification.rotation else (0.0,)
@@ -176,7 +177,7 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
 
 
 def _socket_distances(reducer: Reducer, ring_loop: Array) -> Array:
-    """Compute the distances [m] of the points of all sockets from the nearest pin centre.
+    """Compute the distances (k,) [m] of the k points of all sockets from the nearest pin centre.
 
     `ring_loop` (n, 2) [m] is the inner outline of the housing; points of the wall between sockets are left out.
     """

@@ -31,7 +31,10 @@ class KeywayContour:
         return Arc((0.0, 0.0), self.radius, start, start + 2.0 * (math.pi - self._half_angle)), *edges
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, the arc first."""
+        """Return the outline of a bore with a keyway as a polygon (n, 2) [m], counter-clockwise, the arc first.
+
+        `chord_error` [m] is the largest distance of a chord from the arc.
+        """
         start = self.angle + self._half_angle
         around = arc(self.radius, start, start + 2.0 * (math.pi - self._half_angle), chord_error)
         return np.concatenate([around, self._corners()[1:-1]])
@@ -56,12 +59,12 @@ class KeyContour:
     angle: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return its four edges."""
+        """Return the four edges of a key; `splines` has no effect."""
         corners = self.polygon(0.0).tolist()
         return tuple(LineSegment((*one,), (*other,)) for one, other in pairwise([*corners, corners[0]]))
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its four corners (4, 2) [m], counter-clockwise."""
+        """Return the four corners of a key (4, 2) [m], counter-clockwise; `chord_error` has no effect."""
         half, inner, outer = 0.5 * self.width, self.inner, self.outer
         return rotate_points(np.array([[inner, -half], [outer, -half], [outer, half], [inner, half]]), self.angle)
 
@@ -103,7 +106,10 @@ class SplineContour:
         return tuple(loop)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the outline of a straight-sided spline joint as a polygon (n, 2) [m], counter-clockwise."""
+        """Return the outline of a straight-sided spline joint as a polygon (n, 2) [m], counter-clockwise.
+
+        `chord_error` [m] is the largest distance of a chord from an arc.
+        """
         half_foot, half_top = self._half_angles
         step, pieces = 2.0 * math.pi / self.count, list[Array]()
         for middle in self._middles:
@@ -131,7 +137,10 @@ class SlottedContour:
     slot: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the outline of a slotted eccentric: outer arc, one side of the slot, bore, and the other side."""
+        """Return the outline of a slotted eccentric: outer arc, one side of the slot, bore, and the other side.
+
+        The argument `splines` has no effect, because lines and arcs are exact.
+        """
         half, (outer, inner) = 0.5 * self.slot, self._ends
         start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
         return (
@@ -142,7 +151,11 @@ class SlottedContour:
         )
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon: the outer arc counter-clockwise, then the bore clockwise."""
+        """Return the outline of a slotted eccentric as a polygon (n, 2) [m]: outer arc, then the arc of the bore.
+
+        The outer arc is counter-clockwise, that of the bore clockwise; the sides of the slot join them. `chord_error`
+        [m] is the largest distance of a chord from an arc.
+        """
         half = 0.5 * self.slot
         start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
         end = start + 2.0 * math.pi - 2.0 * (start - 0.5 * math.pi)

@@ -41,7 +41,8 @@ COUPON = Coupon()
 def coupon_solids(chord_error: float) -> dict[str, Solid]:
     """Return the test print of clearances: a block with a socket for each of `COUPON.clearances`, and its pin.
 
-    One to three small holes mark the sockets. The keys are the names of both files.
+    The number of small holes next to a socket is its number from 1. The keys are the names of both files. `chord_error`
+    [m] is the largest distance of a chord from its circle.
     """
     pitch = 2.0 * (COUPON.pin_radius + COUPON.wall)
     length, depth = pitch * len(COUPON.clearances), pitch + 4.0 * COUPON.mark_radius
@@ -78,7 +79,8 @@ def print_warnings(
     """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
 
     `unsupported_areas` are the areas of faces that cannot have a support [m2], as a mapping from part to a mapping from
-    the height [m] of the faces to their area.
+    the height [m] of the faces to their area. `chord_error` [m] is the largest distance of a chord from its curve, and
+    `sizes` the casing, whose printed parts are included; None: the mechanism only.
     """
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):
