@@ -124,9 +124,9 @@ class Limit:
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
     """Return the remedy of a failed check that changes several keys together, in words and as a single change.
 
-    The keys and their new values are those of `limits`. `other_remedy`, in words, is an alternative to it. Without
-    limits, text and changes are empty. If the design file does not allow a value, this limit is left out of the text,
-    and no change is returned.
+    The keys and their new values are those of `limits`. `other_remedy`, in words, is an alternative to this change.
+    Without limits, text and changes are empty. A limit whose value the design file does not allow is left out of the
+    text, and no change is returned.
     """
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))

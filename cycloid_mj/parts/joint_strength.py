@@ -287,8 +287,8 @@ class SlottedHub:
     def closing_moment(self, clearance: float) -> float:
         """Compute the moment in the wall [N m] that closes a clearance in diameter [m].
 
-        An open ring of the mean radius R of the wall bends until its curvature suits the smaller radius R - c/2:
-        M = E I c/(2 R^2).
+        An open ring with the mean radius R of the wall bends until its curvature suits the smaller radius R - c/2, c
+        being the clearance: M = E I c/(2 R^2), with the bending stiffness E I of the wall.
         """
         stiffness = self.youngs_modulus * self.width * self.wall**3 / 12.0
         return stiffness * max(clearance, 0.0) / (2.0 * self.shaft_arm**2)

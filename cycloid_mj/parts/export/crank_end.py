@@ -105,7 +105,7 @@ def _describe_ring_problems(
     seat
         Radius of the seat of these bearings [m].
     rings
-        Rings in stock for crank and cover.
+        Retaining rings in stock for crank and cover; None if there is none of this size.
     bore_room
         Length of the cover beyond the bearing [m].
     """

@@ -114,7 +114,7 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
 
 
 def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
-    """Return the shrink fit of cams on the shaft; None for keyed cams or a single disc.
+    """Return the shrink fit of cams on the shaft; None if the cams have another joint.
 
     It is the tightest of `SHRINK_FITS` that can be joined and at which neither part yields, or the last. The hub is a
     ring as thick as the thinnest wall of the cam (conservative).

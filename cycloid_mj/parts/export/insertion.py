@@ -106,10 +106,10 @@ def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.
 
 
 def _flex_ring(reducer: Reducer, sizes: Casing, part: str, sections: "Sections") -> "Sections":
-    """Return the outlines of a part during mounting, where retaining rings are spread over a shaft or squeezed.
+    """Return the sections of a part during mounting: a retaining ring is spread over the shaft or squeezed into a bore.
 
-    `sections` are the outlines of the mounted part, with their ends along z; those of other parts are returned
-    unchanged.
+    `part` is its name, and `sections` are both ends along z [m] and the outline [um] of each of its sections as
+    mounted. Those of parts that are not retaining rings are returned unchanged.
     """
     if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
@@ -129,7 +129,7 @@ def _is_blocked(moving_sections: Sections, present_sections: Sections, direction
     Parameters
     ----------
     moving_sections, present_sections
-        For each section both ends along z [m], and its outline.
+        For each section both ends along z [m], and its outline [um].
     direction
         `UP` or `DOWN`.
     """

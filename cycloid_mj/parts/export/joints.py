@@ -135,7 +135,10 @@ def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
-    """Yield the seat of the bearings in the motor cover from its start along z [m], with the groove of its ring."""
+    """Yield the seat of the bearings in the motor cover, and the groove of their retaining ring if there is one.
+
+    `start` [m] is the lower end of the seat along z.
+    """
     ring, low = sizes.crank_end.bore_ring, sizes.near[1]
     if ring:
         high = low + ring.groove_width

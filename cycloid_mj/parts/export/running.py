@@ -167,9 +167,9 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
 
 
 def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
-    """Yield the annuli of inner ring, rolling elements and outer ring of the annulus of a bearing.
+    """Yield the annuli of a bearing's inner ring, rolling elements and outer ring, from that of the entire bearing.
 
-    A drawn cup has no inner ring and is one annulus.
+    A drawn cup has no inner ring and stays one annulus.
     """
     is_on_shaft = bearing.part == names.SHAFT_BEARING
     ends = bearing.low, bearing.high
