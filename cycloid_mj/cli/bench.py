@@ -196,7 +196,8 @@ def _fit_loss_models(
 ) -> "Calibration":
     """Fit models with different losses (constant friction, friction of contacts, lossy material) to measured loops.
 
-    Return the calibration with all of them; it is written after each model.
+    Return the calibration with all of them; it is written after each model to the paths of `destination`. `delivery`
+    has the output flags.
 
     Raises
     ------
@@ -282,7 +283,7 @@ def _calibration_outcome(
 ) -> Outcome:
     """Convert a calibration to printable results with tables, warnings, figure, page, design file and residuals.
 
-    `unusable` has the sentence on why the calibrated design cannot be used, or is empty; None if it was not tested.
+    `destination` has the paths of the files. `unusable` states why the design is unusable or is (); None: not tested.
     """
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE

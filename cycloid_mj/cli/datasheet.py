@@ -88,7 +88,10 @@ def _headline_keys(quantities: "Mapping[str, Quantity]") -> "Iterator[str]":
 
 
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
-    """Convert a data sheet to printable results: headline, tables, PDF and page."""
+    """Convert a data sheet to printable results: headline, tables, PDF and page.
+
+    `destination` has the paths of the output files.
+    """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document

@@ -469,8 +469,9 @@ def _write_designs(
 ) -> int:
     """Write design files, print their paths with tables and summary, and return the exit code.
 
-    `files` maps names to contents. `descriptions` has the values that the JSON result states for each file. Raises
-    TakenError if a file exists and must not be replaced.
+    `files` maps names to contents. `descriptions` has the values that the JSON result states for each file.
+    `destination` has the folder, `delivery` the output flags. Raises TakenError if a file exists and must not be
+    replaced.
     """
     paths = destination.paths(files)
     claim_outputs(*map(Path, paths), force=delivery.force)

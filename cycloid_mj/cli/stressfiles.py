@@ -33,7 +33,8 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
     """Convert stress studies to printable results: tables, VTU files, verdicts on the claims of papers, and figures.
 
     Parts whose stress exceeds the yield strength are failures. Parts that exceed the shakedown limit, or whose stress
-    has not converged with the grid, are warnings. `figures` are the kinds of figures to draw.
+    has not converged with the grid, are warnings. `figures` are the kinds of figures to draw, and `destination` has the
+    paths of the output files.
     """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json

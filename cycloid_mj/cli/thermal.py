@@ -74,7 +74,10 @@ def thermal(
 
 
 def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
-    """Convert a thermal state to printable results: temperatures, limits, losses and warm-up curves."""
+    """Convert a thermal state to printable results: temperatures, limits, losses and warm-up curves.
+
+    `destination` has the paths of the output files.
+    """
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.plots.measure import curves_figure
     from cycloid_mj.plots.save import encode_figure

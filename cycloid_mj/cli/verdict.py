@@ -71,7 +71,7 @@ def outcome_of(
     """Convert a comparison to printable results, and issue the warnings of all runs.
 
     `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each figure, by its
-    name, the function that encodes it in a file format.
+    name, the function that encodes it in a file format. `destination` has the paths of the output files.
     """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json

@@ -144,8 +144,8 @@ def draw_deviations(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
 def _draw_uniform_numbers(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
     """Draw uniform random numbers between 0 and 1 for the samples of a batch, by tolerance, shape (samples, ...).
 
-    `zones` are the tolerances by key. The random stream depends on seed, tolerance and block only. To start within a
-    block, the numbers of its earlier samples are drawn as well and dropped.
+    `zones` are the tolerances by key. The random stream depends on seed, tolerance and block of samples
+    (`list_batches`) only. To start within a block, the numbers of its earlier samples are drawn as well and dropped.
     """
     end = batch.first + batch.count
     numbers_by_key = {}
@@ -279,7 +279,7 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:
-    """Return the sample with the index `row` as a design without validation: its clearances may be negative."""
+    """Return the sample with the index `row` of `samples` as an unvalidated design: clearances may be negative."""
     design = reducer.design
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     return design.model_copy(
@@ -291,7 +291,7 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
 
 
 def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of the sample with the index `row`.
+    """Return the clearances and the errors of the sample with the index `row` in `samples`.
 
     Errors that are all zero are empty tuples. Measured deviations of parts, which the nominal design already has, are
     subtracted from the errors.

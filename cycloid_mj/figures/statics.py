@@ -27,7 +27,7 @@ def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
 
 
 def _make_figure(row: SheetFigure) -> Figure:
-    """Return the catalogue entry of a quantity of the static data sheet.
+    """Return the catalogue entry of a quantity of the static data sheet, of which `row` is the description.
 
     Its aliases are the key of the data sheet, without and with the unit.
     """

@@ -175,7 +175,7 @@ def _spans_a_plane(points: Array) -> bool:
 
 
 def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
-    """Draw a quantity as a contour map in the plane of two inputs, on a Delaunay triangulation of the points."""
+    """Draw the quantity `name` as a contour map over two inputs, on a Delaunay triangulation of the points."""
     numbers = sweep.frame.numbers
     x_input, y_input = number_inputs(sweep)
     x, y, z = numbers[x_input], numbers[y_input], numbers[name]

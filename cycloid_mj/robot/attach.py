@@ -85,7 +85,8 @@ def _compile(spec: Any) -> Any:
 def _add_crank_body(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     """Add a body for the crank to the parent of the hinge's link, with a joint on the same axis.
 
-    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
+    `joint` is the hinge in the ``MjSpec``, which is changed in place; `model` is the compiled ``MjModel`` without the
+    reducer. `reduced` has the inertia and the friction of the crank.
     """
     hinge, name = model.joint(joint.name), rotor_name(joint.name)
     body = _add_light_body(joint, model, name)
@@ -113,7 +114,11 @@ def _add_crank_body(joint: Any, model: Any, reduced: ReducedJoint) -> None:
 
 
 def _add_light_body(joint: Any, model: Any, name: str) -> Any:
-    """Add a body of negligible mass next to the link of the hinge `joint`, in the link's frame, and return it."""
+    """Add a body of negligible mass next to the link of the hinge `joint`, in the link's frame, and return it.
+
+    The ``MjSpec`` of `joint` is changed in place. `model` is the compiled ``MjModel`` without the reducer, and `name`
+    is the name of the body.
+    """
     link = model.body(int(model.joint(joint.name).bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
     body.explicitinertial = True
@@ -144,8 +149,8 @@ def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int)
 def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
     """Add a body with constant friction that a spring couples to crank and hinge, a slip element of the hinge.
 
-    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer, and `index` the index
-    of the element in `reduced`.
+    `spec`, an ``MjSpec``, is changed in place, and `joint` is the hinge in it. `model` is the compiled ``MjModel``
+    without the reducer, and `index` is the index of the element in `reduced`.
     """
     slip, name = reduced.slips[index], slip_name(joint.name, index)
     armature, damping = slip_inertias(reduced)[index]
@@ -181,7 +186,7 @@ def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> No
     """Move the actuators of a hinge to its crank, and change their gear so that the torque on the hinge is the same.
 
     The gear is multiplied by the speed of the hinge divided by that of the crank, which is ``-reduced.coefficient``.
-    `joint` is the name of the hinge.
+    `spec`, an ``MjSpec``, is changed in place; `joint` is the name of the hinge.
     """
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
@@ -201,7 +206,7 @@ def _write_keyframes(
     Parameters
     ----------
     spec
-        Editable model with the crank.
+        Editable model with the crank, changed in place.
     keyframes
         Positions and speeds of each keyframe before the crank was added; an empty list stands for the default values.
     model

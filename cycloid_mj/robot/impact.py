@@ -84,7 +84,7 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
 def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
     """Simulate an impact in MuJoCo; return the largest wind-up beyond the lower stop [rad], like `ImpactLoad.peak`.
 
-    Return None if the simulation diverges.
+    `scene` has the joint, and `load` the frequency of the alternating load. Return None if the simulation diverges.
     """
     reduced, angular_frequency = scene.reduced, 2.0 * np.pi * load.frequency
     scene.hold()

@@ -445,7 +445,7 @@ def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reduce
 def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reducer | None:
     """Return a drive with a preloaded pair of angular contact bearings at its output.
 
-    None if it cannot be built, if its parts are of plastic, or if the bearings are required.
+    None if it cannot be built, if its parts are of plastic, or if the requirement sets the bearings by ``--set``.
     """
     key = "output.main_bearings"
     if Material(name=requirement.made_of).is_plastic or any(item.startswith(key) for item in requirement.changes):

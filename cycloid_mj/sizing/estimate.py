@@ -66,9 +66,9 @@ FIGURES = ("mass", "length", "backlash")
 def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
     """Estimate the torque limit of each item [N m], and mass, length and backlash (see `FIGURES`), of n candidates.
 
-    Materials and friction are those of a `design` of one of the candidates. As the loads depend on the torque, a
-    fixed-point iteration determines both. The limit ``other`` stands for all items that have no estimate: it is the
-    smallest of the estimated limits, or 0 if the profile of the disc is undercut.
+    `sizes` are the dimensions of the candidates; materials and friction are those of `design`, one of them. As the
+    loads depend on the torque, a fixed-point iteration determines both. The limit ``other`` stands for all items that
+    have no estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is undercut.
     """
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
@@ -347,7 +347,8 @@ def _length(requirement: Requirement, sizes: Sizes) -> Array:
 def _estimate_mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
     """Estimate the mass of n candidates [kg], shape (n,), by its regression on the masses of five parts.
 
-    These are ring, discs, cams, covers and output discs.
+    These are ring, discs, cams, covers and output discs. `sizes` are the dimensions of the candidates, and `design` has
+    their materials.
     """
     radius, inner_radius, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
     ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))

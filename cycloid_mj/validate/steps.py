@@ -204,8 +204,8 @@ def _compare_figures(
 ) -> list[ValidationRow]:
     """Compare the figures of a run with those of a reference run, one row per figure.
 
-    `kind` (the kind of ring) and `case` name the run in the rows, `source` names the reference. An infinite bound
-    counts as no bound.
+    `kind` (the kind of ring) and `case` name the run in the rows, `source` names the reference. `bounds` are the
+    allowed differences; an infinite bound counts as no bound.
     """
     rows = []
     values = (astuple(item) for item in (figures, reference, bounds))
