@@ -277,10 +277,10 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
-    """Compute the value on the falling branch minus that on the rising branch of a loop, with its 95 % interval.
+    """Compute the distance of the branches of a loop: the value on the falling minus that on the rising branch.
 
-    Both are read where `abscissa` equals `level`. `abscissa` and `values` are torque and deflection of the loop, or
-    vice versa, shape (n,). NaN if a branch does not cross the level.
+    It has a 95 % interval. Both values are read where `abscissa` equals `level`. `abscissa` and `values` are torque and
+    deflection of the loop, or vice versa, shape (n,). NaN if a branch does not cross the level.
     """
     crossings = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if crossings is None:

@@ -55,7 +55,7 @@ def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
 
 
 def measure_run(motion: Series, log: str | None = None) -> Measures:
-    """Compute the measures of a run for a comparison: findings, fluctuation, vibration and forces.
+    """Compute the measures of a run for a comparison: findings of its analysis, rms errors, vibration and forces.
 
     `log` is the path of the log. It is not read, but stored in the findings (`Findings.log`).
 

@@ -259,7 +259,8 @@ def name_run(design: Design, start: int = 0) -> str:
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
     """Return the designs with equal run times: the longest of their settling times, plus a number of crank turns.
 
-    All designs have the same load. They are returned unchanged if the crank of one of them does not turn.
+    There are `TURNS` turns under a load, `IDLE_TURNS` without. All designs have the same load. They are returned
+    unchanged if the crank of one of them does not turn.
     """
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)

@@ -267,7 +267,7 @@ def trials_table(trials: tuple[StepTrial, ...]) -> Table:
 def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Simulate the output under a suddenly applied nominal torque with a locked crank, and analyse its vibration.
 
-    `inertia` [kg m2] is the inertia on the output, without that of the reducer.
+    `scene` has the joint, and `inertia` [kg m2] is the inertia on the output, without that of the reducer.
 
     Returns
     -------
@@ -298,8 +298,8 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> 
     """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
     It replaces the error of the mean of a vibration: with a nonlinear spring, such as with a transmission error that
-    depends on the load, this mean differs from the position of rest. `stop_angle` is the angle of the stop [rad], and
-    `steps` is the number of time steps.
+    depends on the load, this mean differs from the position of rest. `scene` has the joint, `stop_angle` is the angle
+    of its stop [rad], and `steps` is the number of time steps.
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)
@@ -333,7 +333,7 @@ def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
 
     Crank and output vibrate against each other, faster than the output alone does with a locked crank. The square of
     their angular frequency is k (1/J + 1/(i^2 J_rotor)), with the stiffness k, the ratio i, the inertia J_rotor of the
-    crank, and the inertia J of output and load (`inertia` [kg m2]).
+    crank, and the inertia J of output and load. `scene` has the joint; `inertia` is that of the load alone [kg m2].
     """
     reduced, torque = scene.reduced, scene.reduced.rated_torque
     wind_up, output_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia

@@ -103,8 +103,8 @@ def state_rows(layout: str) -> list[ValidationRow]:
     """Compare elastic energy and contact forces of the static model at a random pose with those for exact gaps.
 
     Returns a row of `cycloid-mj validate` for the energy and one for the forces. `layout` is that of the reducer, a key
-    of `LAYOUTS`. Displacements of the parts are at most `BALANCE.near`. The generalised loads are random, too, and at
-    most 100 N. For rotations, both limits are multiplied by three.
+    of `LAYOUTS`. Displacements of the parts are at most `BALANCE.near`. The loads on their
+    displacements are random, too, and at most 100 N. For rotations, both limits are multiplied by three.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
