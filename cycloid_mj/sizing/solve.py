@@ -11,10 +11,13 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange
 from cycloid_mj.sizing.objective import shortest, strongest
 from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, floor_digits, pool_of
 
 LENGTH_WORDS = "a length of {:.4g} mm"
 """Words of a change of the length [mm]."""
+
+EXCESS = 1.1
+"""Factor of the maximum torque for which a search of its own must fail before the maximum is stated."""
 
 MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced: 1.5 s of CPU each."""
@@ -44,10 +47,8 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         remedy; and the pool of the drive with this torque, or None if there are no candidates.
     """
     failed: list[Pool] = []
-    # the search for the largest torque follows, which is not monotone in a limited length
-    max_ratings = SETTINGS.few_ratings if requirement.length == math.inf else SETTINGS.ratings
     for pool in pools_of(requirement):
-        if drive_found := find_drive(pool, study=True, max_ratings=max_ratings):
+        if drive_found := find_drive(pool, study=True):
             return Trial(pool, pool.lightest() or drive_found), Answer(pool.requirement, ()), None
         failed.append(pool)
     if not failed:
@@ -65,12 +66,21 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     """Find the drive with the largest torque for a requirement, and its pool; None if no drive passes its study.
 
-    The required torque does not influence the result, so that every refusal states the same maximum.
+    The required torque does not influence the result, so that every refusal states the same maximum. A search for the
+    largest torque can miss drives that a search for a given torque finds, so it is followed by searches for `EXCESS`
+    times the torque, until one fails.
     """
     unlimited = requirement.but(torque=QUANTITIES["torque"].high)
     pool = max(pools_of(unlimited), key=_rated_merit)
     drive = pool.best(strongest(pool.requirement))
-    return pool, drive and pool.nearer_to_capacity(drive)
+    drive = drive and pool.nearer_to_capacity(drive)
+    while drive:
+        more = requirement.but(torque=min(floor_digits(EXCESS * drive.torque), unlimited.torque))
+        stronger = next(((other, best) for other in pools_of(more) if (best := find_drive(other, study=True))), None)
+        if not stronger or stronger[1].torque <= drive.torque:
+            break
+        pool, drive = stronger
+    return pool, drive
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:

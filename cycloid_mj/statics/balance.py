@@ -244,6 +244,7 @@ def _solve_carrier_output(
     moments = (
         (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
     )
+    moment = moments.sum(axis=1, keepdims=True)
     return Loads(
         teeth=force[:, : springs.teeth],
         output=output,
@@ -251,7 +252,7 @@ def _solve_carrier_output(
         departures=z,
         gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
         output_turn=z[:, -1] / radius,
-        share=moments / moments.sum(axis=1, keepdims=True),
+        share=moments / np.where(moment == 0.0, 1.0, moment),  # a torque below the tolerance closes no contact
         work=work / len(z),
         friction=springs.friction,
     )
