@@ -189,7 +189,7 @@ def _component_json(component: PlacedPart, axes: Mapping[str, Array], step: int,
 
 
 def _parts_of_moves(moves: Sequence[Move]) -> Iterator[tuple[str, list[str]]]:
-    """Yield, for each move of the assembly, the name of the group that is joined and the names of its new parts.
+    """Yield, for each move of the assembly, the name of the group that receives parts and the names of these parts.
 
     Moves that only join groups which are already assembled are skipped.
     """

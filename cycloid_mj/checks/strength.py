@@ -285,9 +285,10 @@ def _check_pressure_angle(loads: RatedLoad) -> Check:
 
 
 def _find_threshold(is_met: Callable[[float], bool]) -> float:
-    """Find the largest share in [0, 1] at which a condition is met that fails at 1, by bisection; 0 if there is none.
+    """Find the largest share in [0, 1] at which `is_met` returns true, by bisection; 0 if there is none.
 
-    The condition counts as not met where it raises `CycloidError`, and is assumed to be met at all smaller shares.
+    `is_met` is a function of the share that is false at 1. It is assumed to be true at all shares below the result. An
+    error of the type `CycloidError` counts as false.
     """
 
     def is_met_safely(share: float) -> bool:

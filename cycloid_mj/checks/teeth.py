@@ -150,9 +150,10 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute half the support angle of the socket minus the largest angle of the force to the radius [rad].
+        """Compute half the support angle of a socket minus the largest angle of the disc's force to the radius [rad].
 
-        A `pin_radius` and an `eccentricity` [m] replace those of the design.
+        It is negative if the socket does not support its pin. `pin_radius` and `eccentricity` [m] replace those of the
+        design.
         """
         changed_design = design.model_copy(
             update={

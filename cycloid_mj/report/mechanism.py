@@ -53,8 +53,8 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
 
     Outlines are in the frame of the reducer axis, or of the part itself. ``angles`` are the angles of the ring's pins
     or lobes [rad], clockwise from +y. ``others`` has the outline of each disc but the first, and its ``phase`` on the
-    crank [rad], counter-clockwise. ``magnifications`` has the radii of the parts at each possible magnification of the
-    clearances, ``times``. ``wall`` is the inner radius of the housing.
+    crank [rad], counter-clockwise. ``magnifications`` has for each possible magnification of the clearances its
+    factor ``times`` and the radii of the parts. ``wall`` is the inner radius of the housing.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear

@@ -209,7 +209,7 @@ def cup_fit(reducer: Reducer, part: str) -> str:
 
 
 def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
-    """Return the fit, such as ``H7 outside, k5 on the crank``, of a bearing in stock whose outer ring is in a part.
+    """Return the fit, such as ``H7 outside, k5 on the crank``, of a bearing in stock whose outer ring is in `part`.
 
     Needles run on the crank itself. The inner ring of a ball bearing has a tight fit, because it turns relative to the
     direction of the load.
