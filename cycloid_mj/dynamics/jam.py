@@ -38,8 +38,8 @@ JAM = JamSettings()
 def jamming_power(reducer: Reducer) -> float:
     """Compute the friction power [W] above which a design jams; infinite if its crank is at rest.
 
-    The power is the crank speed times the largest friction torque: the larger one of two torques, each times a factor
-    in `JamSettings`. They are the rated torque of the crank, and the torque that moves the load without losses.
+    The power is the crank speed times the larger of two torques on the crank, each times a factor in `JamSettings`: the
+    rated torque, and the torque that moves the load without losses.
     """
     design = reducer.design
     drive = design.drive

@@ -459,7 +459,8 @@ class _Stepping:
     def late_warnings(self, unconverged_count: int, plan: Schedule) -> tuple[str, ...]:
         """Return the warnings at the end of a run about time steps whose contact geometry did not converge.
 
-        They apply to the planar solver only; `unconverged_count` is the number of these steps.
+        They apply to the planar solver only; `unconverged_count` is the number of these steps, `plan` has that of all
+        steps.
         """
         if self.warning or not unconverged_count:
             return ()

@@ -54,8 +54,8 @@ def _compile_general_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses; contacts have gaps below
-        `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses, `geom1` and `geom2`
+        the indices of the geoms; contacts have gaps below `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -92,8 +92,8 @@ def _compile_lobe_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses; contacts have gaps below
-        `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses, `geom1` and `geom2`
+        the indices of the geoms; contacts have gaps below `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)

@@ -537,7 +537,8 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
     Returns
     -------
     tuple of float
-        Force [N], its decrease per speed that lasts for `half_step` [N s/m], and damping [N s/m].
+        Force [N]; its decrease per change of the speed [N s/m], which also changes the gap in the time `half_step` [s];
+        and damping [N s/m].
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
