@@ -129,7 +129,7 @@ def _crank(motion: Series) -> Crank:
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
-    """Return a `Disc` for each disc: its speed, transmission error, and path and speed of its point q.
+    """Return a `Disc` for each disc: its speed, transmission error, and path and speed of the point q of the series.
 
     The tuple is empty for a single disc, which the findings of the run describe.
     """
@@ -150,7 +150,8 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
     """Return the mean of a speed and of its closed form over full periods, and rms and peak of the difference [rad/s].
 
-    The difference is evaluated in all samples of the evaluation mask. `speed` is one of the signals of `motion`.
+    The difference is evaluated in all settled samples (`Series.evaluation_mask`). `speed` is one of the signals of
+    `motion`.
     """
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),

@@ -193,7 +193,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     q
         Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
-        Time after the ramp of the crank speed that is not evaluated [s]; see `window.in_hold`.
+        Time after the ramp of the crank speed that is not evaluated [s]; by default an estimate, see `window.in_hold`.
 
     Raises
     ------

@@ -151,7 +151,7 @@ def _format_row(
 ) -> FigureRow:
     """Return a row of the table: a quantity with its unit, the simulated value, its closed form and its error.
 
-    Values have five digits; missing values are empty cells.
+    All values have the same unit and five digits; missing values are empty cells.
     """
     return FigureRow(quantity, _format_value(simulated), _format_value(closed_form), _format_value(error), unit)
 

@@ -52,7 +52,8 @@ def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterat
     """Yield all warnings about the results of a run.
 
     They report that the run is incomplete, the note of a complete run, a run that ended before constant speed, less
-    than a crank turn in the evaluated `window`, and a large contact deflection. The limit of the deflection is half of
+    than a crank turn in the evaluated `window`, and a large deflection in `contacts`. `motion` are the signals of the
+    run. The limit of the deflection is half of
     that at which a run stops with an error. The warnings of `run_warnings` are included.
     """
     run = motion.run

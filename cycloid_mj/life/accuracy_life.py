@@ -226,7 +226,10 @@ class WearLife(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert lives [h], lost motion over time [arcmin], records, surfaces to JSON; an unlimited life is None."""
+        """Convert lives [h], lost motion over time [arcmin], recorded rows and worn surfaces to JSON values.
+
+        A row in ``records`` has accuracy, forces and wear depths at a time. An unlimited life is None.
+        """
         names = [key for key, _ in self.columns]
         return dict(
             to_json_values(

@@ -32,9 +32,9 @@ class CamCase:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the equivalent load and life of a cam bearing for one assumed stiffness to JSON values.
+        """Convert equivalent load [N] and life [h] of a cam bearing for one assumed stiffness to JSON values.
 
-        ``cam_n_m`` is the stiffness [N/m], and an unlimited life is None.
+        ``cam_n_m`` is the stiffness [N/m]. An unlimited life is None.
         """
         return {
             "name": self.name,
@@ -66,7 +66,7 @@ class CamCompliance:
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:
-        """Return a table with a row for each assumed stiffness of the cam bearing: stiffness, load and life."""
+        """Return a table of load [N] and life [h] of the cam bearing, with a row for each assumed stiffness [N/m]."""
         rows = tuple(
             (
                 row.name,

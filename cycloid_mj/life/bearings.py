@@ -350,11 +350,11 @@ def _rate_bearing(
     bearing
         The kind of bearing, one of `bearings_of`.
     forces
-        Forces at each point of the duty [N], shape (m, bearings) each.
+        Forces at each point of the duty [N], at m crank angles, shape (m, bearings) each.
     weighted_speeds
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
     loadings
-        The points of the duty, with their torques.
+        Solved loads at each point of the duty, for its torque and share of time.
     peak_torque
         Output torque for the static factor [N m]; forces are scaled in proportion to the torque.
     """
@@ -460,7 +460,7 @@ def bearing_load(reducer: Reducer, forces: Sequence[Array], weighted_speeds: Arr
     Parameters
     ----------
     forces
-        Forces at each point of the duty [N], shape (m, bearings) each.
+        Forces at each point of the duty [N], at m crank angles, shape (m, bearings) each.
     weighted_speeds
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
     exponent

@@ -89,9 +89,9 @@ def check_reducer(reducer: Reducer) -> Checks:
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
     """Check whether a valid design withstands its nominal torque and speed for its required life.
 
-    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. Returns a check for each of
-    `KINDS`, all of them warnings. Empty if the crank does not turn or no static equilibrium exists, which the check
-    `rated_load` reports.
+    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. Returns a check for each
+    kind of failure in `KINDS`, all of them warnings. Empty if the crank does not turn or no static equilibrium exists,
+    which the check `rated_load` reports.
     """
     try:
         return checks_of_rating(rate_for_verdict(reducer))

@@ -293,8 +293,8 @@ def _rating_rows(
 ) -> tuple[Quantity, ...]:
     """Return the rows of a data sheet on the ratio, the input speed [rpm] and the torques [N m].
 
-    The torques are the rated, bearing, acceleration, momentary and nominal torque. `rated_limit` and `momentary_limit`
-    are each a torque [N m] and the item that limits it; `life` is in [h].
+    The torques are the rated torque of the drive and of its bearings alone, and the acceleration, momentary and nominal
+    torque. `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
     """
     design = reducer.design
     speed = design.drive.speed

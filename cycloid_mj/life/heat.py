@@ -211,9 +211,9 @@ def _outside_of(reducer: Reducer) -> str:
 def clearance_growth(reducer: Reducer, kind: str) -> float:
     """Compute the growth of the clearance of a kind of mating pair per kelvin [m/K], at its tightest contact.
 
-    All parts have the same temperature. Ring pins move with the housing, output pins with the output disc, and the
-    disc expands from its centre. For output pins, the tightest pin includes the mismatch of the circles of pins and
-    holes.
+    `kind` is a key of `PARTNERS`, such as "output". All parts have the same temperature. Ring pins move with the
+    housing, output pins with the output disc, and the disc expands from its centre. For output pins, the tightest pin
+    includes the mismatch of the circles of pins and holes.
     """
     design = reducer.design
     ring, output = design.ring, design.output

@@ -472,7 +472,7 @@ def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
 
 
 def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
-    """Return the item of cams on a spline under a torque [N m] on one of them, limited by its flanks (Roloff/Matek)."""
+    """Rate cams on a splined shaft: `torque` [N m] on a cam against the limit of the spline's flanks (Roloff/Matek)."""
     spline = cam_spline(reducer)
     assert spline is not None
     hub = strength.StraightSpline(spline.count, spline.minor, spline.major, joint.length)
@@ -489,7 +489,7 @@ def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
 
 
 def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
-    """Return the item of cams that screws clamp on the shaft: the torque [N m] on one of them against slip."""
+    """Rate cams that screws clamp on the shaft: `torque` [N m] on a cam against the torque at which it slips."""
     clamp = cam_clamp(reducer)
     assert clamp is not None
     preload, weakest = _clamp_preload(reducer, clamp)

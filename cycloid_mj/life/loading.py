@@ -393,8 +393,8 @@ def _shaft_forces(
     Returns
     -------
     stations, forces
-        Positions along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, far
-        bearing, near bearing.
+        Positions along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, the
+        bearing far from the discs or beyond them, and the near bearing.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam_forces[..., 0], cam_forces[..., 1]

@@ -82,10 +82,10 @@ CROSSED_ROLLERS = CrossedRollerData()
 
 
 def equivalent_load(bearing: StockBearing, load: Array) -> Array:
-    """Compute the equivalent load of a bearing [N] under a radial load [N] and its own preload, if it has one.
+    """Compute the equivalent load of a bearing [N] under an external load [N] and its own preload, if it has one.
 
-    `load` has any shape; the result has the same shape. For crossed rollers it is F + 2 M/d_pw, with the radial force
-    F, the tilting moment M and the pitch diameter d_pw.
+    `load` is the radial load, or for crossed rollers F + 2 M/d_pw, with the radial force F, the tilting moment M and
+    the pitch diameter d_pw. It has any shape; the result has the same shape.
     """
     if bearing.has_crossed_rollers:
         return np.maximum(load, CROSSED_ROLLERS.preload_share * bearing.dynamic)
@@ -111,7 +111,7 @@ def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
     """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
 
-    They balance the forces of the discs on the output, and the force of the shaft if its far bearing is in the hub.
+    They balance the forces of the discs on the output, and that of the shaft if it has a bearing in the hub.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
 def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
     """Compute force [N] and tilting moment [N m] on a single bearing of the output's hub, shape (m,) each.
 
-    They balance the forces of the discs on the output, and the force of the shaft if its far bearing is in the hub.
+    They balance the forces of the discs on the output, and that of the shaft if it has a bearing in the hub.
     Raises DesignError if the covers do not fit.
     """
     planes, middle = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])

@@ -109,14 +109,14 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
 
 
 def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
-    """Return the mean entrainment speed [m/s] and the reduced radius [m] of teeth, with the forces as weights.
+    """Return the mean entrainment speed [m/s] and the reduced radius [m] of tooth contacts, weighted by their forces.
 
     The radius is the inverse of the mean curvature.
 
     Parameters
     ----------
     rolls
-        Whether the pin of each contact rolls.
+        Whether the pin of each contact rolls on the disc, so that it slides in its seat.
     surfaces, force
         Surfaces of the contacts, and their normal forces [N]; all of one shape.
     """

@@ -283,7 +283,10 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
-    """Compute the efficiency [%] at the design's speed over the torque [N m], in `shares` of the nominal torque."""
+    """Compute the efficiency [%] at the design's speed over the output torque [N m].
+
+    `shares` are the torques of the points over the nominal torque [1].
+    """
     torques = np.array(shares) * reducer.design.rated_torque
     efficiency = 100.0 * np.array(
         [shaft_powers(reducer.but(load={"torque": torque}), torque).efficiency for torque in torques.tolist()]

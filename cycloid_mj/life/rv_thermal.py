@@ -108,9 +108,10 @@ def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
 def _row_conductance(
     forces: Array, rollers: int, radius: float, length: float, partners: tuple[Material, Material]
 ) -> float:
-    """Sum the heat conductances of bearings [W/K] under their mean forces, from `forces` [N], shape (m, ...).
+    """Sum the heat conductances of equal roller bearings [W/K], each under its mean force over m crank angles.
 
-    A bearing has `rollers` rollers with a `radius` and `length` [m]; `partners` are the materials of rollers and rings.
+    `forces` [N] have the shape (m, ...), where the further axes number the bearings. A bearing has `rollers` rollers
+    with a `radius` and `length` [m]; `partners` are the materials of rollers and rings.
     """
     means = np.mean(forces.reshape(len(forces), -1), axis=0)
     return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in means)

@@ -98,8 +98,8 @@ def hysteresis(reducer: Reducer) -> Quantity:
     """Compute the hysteresis loss [arcmin]: the width of the torque-rotation loop of the output near zero torque.
 
     The crank is locked and the loop reaches plus and minus the nominal torque. The width is the difference of rotation
-    between its two unloading branches, at plus and minus `loop_end` times the nominal torque. The result is the mean
-    over `loop_angles` crank angles.
+    between its two unloading branches, at plus and minus 1 % of the nominal torque (`RowSettings.loop_end`). The
+    result is the mean over 4 crank angles (`RowSettings.loop_angles`).
     """
     torque = reducer.design.rated_torque
     widths = []

@@ -35,9 +35,9 @@ PART_OF = {studied: part for part, studied in HOLED.items()}
 def rate_strength(
     reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
 ) -> Iterator[RatedItem]:
-    """Yield the safety factor against fatigue of every part, for unlimited repetition of the largest load of a duty.
+    """Yield safety factors against fatigue of parts, for unlimited repetition of the largest load of a duty.
 
-    Items are the root of an output pin, the weakest shoulder of the shaft, and the walls of disc and ring. `worst` has
+    Rated are the root of an output pin, the weakest shoulder of the shaft, and the walls of disc and ring. `worst` has
     the solved forces of that load. `ranges` are stress ranges of a finite-element study by name of the part; they
     replace the estimate of that part's walls.
     """

@@ -97,9 +97,11 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
             yield pitting
             factors = [item for loading in loadings if (item := pitting_factors(loading, kind, 1e6 * pitting.limit))]
             if len(factors) == len(loadings):
-                speeds = [relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings]
+                load_rates = [
+                    relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings
+                ]
                 pressures = [loading.pressures[kind] for loading in loadings]
-                yield rate_lubricated_pitting(pitting, factors, pressures, speeds)
+                yield rate_lubricated_pitting(pitting, factors, pressures, load_rates)
 
 
 def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
@@ -139,7 +141,7 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
 
 
 def rate_lubricated_pitting(
-    pitting: RatedItem, factors: Sequence[PittingFactors], pressures: Sequence[float], speeds: Sequence[float]
+    pitting: RatedItem, factors: Sequence[PittingFactors], pressures: Sequence[float], load_rates: Sequence[float]
 ) -> RatedItem:
     """Rate the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
 
@@ -149,13 +151,13 @@ def rate_lubricated_pitting(
         Rated item of the pitting life without these factors.
     factors, pressures
         Factors, and largest Hertz pressure [Pa], at each point of the duty.
-    speeds
+    load_rates
         Number of loads on a tooth per second at each point, times the point's share of time and 2 pi [rad/s].
     """
     allowed, damage = 1e6 * pitting.limit, 0.0
-    for item, pressure, speed in zip(factors, pressures, speeds, strict=True):
+    for item, pressure, load_rate in zip(factors, pressures, load_rates, strict=True):
         cycles = lubricated_cycles(pitting_cycles(pressure, allowed), item.product, AGMA_2001.power)
-        damage += _turns_per_hour(speed) / cycles
+        damage += _turns_per_hour(load_rate) / cycles
     smallest = min(factors, key=lambda item: item.product)
     return RatedItem(
         f"{pitting.key}_lubricated",

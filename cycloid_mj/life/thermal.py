@@ -155,7 +155,7 @@ def _find_speed_limit(
     reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
 ) -> float:
     """Return the largest crank speed [rad/s] that heat allows, with all speeds of a duty scaled by the same factor."""
-    share, _ = _largest_duty_factor(
+    share, _ = _find_scale_limit(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
     return share * max(point.speed for point in points)
@@ -338,7 +338,7 @@ def _find_torque_limit(
     settings
         Settings of the search.
     """
-    factor, name = _largest_duty_factor(
+    factor, name = _find_scale_limit(
         reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
     )
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
@@ -388,7 +388,7 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
         )
 
 
-def _largest_duty_factor(
+def _find_scale_limit(
     reducer: Reducer,
     scale_duty: Callable[[float], Sequence[DutyPoint]],
     steady_state: _Steady,
@@ -415,25 +415,25 @@ def _largest_duty_factor(
     """
     network, previous = steady_state.network, None
     limit = _find_loss_limit(reducer, network, steady_state.losses, settings)
-    duty_factor = limit.factor
+    scale = limit.factor
     for _ in range(settings.corrections):
-        if not 0.0 < duty_factor < settings.solved:
+        if not 0.0 < scale < settings.solved:
             break
-        points = scale_duty(duty_factor)
+        points = scale_duty(scale)
         try:
             by_point, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
         except RunError:
             break
         limit = _find_loss_limit(reducer, network, _mean(points, by_point), settings)
         excess = 1.0 / limit.factor - 1.0  # relative; linear in the factor where losses are
-        step = (limit.factor - 1.0) * duty_factor
+        step = (limit.factor - 1.0) * scale
         if previous is not None and excess != previous[1]:
-            secant = -excess * (duty_factor - previous[0]) / (excess - previous[1])
-            step = secant if secant * step > 0.0 and duty_factor + secant > 0.0 else step
-        previous, duty_factor = (duty_factor, excess), duty_factor + step
-        if abs(step) < settings.resolution * duty_factor:
+            secant = -excess * (scale - previous[0]) / (excess - previous[1])
+            step = secant if secant * step > 0.0 and scale + secant > 0.0 else step
+        previous, scale = (scale, excess), scale + step
+        if abs(step) < settings.resolution * scale:
             break
-    return duty_factor, limit.name
+    return scale, limit.name
 
 
 @dataclass(frozen=True)

@@ -219,8 +219,8 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
     """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
 
-    `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding distance so far [Pa m], and `rates`
-    their rates [Pa m/s], by the keys of the surfaces. The result is inf without wear.
+    `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding distance so far [Pa m] of each
+    cell of a surface, and `rates` their rates [Pa m/s]: key of the surface -> (cells,). The result is inf without wear.
     """
     steps = [math.inf]
     for surface in drive.surfaces:

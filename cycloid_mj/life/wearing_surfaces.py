@@ -277,7 +277,7 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
     """Compute the half width of Hertzian line contacts [m] under forces [N], in the shape of `force`.
 
     `kind` is the kind of mating pair, `curvature` the relative curvature [1/m]; None: the constant curvature of the
-    pair. The result is limited to `hertz_reach` times `radius` [m].
+    pair. The result is limited to `hertz_reach` times `radius` [m], that of the pin or of the bore on a cam.
     """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)

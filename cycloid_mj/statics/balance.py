@@ -263,12 +263,14 @@ def _balance_contacts(
 ) -> tuple[Array, Array, float]:
     """Solve for equilibrium from the displacements `z` (m, u) [m], which are overwritten by the solution.
 
-    `load` (m, u) [N] are the generalised forces. `warm_start` starts each crank angle from the previous solution.
+    There are u unknowns at each of m crank angles, n contacts and D discs. `load` (m, u) [N] are the generalised
+    forces. `warm_start` starts each crank angle from the previous solution.
 
     Returns
     -------
     tuple
-        Forces of the contacts (m, n) and of the cams on their discs (m, D, 2) [N], and number of assemblies.
+        Forces of the contacts (m, n) and of the cams on their discs (m, D, 2) [N], and the number of times that the
+        equations were assembled, over all angles.
     """
     contacts, needles, work = springs.contacts, cam_needles(reducer, springs), 0.0
     if needles is None:

@@ -47,7 +47,10 @@ class CamNeedles:
     shares: Array
 
     def extend(self, contacts: KernelSprings, teeth: int) -> KernelSprings:
-        """Return contact springs with a spring for each roller after the first `teeth` contacts, instead of cams."""
+        """Return the springs of `contacts` with a spring for each roller in place of a spring for each cam.
+
+        The rollers are inserted between the first `teeth` contacts, those with the ring, and those of output pins.
+        """
         positions = contacts.cam_position
         angles, discs, unknowns = len(positions), positions.shape[1], contacts.slope.shape[2]
         count = self.directions.shape[1]
@@ -77,6 +80,8 @@ class CamNeedles:
     def split(self, forces: Array, teeth: int) -> tuple[Array, Array]:
         """Split the forces of the springs of `extend` [N], shape (m, n + D Z), into those of contacts and of rollers.
 
+        `teeth` is the number of contacts with the ring, which precede the rollers.
+
         Returns
         -------
         tuple
@@ -98,7 +103,7 @@ class CamNeedles:
 
 
 def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
-    """Return the rollers of the cams of a reducer at the crank angles of its springs; None if a cam is a single spring.
+    """Return the rollers between discs and cams at the crank angles of the springs; None if a cam is a single spring.
 
     A roller is on +y at the crank angle 0.
     """

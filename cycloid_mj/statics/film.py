@@ -300,8 +300,8 @@ class FilmContacts:
         Parameters
         ----------
         teeth, output
-            Normal forces of the contacts with the ring [N], shape (m, teeth), and of the contacts of output pins, shape
-            (m, `studs`).
+            Normal forces of the contacts with the ring [N], shape (m, teeth), and of the contacts of holes and output
+            pins, shape (m, pins).
         cam
             Magnitude of the force of each cam [N], shape (m, D).
         """

@@ -296,7 +296,7 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
-    """Compute the efficiency [%] and its interval when the output drives with a `torque` [N m].
+    """Compute the efficiency [%] and its interval when the output drives with a positive `torque` [N m].
 
     Raises
     ------

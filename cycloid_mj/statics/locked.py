@@ -225,13 +225,13 @@ def _compute_vertices(
     Parameters
     ----------
     rotation, contact_torque
-        Points of the curve, both increasing [rad] and [N m].
+        Points of the curve due to the contacts, both increasing, shape (points,) [rad] and [N m].
     limits, stiffness
-        Limits [N m] and stiffness [N m/rad] of the slip elements of constant friction.
+        Limits [N m] and stiffness [N m/rad] of the slip elements of constant friction, shape (elements,).
     share, friction_slip
-        Share [1] and slip rotations [rad] of `LoadFriction`.
+        Share [1] and slip rotations [rad] of the friction in proportion to the torque, as in `LoadFriction`.
     reversals
-        Torques at which branches begin and end [N m].
+        Torques at which branches begin and end [N m], shape (branches + 1,).
     """
     slip = limits / stiffness
     # rest positions of the elements of constant friction and of load-dependent friction

@@ -477,7 +477,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return the loads of an RV reducer (forces, compliance) from its displacements in equilibrium (m, u) [m]."""
+    """Return forces, rotation and compliance of an RV reducer from its equilibrium displacements (m, u) [m]."""
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
@@ -498,7 +498,8 @@ def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
 def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
     """Return the displacements of least energy (m, u) [m], by a semismooth Newton method with Armijo backtracking.
 
-    All crank angles are solved together under `load` [N] from the displacements `start` [m], shape (m, u). The tangent
+    All m crank angles are solved together. `load` [N] are the generalised forces on the u unknown displacements, shape
+    (m, u), and `start` (m, u) [m] are the displacements at which the method starts. The tangent
     neglects the curvature of flanks: its share, which is pin force times curvature over stiffness, is below 1e-3.
 
     Raises
@@ -544,12 +545,12 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     springs
         Springs of the contacts at m crank angles.
     displacements
-        Displacements (m, u) [m].
+        The u unknown displacements at each angle (m, u) [m].
 
     Returns
     -------
     tuple
-        Gaps of pins, then of planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
+        Gaps of all c contacts, pins before planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
     """
     column = displacements[..., np.newaxis]
     gaps = springs.gap + (springs.slope @ column)[..., 0]
@@ -575,14 +576,15 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
     """Return the forces of cranks on discs at some displacements, with their energy and stiffness.
 
-    With a preload, the needles on both sides are loaded up to the displacement at which those on the far side open.
+    There are D discs and n cranks. With a preload, the needles on both sides are loaded up to the displacement at which
+    those on the far side open.
 
     Parameters
     ----------
     springs
         Springs at m crank angles.
     displacements
-        Displacements (m, u) [m].
+        The u unknown displacements at each angle (m, u) [m].
 
     Returns
     -------
@@ -631,7 +633,7 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
     springs
         Springs at m crank angles.
     load, displacements
-        Generalised load [N] and displacements [m], shape (m, u) each.
+        Generalised forces [N] on the u unknown displacements, and these displacements [m], shape (m, u) each.
 
     Returns
     -------

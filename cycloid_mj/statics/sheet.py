@@ -220,7 +220,10 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute a data sheet with the quantities of some `parts` under a load [N m]; None: the default of `load_of`."""
+    """Compute a data sheet under a load [N m]; None: the default of `load_of`.
+
+    `parts` are functions from the reducer and its load to the quantities of a part of the sheet.
+    """
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))

@@ -83,7 +83,8 @@ class Springs:
     def load(self, torque: float | Array) -> Array:
         """Return the generalised load [N], shape (m, 3 D + 1): a torque on the carrier, weight and centrifugal force.
 
-        `torque` [N m] is a number, or has shape (m,).
+        There are m crank angles; the unknowns are x, y and rotation of each of the D discs, then the rotation of the
+        output. `torque` [N m] is a number, or has shape (m,).
         """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):

@@ -6,10 +6,11 @@ from cycloid_mj.base.array import Array
 
 
 def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
-    """Compute the rotation from the stop under negative torques to that under positive torques [rad], shape (m,).
+    """Compute the free play of the output [rad], shape (m,), at m angles of the locked driven shaft.
 
-    `rotation` is a function from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice
-    this torque, and in the opposite direction; the line through both rotations is extrapolated to no torque.
+    It is the rotation from the stop under negative torques to that under positive torques. `rotation` is a function
+    from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice this torque, and in the
+    opposite direction; the line through both rotations is extrapolated to no torque.
     """
     negative, positive = (2.0 * rotation(side * torque) - rotation(2.0 * side * torque) for side in (-1, 1))
     return positive - negative

@@ -280,6 +280,8 @@ def _add_clearance_rate(
         Index of the crank angle, and displacements (u,) [m].
     friction
         Factor on the friction coefficients.
+    system
+        Result of the assembly at `z`: forces and gradients of the contacts.
     """
     unknown_count, has_friction = z.size, springs.friction_per_force.shape[0] > 0
     for i in range(springs.disc.size):
@@ -308,9 +310,9 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the continuation path at a `point`; return the sign of the determinant there.
 
-    The tangent is ``path.tangent``. The system is the augmented system of residual and path. If the system is singular,
-    the result is 0 and the tangent is unchanged. The tangent points forwards along the path; this direction follows
-    from `sign`, the sign of the determinant at the beginning of the path. `k` is the index of the crank angle, `load`
+    The tangent is written to ``path.tangent``. The determinant is that of the derivatives of the residual with the old
+    tangent as last row; if it is 0, the tangent is unchanged. The tangent points forwards along the path, by `sign`,
+    the sign of the determinant at the beginning of the path. `k` is the index of the crank angle, `load`
     (u,) [N] the generalised load.
     """
     unknown_count = load.size
@@ -402,12 +404,12 @@ def _correct(
 def _pass_corner(
     springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: Path, system: System
 ) -> float:
-    """Step to a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
+    """Write a point of the path beyond a corner to `path.next_point`; return the length of the step [1], 0 if none.
 
-    Tangents are computed at distances of 1e-7 to 1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are
-    tried. `k` is the index of the crank angle, `load` (u,) [N] the generalised load, `sign` the sign of the determinant
-    at the beginning of the path, and `tolerance` [N] the residual norm of a solution. Returns the length of the
-    successful step [1], 0 if there is none.
+    At a corner, a contact opens or closes and the path may turn back. Tangents are computed at distances of 1e-7 to
+    1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are tried. `k` is the index of the crank angle, `load`
+    (u,) [N] the generalised load, `sign` the sign of the determinant at the beginning of the path, and
+    `tolerance` [N] the residual norm of a solution.
     """
     unknown_count = load.size
     tangent = path.corner_tangent

@@ -495,8 +495,9 @@ def _assemble_step(
 ) -> tuple[float, float]:
     """Assemble residual and tangent of a load step at the displacements of `new`, and write them to `increment`.
 
-    `old` is the state before the step. The forces of springs, friction and lossy material are written to `new`. With
-    `fixed_limits`, the limits of friction and material are taken from `increment`; the residual is then the negative
+    `old` is the state before the step. The forces of springs and friction, and those that the material retains during
+    unloading, are written to `new`. With `fixed_limits`, the limits of friction and of the retained forces are taken
+    from `increment`; the residual is then the negative
     gradient of the energy, and the tangent is symmetric.
 
     Returns

@@ -147,7 +147,7 @@ def newton(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
-    """Write the Newton step (u,) [m] to ``system.step``; return whether it exists, so that the tangent is not singular.
+    """Write the Newton step (u,) [m] to ``system.step``; return False if the tangent is singular, without a step.
 
     With `use_backtracking`, the step is a descent direction from the modified Hessian, whose eigenvalues are at least a
     small share of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent

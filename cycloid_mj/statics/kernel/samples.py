@@ -177,6 +177,8 @@ def _fill_sample(
 ) -> None:
     """Write contact offsets, cam positions and start values of a tolerance sample: the summed effects of its errors.
 
+    There are k crank angles, n contacts, D discs and u unknowns.
+
     Parameters
     ----------
     effects, deviations
@@ -228,7 +230,7 @@ def _write_sample_figures(
     """Write means, ranges and maxima of rotations and forces of a sample over its crank angles to a `row`.
 
     Attributes of the springs are separate arguments, because the conversion of all springs from Python takes long to
-    compile.
+    compile. There are k crank angles, n contacts, D discs and u unknowns.
 
     Parameters
     ----------

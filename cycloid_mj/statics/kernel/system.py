@@ -402,7 +402,7 @@ def _add_cam(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _add_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
-    """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m] of the system."""
+    """Add the sums of the disc of index `disc` to residual (u,) [N] and tangent (u, u) [N/m], which are changed."""
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
     residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
@@ -618,10 +618,10 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
-    """Compute deflection, direction and energy of the contact of a bore with its cam, a circle in a circle.
+    """Compute deflection [m], direction, and energy over stiffness [m2] of a bore in contact with its cam.
 
-    `x` and `y` [m] are the position of the bore's centre relative to the centre of the cam. With negative `clearance`
-    [m], both sides are in contact.
+    `x` and `y` [m] are the position of the bore's centre relative to the centre of the cam, a circle in a circle. With
+    negative `clearance` [m], both sides may be in contact.
     """
     distance = math.sqrt(x * x + y * y)
     depth, inverse = distance - clearance, 1.0 / distance if distance > 0.0 else 0.0
@@ -633,9 +633,9 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
-    """Add the Coulomb friction of sliding contacts at crank angle `k` to residual and tangent of the system.
+    """Add the Coulomb friction of sliding contacts to residual and tangent of the system.
 
-    `friction` is a factor on the friction coefficients.
+    `k` is the index of the crank angle, `friction` is a factor on the friction coefficients.
     """
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
