@@ -317,7 +317,7 @@ def test_causes_of_orders_at_the_ring() -> None:
     assert own["ring"].has(35.0 / 36.0)
     assert own["holes"].has(1.0)
     assert own["eccentricity"].has(8.0)
-    assert {key: cause.place for key, cause in own.items()} == {
+    assert {key: cause.signal for key, cause in own.items()} == {
         "mesh": "stage", "ring": "stage", "holes": "gear", "eccentricity": "gear",
     }  # fmt: skip
 

@@ -428,7 +428,7 @@ def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         yield replace(line, material="", fit=fit)
     elif found := roller_tube(reducer) if sizes else None:
         fit = f"bored {fit}, cut to {in_mm(gear.face_width)} mm"
-        yield replace(line, material="steel E235", designation=found.designation, fit=fit)
+        yield replace(line, made_or_bought="made", material="steel E235", designation=found.designation, fit=fit)
     else:
         yield replace(line, made_or_bought="made", fit=fit)
     if cup:
