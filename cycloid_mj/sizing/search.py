@@ -31,7 +31,7 @@ from cycloid_mj.sizing.candidates import (
     decode,
     design_of,
 )
-from cycloid_mj.sizing.estimate import FIGURES, Estimate, add_capacity, capacity, estimate
+from cycloid_mj.sizing.estimate import FIGURES, FIRST_TORQUE, Estimate, add_capacity, capacity, estimate
 from cycloid_mj.sizing.objective import Objective, lightest, most_efficient, strongest
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -413,7 +413,8 @@ class Pool:
         improvements[list(self.rated)] = 0.0
         candidate = int(np.argmax(improvements))
         if improvements[candidate] > (SETTINGS.min_improvement if is_within else SETTINGS.min_probability):
-            torque = max(float(figures["capacity"][candidate]), self.requirement.diameter**3)  # at least a small load
+            least_load = 1e-3 * FIRST_TORQUE * self.requirement.diameter**3
+            torque = max(float(figures["capacity"][candidate]), least_load)
             return 1.0 if self._rate(candidate, torque) else SETTINGS.build_share
         return 0.0 if row is not None and self._add_neighbours(row) else None
 
@@ -650,7 +651,7 @@ def _capacities(guess: Estimate) -> list[Array]:
 
 def first_drive(requirement: Requirement) -> Reducer | None:
     """Return the first drive of the sequence that can be built; None if there is none."""
-    guess = 1e3 * requirement.diameter**3
+    guess = FIRST_TORQUE * requirement.diameter**3
     _, sizes = decode(requirement, _sequence(SETTINGS.start))
     return next((drive for row in sizes[:200] if (drive := build_drive(requirement, row, guess))), None)
 

@@ -46,11 +46,9 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         None. Otherwise: None; the answer with the largest torque, what limits it, and the smallest feasible length as a
         remedy; and the pool of the drive with this torque, or None if there are no candidates.
     """
-    failed: list[Pool] = []
-    for pool in pools_of(requirement):
-        if drive_found := find_drive(pool, study=True):
-            return Trial(pool, pool.lightest() or drive_found), Answer(pool.requirement, ()), None
-        failed.append(pool)
+    trial, failed = _search_pools(requirement)
+    if trial:
+        return replace(trial, best=trial.pool.lightest() or trial.best), Answer(trial.requirement, ()), None
     if not failed:
         return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
     length_changes = _longer(requirement, failed)
@@ -58,9 +56,19 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     if not drive:
         return None, Answer(requirement, (), 0.0, _describe_torque_limit(pool), length_changes), pool
     if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
-        pool = replace(pool, requirement=pool.requirement.but(torque=requirement.torque), rated={}, extended=set())
+        pool = pool.changed(pool.requirement.but(torque=requirement.torque)) or pool
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
     return None, Answer(requirement, (), drive.torque, _describe_torque_limit(pool), length_changes), pool
+
+
+def _search_pools(requirement: Requirement) -> tuple[Trial | None, list[Pool]]:
+    """Return the first drive found for a requirement, or None, and the pools searched before in vain."""
+    failed: list[Pool] = []
+    for pool in pools_of(requirement):
+        if drive := find_drive(pool, study=True):
+            return Trial(pool, drive), failed
+        failed.append(pool)
+    return None, failed
 
 
 def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
@@ -74,12 +82,11 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     pool = max(pools_of(unlimited), key=_rated_merit)
     drive = pool.best(strongest(pool.requirement))
     drive = drive and pool.nearer_to_capacity(drive)
-    while drive:
-        more = requirement.but(torque=min(floor_digits(EXCESS * drive.torque), unlimited.torque))
-        stronger = next(((other, best) for other in pools_of(more) if (best := find_drive(other, study=True))), None)
-        if not stronger or stronger[1].torque <= drive.torque:
+    while drive and EXCESS * drive.torque <= unlimited.torque:
+        stronger, _ = _search_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque)))
+        if not stronger:
             break
-        pool, drive = stronger
+        pool, drive = stronger.pool, stronger.best
     return pool, drive
 
 
