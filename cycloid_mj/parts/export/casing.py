@@ -254,8 +254,8 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     Raises
     ------
     DesignError
-        Motor flange, output bearing, crank or screws do not fit, a hollow shaft ends before the hub, or cams of a
-    plastic are to be shrunk on, or no spline or screw fits them.
+        Motor flange, output bearing, crank or screws do not fit, a hollow shaft ends before the hub, or the requested
+        joint of the cams is not possible.
     """
     design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
