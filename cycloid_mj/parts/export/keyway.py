@@ -1,6 +1,7 @@
 """Contours of joints of shaft and hub: keyways and keys, straight-sided splines, and slotted hubs."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -27,21 +28,24 @@ class KeywayContour:
         """Return the arc from one edge of the keyway to the other, and the three faces of the keyway."""
         corners = self._corners().tolist()
         edges = [LineSegment((*one,), (*other,)) for one, other in pairwise(corners)]
-        start = self.angle + self._half_angle
-        return Arc((0.0, 0.0), self.radius, start, start + 2.0 * (math.pi - self._half_angle)), *edges
+        return Arc((0.0, 0.0), self.radius, *self._arc_ends), *edges
 
     def polygon(self, chord_error: float) -> Array:
         """Return the outline of a bore with a keyway as a polygon (n, 2) [m], counter-clockwise, the arc first.
 
         `chord_error` [m] is the largest distance of a chord from the arc.
         """
-        start = self.angle + self._half_angle
-        around = arc(self.radius, start, start + 2.0 * (math.pi - self._half_angle), chord_error)
-        return np.concatenate([around, self._corners()[1:-1]])
+        return np.concatenate([arc(self.radius, *self._arc_ends, chord_error), self._corners()[1:-1]])
 
     @property
     def _half_angle(self) -> float:
         return math.asin(0.5 * self.width / self.radius)
+
+    @property
+    def _arc_ends(self) -> tuple[float, float]:
+        """Angles of the ends of the arc from one edge of the keyway to the other [rad]."""
+        start = self.angle + self._half_angle
+        return start, start + 2.0 * (math.pi - self._half_angle)
 
     def _corners(self) -> Array:
         """Return the corners of the keyway (4, 2) [m], counter-clockwise."""
@@ -83,48 +87,35 @@ class SplineContour:
     angle: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the outline of a straight-sided spline joint: for each tooth its flanks, its top and the arc after it.
+        """Return the outline of a straight-sided spline joint: its arcs, each after the flank that leads to it.
 
         The argument `splines` has no effect, because lines and arcs are exact.
         """
-        half_foot, half_top = self._half_angles
-        step, loop = 2.0 * math.pi / self.count, list[Curve]()
-        for middle in self._middles:
-            rising_flank, falling_flank = (
-                [(radius * math.cos(angle), radius * math.sin(angle)) for radius, angle in ends]
-                for ends in (
-                    ((self.minor, middle - half_foot), (self.major, middle - half_top)),
-                    ((self.major, middle + half_top), (self.minor, middle + half_foot)),
-                )
+        arcs = list(self._arcs())
+        return tuple(
+            curve
+            for previous, (radius, start, end) in zip([arcs[-1], *arcs[:-1]], arcs, strict=True)
+            for curve in (
+                LineSegment(_polar(previous[0], previous[2]), _polar(radius, start)),
+                Arc((0.0, 0.0), radius, start, end),
             )
-            loop += [
-                LineSegment(rising_flank[0], rising_flank[1]),
-                Arc((0.0, 0.0), self.major, middle - half_top, middle + half_top),
-                LineSegment(falling_flank[0], falling_flank[1]),
-                Arc((0.0, 0.0), self.minor, middle + half_foot, middle + step - half_foot),
-            ]
-        return tuple(loop)
+        )
 
     def polygon(self, chord_error: float) -> Array:
         """Return the outline of a straight-sided spline joint as a polygon (n, 2) [m], counter-clockwise.
 
         `chord_error` [m] is the largest distance of a chord from an arc.
         """
-        half_foot, half_top = self._half_angles
-        step, pieces = 2.0 * math.pi / self.count, list[Array]()
-        for middle in self._middles:
-            pieces.append(arc(self.major, middle - half_top, middle + half_top, chord_error))
-            pieces.append(arc(self.minor, middle + half_foot, middle + step - half_foot, chord_error))
-        return np.concatenate(pieces)
+        return np.concatenate([arc(*arc_of_outline, chord_error) for arc_of_outline in self._arcs()])
 
-    @property
-    def _middles(self) -> tuple[float, ...]:
-        return tuple(self.angle + 2.0 * math.pi * number / self.count for number in range(self.count))
-
-    @property
-    def _half_angles(self) -> tuple[float, float]:
-        """Half the angles of a spline at the minor and at the major circle [rad]."""
-        return math.asin(0.5 * self.width / self.minor), math.asin(0.5 * self.width / self.major)
+    def _arcs(self) -> Iterator[tuple[float, float, float]]:
+        """Yield radius [m], start and end [rad] of all arcs: the top of each spline, then the arc to the next one."""
+        half_foot, half_top = (math.asin(0.5 * self.width / radius) for radius in (self.minor, self.major))
+        step = 2.0 * math.pi / self.count
+        for number in range(self.count):
+            middle = self.angle + 2.0 * math.pi * number / self.count
+            yield self.major, middle - half_top, middle + half_top
+            yield self.minor, middle + half_foot, middle + step - half_foot
 
 
 @dataclass(frozen=True)
@@ -141,12 +132,12 @@ class SlottedContour:
 
         The argument `splines` has no effect, because lines and arcs are exact.
         """
-        half, (outer, inner) = 0.5 * self.slot, self._ends
-        start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
+        half = 0.5 * self.slot
+        outer, inner = self.eccentricity + math.sqrt(self.radius**2 - half**2), math.sqrt(self.bore**2 - half**2)
         return (
-            Arc((0.0, self.eccentricity), self.radius, start, start + 2.0 * math.pi - 2.0 * (start - 0.5 * math.pi)),
+            Arc((0.0, self.eccentricity), self.radius, *self._arc_ends(self.radius)),
             LineSegment((half, outer), (half, inner)),
-            Arc((0.0, 0.0), self.bore, math.pi - low, low + 2.0 * math.pi),
+            Arc((0.0, 0.0), self.bore, *self._arc_ends(self.bore)),
             LineSegment((-half, inner), (-half, outer)),
         )
 
@@ -156,15 +147,14 @@ class SlottedContour:
         The outer arc is counter-clockwise, that of the bore clockwise; the sides of the slot join them. `chord_error`
         [m] is the largest distance of a chord from an arc.
         """
-        half = 0.5 * self.slot
-        start, low = math.acos(-half / self.radius), math.acos(half / self.bore)
-        end = start + 2.0 * math.pi - 2.0 * (start - 0.5 * math.pi)
-        around = arc(self.radius, start, end, chord_error) + np.array([0.0, self.eccentricity])
-        bore = arc(self.bore, math.pi - low, low + 2.0 * math.pi, chord_error)
-        return np.concatenate([around, bore[::-1]])
+        outside, bore = (arc(radius, *self._arc_ends(radius), chord_error) for radius in (self.radius, self.bore))
+        return np.concatenate([outside + np.array([0.0, self.eccentricity]), bore[::-1]])
 
-    @property
-    def _ends(self) -> tuple[float, float]:
-        """Heights along y of the ends of the slot: at the outer circle, and at the bore [m]."""
-        half = 0.5 * self.slot
-        return self.eccentricity + math.sqrt(self.radius**2 - half**2), math.sqrt(self.bore**2 - half**2)
+    def _arc_ends(self, radius: float) -> tuple[float, float]:
+        """Compute the angles [rad] between which a circle of a radius [m] is not cut by the slot, which is on +y."""
+        half_angle = math.asin(0.5 * self.slot / radius)
+        return 0.5 * math.pi + half_angle, 2.5 * math.pi - half_angle
+
+
+def _polar(radius: float, angle: float) -> tuple[float, float]:
+    return radius * math.cos(angle), radius * math.sin(angle)
