@@ -16,13 +16,14 @@ from cycloid_mj.reducer import Reducer
 def describe_cam_joint(reducer: Reducer, sizes: Casing, name: str) -> Iterator[str]:
     """Yield the notes on the joint of cams and shaft for the drawing of the part `name`; none for other parts."""
     family = names.family(name)
-    if family not in (names.SHAFT, names.CAM, names.SPACER) or reducer.design.has_one_piece_crank:
+    if family not in (names.SHAFT, names.CAM, names.SPACER):
         return
     if key := cam_key(reducer, sizes):
-        bought, in_shaft = key.bought, family == names.SHAFT
-        depth, zone = (bought.in_shaft, "P9") if in_shaft else (bought.in_hub, "P9")
-        length = f" x {in_mm(bought.length)} long" if in_shaft else ""
-        yield f"keyway {in_mm(bought.width)} {zone} x {in_mm(depth)} deep{length} (DIN 6885), symmetry 0.02 to A"
+        bought = key.bought
+        depth, length = bought.in_hub, ""
+        if family == names.SHAFT:
+            depth, length = bought.in_shaft, f" x {in_mm(bought.length)} long"
+        yield f"keyway {in_mm(bought.width)} P9 x {in_mm(depth)} deep{length} (DIN 6885), symmetry 0.02 to A"
     if spline := cam_spline(reducer):
         yield (
             f"{spline.count} splines, minor ⌀{in_mm(spline.minor)}, major ⌀{in_mm(spline.major)}, width "
