@@ -48,6 +48,9 @@ class DefaultShares:
 SHARES = DefaultShares()
 
 
+CamJoint = Literal["key", "shrink", "spline", "clamp", "one_piece"]
+"""Joint of cams and shaft."""
+
 BEARING_CORNER = 0.3e-3
 """Smallest corner radius r_s min of the bearings in stock from 8 mm bore on [m] (ISO 15, ISO 582)."""
 
@@ -310,7 +313,7 @@ class Shaft(Section):
         "overhang",
         "overhang: both bearings before the counterweight; straddle: one of them in the hub of the output",
     )
-    cam_joint: Literal["key", "shrink", "spline", "clamp", "one_piece"] = choice(
+    cam_joint: CamJoint = choice(
         "key",
         "joint of the cams of several discs to the shaft: key, or adhesive if none fits; shrink, heated cams; spline, "
         "by ISO 14; clamp, slotted cams with screws; one_piece, a ground crank for two discs",
@@ -1178,9 +1181,14 @@ class Design(Section, Presented):
         return self.drive.torque * self.reduction
 
     @property
+    def cam_joint(self) -> CamJoint:
+        """Joint of the cams to the shaft: `shaft.cam_joint`, but always ``one_piece`` with a single disc."""
+        return "one_piece" if self.gear.discs == 1 else self.shaft.cam_joint
+
+    @property
     def has_one_piece_crank(self) -> bool:
         """True if the cams are in one piece with the shaft: of a single disc, or as `shaft.cam_joint` requires."""
-        return self.gear.discs == 1 or self.shaft.cam_joint == "one_piece"
+        return self.cam_joint == "one_piece"
 
     @property
     def lobes(self) -> int:

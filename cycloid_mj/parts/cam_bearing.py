@@ -17,8 +17,7 @@ def needs_rings(reducer: Reducer) -> bool:
 
 def needs_ringed_cam(reducer: Reducer) -> bool:
     """Return whether the bearings of the cams need inner rings: on a cam of plastic, or on one that is slotted."""
-    design = reducer.design
-    return needs_rings(reducer) or (design.shaft.cam_joint == "clamp" and not design.has_one_piece_crank)
+    return needs_rings(reducer) or reducer.design.cam_joint == "clamp"
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:

@@ -108,7 +108,7 @@ def cam_clamp(reducer: Reducer) -> CamClamp | None:
         No screw in stock fits in the cams, or their bearings have no inner ring.
     """
     design = reducer.design
-    if design.has_one_piece_crank or design.shaft.cam_joint != "clamp":
+    if design.cam_joint != "clamp":
         return None
     problem = _find_problem(reducer)
     clamps = [] if problem else [clamp for bolt in stock.bolts() if (clamp := _fit_screws(reducer, bolt))]

@@ -23,7 +23,7 @@ def cam_spline(reducer: Reducer) -> stock.StockSpline | None:
         No standard spline fits.
     """
     design = reducer.design
-    if design.has_one_piece_crank or design.shaft.cam_joint != "spline":
+    if design.cam_joint != "spline":
         return None
     diameter, wall = 2.0 * design.shaft.radius, max(RULES.min_wall, axial_play(reducer))
     largest = 2.0 * (cam_radius(reducer) - design.gear.eccentricity - wall)

@@ -113,8 +113,7 @@ def is_printed(reducer: Reducer, part: str) -> bool:
 
 def is_crank_manufactured(reducer: Reducer) -> bool:
     """Return whether the shaft is manufactured, rather than a ground bar: one piece with cams, splined, or printed."""
-    design = reducer.design
-    return design.has_one_piece_crank or design.shaft.cam_joint == "spline" or is_printed(reducer, names.SHAFT)
+    return reducer.design.cam_joint in ("one_piece", "spline") or is_printed(reducer, names.SHAFT)
 
 
 def in_one_piece(reducer: Reducer) -> bool:

@@ -90,7 +90,7 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     not their bearings.
     """
     design = reducer.design
-    if design.has_one_piece_crank or design.shaft.cam_joint != "key":
+    if design.cam_joint != "key":
         return None
     segments, radius = crank_segments(reducer), design.shaft.radius
     cams = [segments[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
@@ -120,7 +120,7 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
     ring as thick as the thinnest wall of the cam (conservative).
     """
     design = reducer.design
-    if design.gear.discs == 1 or design.shaft.cam_joint != "shrink":
+    if design.cam_joint != "shrink":
         return None
     steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, sizes.motor_bore
     cam_start = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0

@@ -245,7 +245,7 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         yield from (Move((shaft,), DRIVE, UP), *second_disc)
         return
     yield Move((shaft, *_names_of_family(placements, names.KEY)), shaft)
-    is_cam_first = reducer.design.shaft.cam_joint in CAM_BEFORE_GEAR
+    is_cam_first = reducer.design.cam_joint in CAM_BEFORE_GEAR
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
