@@ -9,7 +9,6 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -508,12 +507,12 @@ class SealRing:
 def pin_diameters() -> tuple[float, ...]:
     """List the diameters of hardened pins [m], from the thinnest on."""
     numbers = range(round(_GAUGES.low / _GAUGES.step), round(_GAUGES.high / _GAUGES.step))
-    return tuple(round(size * MM, 9) for size in (*(number * _GAUGES.step for number in numbers), *_DOWELS))
+    return _metres(*(number * _GAUGES.step for number in numbers), *_DOWELS)
 
 
 def dowel_diameters() -> tuple[float, ...]:
     """List the diameters of dowels [m], from the thinnest on."""
-    return tuple(round(size * MM, 9) for size in _DOWELS)
+    return _metres(*_DOWELS)
 
 
 def longest_dowel(diameter: float, max_length: float) -> Dowel | None:
@@ -614,14 +613,14 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
         if min_diameter < round(shaft / MM, 6) <= max_diameter:
             lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
             if lengths:
-                sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], shaft_depth, hub_depth))
+                sizes = _metres(width, height, lengths[-1], shaft_depth, hub_depth)
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
 
 
 def tube_outsides() -> tuple[float, ...]:
     """List the outside diameters of precision steel tubes [m]."""
-    return tuple(round(size * MM, 9) for size in _TUBES)
+    return _metres(*_TUBES)
 
 
 def tube_for(outside: float, bore: float) -> Tube | None:
@@ -635,10 +634,9 @@ def tube_for(outside: float, bore: float) -> Tube | None:
 
 def splines_around(shaft: float) -> tuple[StockSpline, ...]:
     """List the straight-sided splines (ISO 14) whose hubs slide over a shaft diameter [m], the smallest first."""
-    rows = _rows(_SPLINES, 4)
     fitting = (
         StockSpline(f"ISO 14 - {count:g} x {minor:g} x {major:g}", int(count), *_si(minor, major, width))
-        for count, minor, major, width in rows
+        for count, minor, major, width in _rows(_SPLINES, 4)
         if minor * MM > shaft - ROUNDING
     )
     return tuple(sorted(fitting, key=lambda spline: (spline.major, -spline.minor)))
@@ -668,7 +666,7 @@ def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> 
 
 def bar_diameters() -> tuple[float, ...]:
     """List the diameters of ground bars [m], from the thinnest on."""
-    return tuple(round(size * MM, 9) for size in _BARS)
+    return _metres(*_BARS)
 
 
 @cache
@@ -703,11 +701,9 @@ def ball_bearings() -> tuple[StockBearing, ...]:
 @cache
 def thin_ball_bearings() -> tuple[StockBearing, ...]:
     """List the thin deep groove ball bearings in stock, the smallest first."""
-    fields = _THIN_BALL_BEARINGS.split()
-    numbers = (list(map(float, fields[start + 1 : start + 6])) for start in range(0, len(fields), 6))
     return tuple(
         StockBearing(designation, *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
-        for designation, (bore, outer_diameter, width, dynamic, static) in zip(fields[::6], numbers, strict=True)
+        for designation, (bore, outer_diameter, width, dynamic, static) in _named_rows(_THIN_BALL_BEARINGS, 5)
     )
 
 
@@ -733,8 +729,6 @@ def angular_contact_bearings() -> tuple[StockBearing, ...]:
 @cache
 def crossed_roller_bearings() -> tuple[StockBearing, ...]:
     """List the crossed roller bearings in stock, sorted by bore and outside diameter."""
-    fields = _CROSSED_ROLLERS.split()
-    numbers = (list(map(float, fields[start + 1 : start + 7])) for start in range(0, len(fields), 7))
     bearings = [
         StockBearing(
             f"{series} {bore:g}{width:02g} UU CC0",
@@ -743,9 +737,7 @@ def crossed_roller_bearings() -> tuple[StockBearing, ...]:
             static * KN,
             pitch=round(pitch_circle * MM, 9),
         )
-        for series, (bore, outer_diameter, width, pitch_circle, dynamic, static) in zip(
-            fields[::7], numbers, strict=True
-        )
+        for series, (bore, outer_diameter, width, pitch_circle, dynamic, static) in _named_rows(_CROSSED_ROLLERS, 6)
     ]
     return tuple(sorted(bearings, key=lambda item: (item.bore, item.outside)))
 
@@ -753,7 +745,7 @@ def crossed_roller_bearings() -> tuple[StockBearing, ...]:
 def bolt_lengths(thread: float) -> tuple[float, ...]:
     """Return the lengths in stock of screws of a thread [m], the shortest first."""
     shortest, longest = _BOLT_RANGES[round(thread / MM, 3)]
-    return tuple(round(length * MM, 9) for length in _BOLT_LENGTHS if shortest <= length <= longest)
+    return _metres(*(length for length in _BOLT_LENGTHS if shortest <= length <= longest))
 
 
 def bolt_length(thread: float, reach: float) -> float | None:
@@ -772,6 +764,11 @@ def bolt_hole(thread: float) -> float:
 def pitch(thread: float) -> float:
     """Return the coarse pitch of a thread [m]."""
     return round(_PITCHES[round(thread / MM, 3)] * MM, 9)
+
+
+def thread_core(thread: float) -> float:
+    """Return the diameter of the drilled hole of a thread [m], d - P."""
+    return thread - pitch(thread)
 
 
 def head_bearing(thread: float) -> float:
@@ -855,8 +852,8 @@ def bore_ring(diameter: float) -> RetainingRing | None:
 def _retaining_ring(standard: str, table: str, diameter: float) -> RetainingRing | None:
     for size, thickness, groove, height, width in _rows(table, 5):
         if abs(size * MM - diameter) < ROUNDING:
-            values = (round(value * MM, 9) for value in (size, groove, thickness, height, width))
-            return RetainingRing(f"{standard} - {size:g} x {thickness:g}", *values)
+            sizes = _metres(size, groove, thickness, height, width)
+            return RetainingRing(f"{standard} - {size:g} x {thickness:g}", *sizes)
     return None
 
 
@@ -872,7 +869,20 @@ def _si(first: float, second: float, third: float) -> tuple[float, float, float]
     return round(first * MM, 9), round(second * MM, 9), round(third * MM, 9)
 
 
+def _metres(*sizes: float) -> tuple[float, ...]:
+    """Convert sizes [mm] to metres, rounded to 1 nm, so that equal sizes are equal numbers."""
+    return tuple(round(size * MM, 9) for size in sizes)
+
+
 def _rows(table: str, columns: int) -> Iterator[tuple[float, ...]]:
-    numbers = list(map(float, table.split()))
-    for start, end in pairwise(range(0, len(numbers) + 1, columns)):
-        yield tuple(numbers[start:end])
+    """Yield the rows of a table of numbers."""
+    fields = table.split()
+    for start in range(0, len(fields), columns):
+        yield tuple(map(float, fields[start : start + columns]))
+
+
+def _named_rows(table: str, columns: int) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Yield the rows of a table whose first column is a text: this text, and the numbers of the other columns."""
+    fields = table.split()
+    for start in range(0, len(fields), columns + 1):
+        yield fields[start], tuple(map(float, fields[start + 1 : start + 1 + columns]))

@@ -142,10 +142,7 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill of materials."""
     clamp = cam_clamp(reducer)
-    clamped = {}
-    if clamp:
-        thread = _clamp_thread(clamp)
-        clamped[names.CAM_SCREW] = thread.tightening_torque(_clamp_preload(reducer, clamp)[0], _mean_head(thread))
+    clamped = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
     return clamped | {
         part.item: screwed_joint.tightening_torque
         for screwed_joint in screwed_joints(reducer)
@@ -496,7 +493,6 @@ def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
     clearance = 0.5 * sum(fits.clearances(fit_code(joint.fit), joint.diameter))
     force, hub = clamp.count * preload, clamp.hub
     lost_share = hub.closing_moment(clearance) / (force * hub.screw_arm)
-    tightening = _clamp_thread(clamp).tightening_torque(preload, _mean_head(_clamp_thread(clamp)))
     return torque_item(
         "joint_cams",
         f"{joint.name}, clamped, slip",
@@ -506,13 +502,19 @@ def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
         f"{clamp.count} x {clamp.bolt.designation} 8.8 in each cam, {1e-3 * preload:.3g} kN each by {weakest}; l1 = "
         f"{1e3 * hub.screw_arm:.3g} mm, l2 = {1e3 * hub.shaft_arm:.3g} mm; M = E I c/(2 l2^2) closes the mean "
         f"clearance c of {1e6 * clearance:.2g} um and takes {100.0 * lost_share:.2g} % of F; friction "
-        f"{JOINTS.interface_friction:g} on two lines (assumed); tighten with {tightening:.3g} N m; assumed: one cam "
-        "carries the whole torque",
+        f"{JOINTS.interface_friction:g} on two lines (assumed); tighten with {_clamp_tightening(reducer, clamp):.3g} "
+        "N m; assumed: one cam carries the whole torque",
     )
 
 
 def _clamp_thread(clamp: CamClamp) -> strength.Thread:
     return strength.Thread(clamp.bolt.thread, stock.pitch(clamp.bolt.thread))
+
+
+def _clamp_tightening(reducer: Reducer, clamp: CamClamp) -> float:
+    """Compute the tightening torque [N m] of a clamping screw at its preload."""
+    thread = _clamp_thread(clamp)
+    return thread.tightening_torque(_clamp_preload(reducer, clamp)[0], _mean_head(thread))
 
 
 def _clamp_preload(reducer: Reducer, clamp: CamClamp) -> tuple[float, str]:

@@ -26,8 +26,6 @@ JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_jo
 MAX_ONE_PIECE_DISCS = 2
 """Largest number of discs on a crank in one piece: each bearing is put on its cam from its own end of the crank."""
 
-NO_CAM_WALL = "the cams leave no wall around the shaft"
-
 
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
     """Return the entire crank as exact outlines about the reducer axis, at crank angle 0 (cam 1 towards +y).
@@ -168,7 +166,9 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
             f"a crank in one piece for {gear.discs} discs cannot be assembled: the cams next to it keep the bearing of "
             'an inner disc from its cam. Set shaft.cam_joint = "key", or gear.discs = 2'
         )
-    problem = "the journals are too thick for the cam bearings" if is_one_piece else NO_CAM_WALL
+    problem = "the cams leave no wall around the shaft"
+    if is_one_piece:
+        problem = "the journals are too thick for the cam bearings"
     require_below("shaft.radius", shaft.radius, free_radius, problem)
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
@@ -176,11 +176,12 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
     crank_segments = [Segment(JOURNAL, journal, bore, end - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
-            gap, spacer = (planes[number - 2] + half_width, plane - half_width), names.SPACER
-            if not is_one_piece:
-                crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, bore, *gap))
-            holes = bore if is_one_piece else (journal,)
-            crank_segments.append(Segment(names.numbered_name(spacer, number - 1), ring, holes, *gap))
+            gap = planes[number - 2] + half_width, plane - half_width
+            neck, spacer = (names.numbered_name(family, number - 1) for family in (NECK, names.SPACER))
+            if is_one_piece:
+                crank_segments.append(Segment(spacer, ring, bore, *gap))
+            else:
+                crank_segments += [Segment(neck, journal, bore, *gap), Segment(spacer, ring, (journal,), *gap)]
         cam_contour = TurnedContour(cam, phase)
         crank_segments.append(
             Segment(names.numbered_name(names.CAM, number), cam_contour, bore, plane - half_width, plane + half_width)

@@ -18,7 +18,7 @@ from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, SAME_LENGTH, mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, place_parts
+from cycloid_mj.parts.export.assembly import assembly_parts, assembly_step, place_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.casing import (
@@ -221,27 +221,25 @@ def drive_files(
     parts_by_name = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
         return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in parts_by_name.items()}
+    assembled_parts = assembly_parts(reducer, sizes)
+    drawn_parts = {name: assembled_parts[name] for name in parts_by_name}
     if encoding.is_polylines:
-        assembled_parts = assembly_parts(reducer, sizes)
         return {
-            f"{name}.{file_format}": encoding.polylines_of(assembled_parts[name], drilled_threads(reducer, sizes, name))
-            for name in parts_by_name
+            f"{name}.{file_format}": encoding.polylines_of(part, drilled_threads(reducer, sizes, name))
+            for name, part in drawn_parts.items()
         }
-    sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
     if file_format == "dxf":
         return {
-            f"{name}.dxf": dxf_bytes(sections[name], drilled_threads(reducer, sizes, name), encoding.arcs)
-            for name in parts_by_name
+            f"{name}.dxf": dxf_bytes(part.sections(1), drilled_threads(reducer, sizes, name), encoding.arcs)
+            for name, part in drawn_parts.items()
         }
-    drawn = assembly_parts(reducer, sizes)
-    return {
-        f"{name}.step": step_part(
-            *(name, sections[name]),
-            edges=broken_edges(reducer, sizes, drawn[name]),
-            bores=cross_holes_of(reducer, sizes, name),
-        )
-        for name in parts_by_name
-    }
+    return {f"{name}.step": _encode_drive_part(reducer, sizes, name, part) for name, part in drawn_parts.items()}
+
+
+def _encode_drive_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> bytes:
+    """Encode a part of a drive as a STEP file, with its broken edges and the holes across its axis."""
+    edges, bores = broken_edges(reducer, sizes, part), cross_holes_of(reducer, sizes, name)
+    return step_part(name, part.sections(SPLINES), edges=edges, bores=bores)
 
 
 def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:

@@ -260,7 +260,7 @@ def _thread(tapped: TappedHole) -> str:
     size = f"{tapped.count} x M{in_mm(tapped.thread)}, {in_mm(tapped.depth)} mm deep"
     if tapped.insert:
         return f"{size}, insert {tapped.insert}"
-    return f"{size}, drilled {in_mm(tapped.thread - stock.pitch(tapped.thread))} mm"
+    return f"{size}, drilled {in_mm(stock.thread_core(tapped.thread))} mm"
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
@@ -426,15 +426,15 @@ def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
     fit = f"{cup_fit(reducer, names.OUTPUT)} around its {names.ROLLER_BEARING}" if cup else ROLLER_FIT
     if not output.has_roller_parts:
         yield replace(line, material="", fit=fit)
-    elif found := roller_tube(reducer) if sizes else None:
+    elif tube := roller_tube(reducer) if sizes else None:
         fit = f"bored {fit}, cut to {in_mm(gear.face_width)} mm"
-        yield replace(line, made_or_bought="made", material="steel E235", designation=found.designation, fit=fit)
+        yield replace(line, made_or_bought="made", material="steel E235", designation=tube.designation, fit=fit)
     else:
         yield replace(line, made_or_bought="made", fit=fit)
     if cup:
-        bearing, beside = cup
+        bearing, bearings_per_roller = cup
         fit = f"{cup_fit(reducer, names.OUTPUT)} outside, the pin under the needles"
-        yield _stock_bearing_line(names.ROLLER_BEARING, count * beside, bearing, fit)
+        yield _stock_bearing_line(names.ROLLER_BEARING, count * bearings_per_roller, bearing, fit)
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:

@@ -81,6 +81,11 @@ class CamClamp:
         """Length of the engaged thread [m]."""
         return self.length - self.head_face - 0.5 * CLAMP.slot
 
+    @property
+    def thread_depth(self) -> float:
+        """Depth of the hole of the thread from the slot [m], with room beyond the tip of the screw."""
+        return self.engaged_length + RULES.min_wall
+
     def removed_volume(self, reducer: Reducer) -> float:
         """Compute the volume [m3] of the holes of a screw in its cam: counterbore, clearance hole and thread's core."""
         thread, half_slot = self.bolt.thread, 0.5 * CLAMP.slot
@@ -89,7 +94,7 @@ class CamClamp:
         cylinders = (
             (counterbore(self.bolt), edge - self.head_face),
             (0.5 * stock.bolt_hole(thread), self.head_face - half_slot),
-            (0.5 * (thread - stock.pitch(thread)), self.engaged_length + RULES.min_wall),
+            (0.5 * stock.thread_core(thread), self.thread_depth),
         )
         return math.pi * sum(radius**2 * length for radius, length in cylinders)
 
@@ -150,17 +155,15 @@ def cam_screws(reducer: Reducer, clamp: CamClamp) -> BoughtPart:
 def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossHole]]:
     """Yield the holes of the screws across each cam with its name: counterbore, clearance hole and core of thread."""
     design, thread = reducer.design, clamp.bolt.thread
-    core, half_slot = 0.5 * (thread - stock.pitch(thread)), 0.5 * CLAMP.slot
-    depth = 2.0 * cam_radius(reducer) - clamp.head_face
+    core, hole, half_slot = 0.5 * stock.thread_core(thread), 0.5 * stock.bolt_hole(thread), 0.5 * CLAMP.slot
+    length_outwards = 2.0 * cam_radius(reducer) - clamp.head_face  # beyond the outside of the cam
     for number, (plane, phase) in enumerate(zip(design.gear.disc_planes, reducer.phases, strict=True), start=1):
         name, y = names.numbered_name(names.CAM, number), clamp.distance * math.cos(phase)
         for height in clamp.heights(design.gear.face_width):
-            z = plane + height
-            head = (clamp.head_face, y, z)
-            yield name, CrossHole(head, (1.0, 0.0, 0.0), counterbore(clamp.bolt), depth)
-            yield name, CrossHole(head, (-1.0, 0.0, 0.0), 0.5 * stock.bolt_hole(thread), clamp.head_face)
-            tip = clamp.engaged_length + RULES.min_wall
-            yield name, CrossHole((-half_slot, y, z), (-1.0, 0.0, 0.0), core, tip)
+            head, slot = (clamp.head_face, y, plane + height), (-half_slot, y, plane + height)
+            yield name, CrossHole(head, (1.0, 0.0, 0.0), counterbore(clamp.bolt), length_outwards)
+            yield name, CrossHole(head, (-1.0, 0.0, 0.0), hole, clamp.head_face)
+            yield name, CrossHole(slot, (-1.0, 0.0, 0.0), core, clamp.thread_depth)
 
 
 def _find_problem(reducer: Reducer) -> str:
@@ -187,10 +190,10 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     if count < 1 or hinge < wall:
         return None
     distance = shaft + 0.5 * stock.bolt_hole(bolt.thread) + wall
-    beside_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head, 0.0) ** 2, 0.0))
-    head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), beside_shaft)
-    reach = head_face + 0.5 * CLAMP.slot + RULES.engagement * bolt.thread
-    length = stock.bolt_length(bolt.thread, reach)
+    clear_of_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head, 0.0) ** 2, 0.0))
+    head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), clear_of_shaft)
+    min_length = head_face + 0.5 * CLAMP.slot + RULES.engagement * bolt.thread
+    length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
         return None
     outward = distance - gear.eccentricity
@@ -209,7 +212,7 @@ def _lying_screw(clamp: CamClamp) -> RoundPart:
     Its head is on the side of +x, and the face under the head is at x = 0.
     """
     bolt, blocks = clamp.bolt, []
-    core = 0.5 * (bolt.thread - stock.pitch(bolt.thread))
+    core = 0.5 * stock.thread_core(bolt.thread)
     for radius, start, end in ((core, -clamp.length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)):
         edges = -radius * np.cos(np.pi * np.arange(CLAMP.slices + 1) / CLAMP.slices)
         for low, high in pairwise(edges.tolist()):

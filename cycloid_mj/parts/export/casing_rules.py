@@ -125,7 +125,7 @@ def in_one_piece(reducer: Reducer) -> bool:
 def core_radius(reducer: Reducer, thread: float) -> float:
     """Compute the radius of the drilled hole of a thread, d - P, or of its insert [m]."""
     insert = insert_in(reducer, thread)
-    return 0.5 * (insert.hole if insert else thread - stock.pitch(thread))
+    return 0.5 * (insert.hole if insert else stock.thread_core(thread))
 
 
 def thread_radius(reducer: Reducer, thread: float) -> float:

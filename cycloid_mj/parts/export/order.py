@@ -149,12 +149,13 @@ def _describe_output_pins(reducer: Reducer) -> str:
     """Describe the step that mounts or inspects the output pins."""
     if in_one_piece(reducer):
         return "Check that the output pins, in one piece with their disc, are round and smooth."
-    cup = roller_bearing(reducer)
-    count = f"{cup[1]} {names.ROLLER_BEARING}" if cup else ""
-    in_rollers = f"; press {count} ({cup[0].designation}) into each roller" if cup else ""
+    roller_step = ""
+    if stock_bearing := roller_bearing(reducer):
+        bearing, count = stock_bearing
+        roller_step = f"; press {count} {names.ROLLER_BEARING} ({bearing.designation}) into each roller"
     return (
         f"Press {reducer.design.output.pins} output pins into the disc of the {names.OUTPUT}, flush with its far face"
-        f"{in_rollers}."
+        f"{roller_step}."
     )
 
 

@@ -64,7 +64,7 @@ def tube(bore: float, outside: float, width: float) -> RoundPart:
 
 def screw_body(bolt: stock.Bolt, length: float) -> RoundPart:
     """Return a screw of a length [m] that points along -z, with its head above z = 0, and its thread as its core."""
-    rounds = (0.5 * (bolt.thread - stock.pitch(bolt.thread)), -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)
+    rounds = (0.5 * stock.thread_core(bolt.thread), -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)
     return RoundPart(names.SHAFT, rounds, bought=True)
 
 
