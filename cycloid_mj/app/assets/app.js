@@ -101,11 +101,12 @@ function showHead() {
   const head = shown.head, cased = life?.cased;
   const verdicts = { ...head.verdicts, ...(broken ? {} : { ...statics?.verdicts, ...life?.verdicts }) };
   const covers = cased ? `with covers ${number(cased.diameter_mm)} mm` : life?.no_covers ? "no covers fit" : null;
+  const mass = cased ? cased.mass_kg : head.mass_kg;
   const figures = [
     ["ratio", `${head.ratio}:1`, "ratio"],
     ["diameter", `${number(head.diameter_mm)} mm`, "diameter_mm", covers],
     ...(verdicts.length_mm || cased || life?.length_mm ? [["length", cased || life?.length_mm ? `${number(cased?.length_mm ?? life.length_mm)} mm` : "–", "length_mm", life?.length_mm ? null : "with covers"]] : []),
-    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, "", cased && `with covers ${number(cased.mass_kg, 3)} kg`],
+    ["mass", mass === null ? "–" : `${number(mass, 3)} kg`, "", cased && `with covers, mechanism ${number(head.mass_kg, 3)} kg`],
     ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm", life && !broken && `emergency stop ${number(life.momentary_torque_nm, 3)} N m`],
     ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", "backlash_arcmin"],
     [`life at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", "life_h"],
