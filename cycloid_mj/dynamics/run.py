@@ -340,12 +340,14 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     """Return the contents of the files to attach to a log, by name: the design file, the MuJoCo model and its meshes.
 
     They are created on first access. A planar `compiled` model has no meshes; a MuJoCo model of the design is built for
-    it.
+    it, with lumped needle bearings.
     """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
     def model() -> bytes:
-        return xml((build(reducer.design) if isinstance(compiled, PlanarModel) else compiled).spec).encode()
+        if isinstance(compiled, PlanarModel):
+            return xml(build(reducer.design.but(contact={"needles": "lumped"})).spec).encode()
+        return xml(compiled.spec).encode()
 
     files = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": model}
     return Deferred(files | {name: partial(bytes, content) for name, content in assets.items()})

@@ -229,6 +229,15 @@ def test_nonpin_run_has_no_pin_1(here):
     assert one_object(out)["pin1"] is None
 
 
+def test_planar_run_with_single_needles_logs_a_model_with_lumped_ones(here):
+    flags = ("--solver", "planar", "--ramp-s", "0", "--hold-s", "0.002", "--set", "contact.needles=each", "--json")
+    code, out, err = told("simulate", "pin", *flags)
+    assert code == 0, err
+    files = read(json.loads(out)["log"]).attachments
+    assert loads(files["design.toml"].decode()).contact.needles == "each"
+    assert files["model.xml"].startswith(b"<mujoco")
+
+
 def test_flags_overrule_set_which_overrules_the_file(here):
     Path("mine.toml").write_text(dump(override(PRESETS["pin"], ["drive.speed_rpm=100", "load.torque_nm=3"])))
     code, out, _ = told(
