@@ -42,6 +42,7 @@ from cycloid_mj.reducer.bodies import (
 )
 
 if TYPE_CHECKING:
+    from cycloid_mj.reducer.reducer import Reducer
     from cycloid_mj.reducer.rv import RvReducer
 
 SUN_ANGLE = names.planar_joints(names.SUN)[-1]
@@ -236,6 +237,18 @@ def needle_share(needles: int) -> float:
     The needles on one half of the bearing carry the load; the sum of the squared cosines of their angles is Z/4.
     """
     return 4.0 / needles
+
+
+def needle_directions(reducer: "Reducer", crank: Array) -> Array:
+    """Return the directions of the Z separate needles of a bearing as unit vectors, shape (m, Z, 2).
+
+    They are equal for all cams or eccentrics, because the cage rolls with the crank in the disc. A needle is on +y at
+    the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).
+    """
+    count = reducer.separate_needles
+    disc = -crank / reducer.design.lobes
+    angle = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / max(count, 1)
+    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
 
 
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:

@@ -287,8 +287,7 @@ def _balance_contacts(
         require_balance(residual, springs, load)
         force, rollers = needles.split(all_forces, springs.teeth)
         needles, work = needles.with_shares(rollers), work + residual.work
-    offsets = z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position
-    if float(np.linalg.norm(offsets, axis=-1).max()) > needles.reach:
+    if float(np.linalg.norm(_cam_offsets(contacts, z), axis=-1).max()) > needles.reach:
         raise RunError(
             f"a cam is displaced by more than {1e6 * needles.reach:.3g} um in its bore, for which the equations of its "
             'rollers do not hold: reduce the load (--load-nm), or set contact.needles = "lumped"'
@@ -298,11 +297,16 @@ def _balance_contacts(
 
 def _cam_forces(contacts: KernelSprings, z: Array) -> Array:
     """Return the force of each cam on its disc at displacements `z` (m, u) [m], shape (m, D, 2) [N]."""
-    cam_offsets = z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position
+    cam_offsets = _cam_offsets(contacts, z)
     distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
     cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
     lateral_offsets = contacts.cam_lateral * cam_offsets[..., ::-1] * (1.0, -1.0)
     return np.asarray((cam_forces / distance)[..., np.newaxis] * (lateral_offsets - cam_offsets))
+
+
+def _cam_offsets(contacts: KernelSprings, z: Array) -> Array:
+    """Return the displacement of each disc from its cam at displacements `z` (m, u) [m], shape (m, D, 2) [m]."""
+    return np.asarray(z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position)
 
 
 def require_balance(residual: Residual, springs: Springs, load: Array) -> None:

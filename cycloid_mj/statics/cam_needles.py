@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.rv_bodies import needle_share
+from cycloid_mj.reducer.rv_bodies import needle_directions, needle_share
 from cycloid_mj.statics.kernel import KernelSprings
 from cycloid_mj.statics.springs import Springs
 
@@ -103,21 +103,16 @@ class CamNeedles:
 
 
 def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
-    """Return the rollers between discs and cams at the crank angles of the springs; None if a cam is a single spring.
-
-    A roller is on +y at the crank angle 0.
-    """
+    """Return the rollers between discs and cams at the crank angles of the springs; None if a cam is a single spring."""
     count = reducer.separate_needles
     if not count:
         return None
-    cam, crank = reducer.at_rated_load.contacts["cam"], springs.crank
-    disc = -crank / reducer.design.lobes
-    cage = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / count
+    cam = reducer.at_rated_load.contacts["cam"]
     return CamNeedles(
-        directions=np.stack([-np.sin(cage), np.cos(cage)], axis=-1),
+        directions=needle_directions(reducer, springs.crank),
         stiffness=needle_share(count) * springs.contacts.cam_stiffness,
         reach=springs.contacts.cam_clearance + MAX_DEFLECTION * cam.force / springs.contacts.cam_stiffness,
-        shares=np.full((crank.size, reducer.design.gear.discs), EVEN_SHARE),
+        shares=np.full((springs.crank.size, reducer.design.gear.discs), EVEN_SHARE),
     )
 
 

@@ -23,7 +23,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.contact import tooth_stiffness
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
-from cycloid_mj.reducer.rv_bodies import expanded, needle_share
+from cycloid_mj.reducer.rv_bodies import expanded, needle_directions, needle_share
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         offset_slope=offset_slope,
         bearing_stiffness=reducer.bearing_stiffness,
         bearing_clearance=reducer.bearing_clearance,
-        needles=_needle_directions(reducer, crank),
+        needles=needle_directions(reducer, crank),
         lever=reducer.lever,
     )
 
@@ -297,18 +297,6 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
             slope[:, disc, number, :, carrier + 1 + number] = crank_rate[:, disc]
     slope[..., carrier] = carrier_rate[:, np.newaxis]
     return crank_misfits(reducer, crank), slope
-
-
-def _needle_directions(reducer: RvReducer, crank: Array) -> Array:
-    """Return the directions of the Z separate needles of an eccentric as unit vectors, shape (m, Z, 2).
-
-    They are equal for all eccentrics, because the cage rolls with the crank in the disc. A needle is on +y at the crank
-    angle 0. `crank` are crank angles against the ring [rad], shape (m,).
-    """
-    count = reducer.separate_needles
-    disc = -crank / reducer.design.lobes
-    angle = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / max(count, 1)
-    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
 
 
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
