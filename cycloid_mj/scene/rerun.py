@@ -75,10 +75,10 @@ def _log_parts(rerun: Any, recording: Any, reducer: Reducer, time: Any, poses_by
             recording.log(entity, rerun.Transform3D(translation=translation[0], quaternion=quaternion[0]), static=True)
 
 
-def _rerun_mesh(rr: Any, piece: Piece) -> Any:
+def _rerun_mesh(rerun: Any, piece: Piece) -> Any:
     """Return a piece as a mesh of Rerun."""
     mesh, colour = shade(piece.mesh), _colour_bytes(piece.colour)
-    return rr.Mesh3D(
+    return rerun.Mesh3D(
         vertex_positions=mesh.vertices, vertex_normals=mesh.normals, triangle_indices=mesh.faces, albedo_factor=colour
     )
 
