@@ -103,7 +103,7 @@ class CamNeedles:
 
 
 def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
-    """Return the rollers between discs and cams at the crank angles of the springs; None if a cam is a single spring."""
+    """Return the rollers between discs and cams at the crank angles of the springs; None for single springs."""
     count = reducer.separate_needles
     if not count:
         return None

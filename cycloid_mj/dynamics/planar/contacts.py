@@ -138,8 +138,7 @@ def find_contacts(
     contacts
         Array of `allocate_contacts`, which is filled from its beginning.
     """
-    discs, teeth = len(system.offset), len(system.place)
-    crank = system.shafts[1]
+    discs, teeth, crank = len(system.offset), len(system.place), system.shafts[1]
     ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
     crank_pose, address = shaft_pose(q, crank), np.int64(scratch.ctypes.data)
     count, pair = NONE, NONE
@@ -193,30 +192,46 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
 
-    The friction of a bearing acts on the resultant of its rollers, so that the coefficient of each is reduced by the
-    ratio of the resultant to the sum of their forces. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] the centre
-    of the cam. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the cam, `q` and `v` are positions and
+    speeds of all unknowns, and `half_step` is half of the time step [s].
     """
     dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
     turn = q[mating.disc + 2]
     cage, spacing = turn + system.cage_ratio * (q[mating.shaft] - turn), 2.0 * math.pi / system.needles
-    total, resultant_x, resultant_y = 0.0, 0.0, 0.0
-    for needle in range(system.needles):
-        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
-        depth = max(dx * nx + dy * ny - clearance, 0.0)
-        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
-    share = math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+    share = resultant_share(dx, dy, clearance, cage, system.needles)
     for needle in range(system.needles):
         nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
         gap, contact = clearance - dx * nx - dy * ny, contacts[count]
         reach = system.cam + 0.5 * gap
         _fill_contact(contact, mating, Touch(gap, cx + reach * nx, cy + reach * ny, 1.0, nx, ny), 1.0, q, v, half_step)
         set_film_friction(system, contact, _CAM, 1.0, v)
-        contact.friction *= share
-        if contact.normal_force > 0.0:
-            contact.state = friction_state(contact, relative_speeds(contact, v)[1])
+        scale_friction(contact, share, v)
         count += 1
     return count
+
+
+@njit
+def resultant_share(dx: float, dy: float, clearance: float, cage: float, needles: int) -> float:
+    """Return the resultant of the forces of the needles of a bearing over their sum [1].
+
+    The inner part is displaced by (`dx`, `dy`) in its bore [m], `clearance` is radial [m], and the first needle is at
+    the angle `cage` [rad] from +y. The friction of a bearing acts on the resultant, which reduces the coefficient of
+    each needle by this share.
+    """
+    spacing, total, resultant_x, resultant_y = 2.0 * math.pi / needles, 0.0, 0.0, 0.0
+    for needle in range(needles):
+        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
+        depth = max(dx * nx + dy * ny - clearance, 0.0)
+        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
+    return math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+
+
+@njit
+def scale_friction(contact: Contact, share: float, v: Array) -> None:
+    """Multiply the friction coefficient of a contact by `share`; update its state at the speeds `v` of all unknowns."""
+    contact.friction *= share
+    if contact.normal_force > 0.0:
+        contact.state = friction_state(contact, relative_speeds(contact, v)[1])
 
 
 @njit
@@ -368,7 +383,10 @@ def set_film_friction(system: System, contact: Contact, kind: int, cosine: float
 
 @njit
 def plane_shift(plane: int) -> int:
-    """Return the number of unknowns of a pin before x and y in the plane of a disc: x, y and rotation, x, y."""
+    """Return the number of unknowns of a pin before x and y in a plane of contact.
+
+    The unknowns are x and y in the first plane, the rotation, then x and y in the second plane.
+    """
     return 2 * plane + 1 if plane > 0 else NONE
 
 

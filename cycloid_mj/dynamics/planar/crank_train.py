@@ -25,10 +25,10 @@ from cycloid_mj.dynamics.planar.contacts import (
     Contacts,
     MatingSurfaces,
     disc_pose,
-    friction_state,
     linearise_law,
     njit,
-    relative_speeds,
+    resultant_share,
+    scale_friction,
     set_film_friction,
     shaft_pose,
 )
@@ -157,9 +157,8 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each needle of a crank bearing after `count` others; return the new number of contacts.
 
-    The friction of a bearing acts on the resultant of its needles, so that the coefficient of each is reduced by the
-    ratio of the resultant to the sum of their forces. `train` are the cranks of the reducer `system`, `mating` is the
-    pair of eccentric and bore, `v` are the speeds of all unknowns and `half_step` is half of the time step [s].
+    `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, `v` are the speeds of
+    all unknowns and `half_step` is half of the time step [s].
 
     Parameters
     ----------
@@ -174,12 +173,7 @@ def _find_needle_contacts(
     """
     dx, dy = displacement
     spacing = 2.0 * math.pi / train.needles
-    total, resultant_x, resultant_y = 0.0, 0.0, 0.0
-    for needle in range(train.needles):
-        nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
-        depth = max(dx * nx + dy * ny - train.clearance, 0.0)
-        total, resultant_x, resultant_y = total + depth, resultant_x + depth * nx, resultant_y + depth * ny
-    share = math.sqrt(resultant_x**2 + resultant_y**2) / total if total > 0.0 else 1.0
+    share = resultant_share(dx, dy, train.clearance, cage, train.needles)
     for needle in range(train.needles):
         nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
         contact = contacts[count]
@@ -187,9 +181,7 @@ def _find_needle_contacts(
         _set_bearing_arms(contact, arms)
         linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
         set_film_friction(system, contact, _BEARING, 1.0, v)
-        contact.friction *= share
-        if contact.normal_force > 0.0:
-            contact.state = friction_state(contact, relative_speeds(contact, v)[1])
+        scale_friction(contact, share, v)
         count += 1
     return count
 

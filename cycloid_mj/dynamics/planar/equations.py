@@ -187,21 +187,7 @@ def _assemble(
         matrix[i, i] += system.support[i] * half
         right[i] -= system.support[i] * q0[i]
     for shaft in range(2):
-        i = system.shafts[shaft]
-        mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
-        if mx != 0.0 or my != 0.0:
-            angle = q0[i] + half * predicted[i]
-            s, c = math.sin(angle), math.cos(angle)
-            right[i] += (c * mx - s * my) * gy - (s * mx + c * my) * gx
-        stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
-        matrix[i, i] += stiffness * half + damping
-        right[i] += stiffness * (command[shaft] - q0[i]) if stiffness != 0.0 else command[shaft]
-        limit = system.drag[shaft, 0]
-        if limit > 0.0:
-            if equations.shaft_state[shaft] == STICKS:
-                matrix[i, i] += system.drag[shaft, 1]
-            else:
-                right[i] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
+        _add_shaft_torques(system, equations, shaft, q0, predicted, command[shaft], half)
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
     width = pins.shape[1]
     for i in range(len(coupled)):
@@ -218,6 +204,31 @@ def _assemble(
                     pin_rows[row + m, k] = 0.0
             coupled[i] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
+
+
+@njit
+def _add_shaft_torques(
+    system: System, equations: Equations, shaft: int, q0: Array, predicted: Array, command: float, half_step: float
+) -> None:
+    """Add unbalance, servo and drag of the output (`shaft` 0) or the input (1) to the equations.
+
+    The remaining arguments are as in `_assemble`; `half_step` is half of the time step [s].
+    """
+    matrix, right, i = equations.matrix, equations.right, system.shafts[shaft]
+    mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
+    if mx != 0.0 or my != 0.0:
+        angle = q0[i] + half_step * predicted[i]
+        s, c = math.sin(angle), math.cos(angle)
+        right[i] += (c * mx - s * my) * system.gravity[1] - (s * mx + c * my) * system.gravity[0]
+    stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
+    matrix[i, i] += stiffness * half_step + damping
+    right[i] += stiffness * (command - q0[i]) if stiffness != 0.0 else command
+    limit = system.drag[shaft, 0]
+    if limit > 0.0:
+        if equations.shaft_state[shaft] == STICKS:
+            matrix[i, i] += system.drag[shaft, 1]
+        else:
+            right[i] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
 
 
 @njit
