@@ -15,7 +15,9 @@ Phase = Literal["hold", "ramp"]
 def condition(reducer: Reducer) -> Condition:
     """Return the condition that a design is run under."""
     design = reducer.design
-    return Condition(design.load.torque, design.drive.speed, temperature=design.thermal.words)
+    return Condition(
+        design.load.torque, design.drive.speed, temperature=design.thermal.words, friction=design.friction.words
+    )
 
 
 @dataclass(frozen=True)

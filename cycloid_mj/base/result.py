@@ -267,6 +267,8 @@ class Condition:
         Solver of the runs that the figure is judged by, if it is named.
     temperature
         Temperatures of the parts in words; empty for 20 °C.
+    friction
+        Friction law in words, if it is named.
     """
 
     load: float
@@ -274,10 +276,11 @@ class Condition:
     input_torque: float | None = None
     solver: str = ""
     temperature: str = ""
+    friction: str = ""
 
     def __str__(self) -> str:
-        """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
-        return ", ".join([self.words, f"{self.speed_rpm:g} rpm", *([self.temperature] if self.temperature else [])])
+        """Format the condition in words, such as "36.68 N m, 1640 rpm, Coulomb friction"."""
+        return ", ".join(filter(None, (self.words, f"{self.speed_rpm:g} rpm", self.temperature, self.friction)))
 
     @property
     def speed_rpm(self) -> float:
@@ -293,8 +296,8 @@ class Condition:
         """Convert the condition to JSON values; keys end in their units, and values that are not set are omitted."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         solver = {"solver": self.solver} if self.solver else {}
-        warm = {"temperature": self.temperature} if self.temperature else {}
-        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver | warm
+        words = {key: getattr(self, key) for key in ("temperature", "friction") if getattr(self, key)}
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver | words
 
 
 def load_words(load: float) -> str:

@@ -120,6 +120,7 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
     """Return a callback for progress, which takes the number of finished items and the number of all items.
 
     It prints `activity` with both numbers and the estimated time left, every few seconds at most; nothing if `quiet`.
+    Before the first item is finished, no time is estimated.
     """
     start = monotonic()
     last = [start]
@@ -129,7 +130,8 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
         if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and finished < total):
             return
         last[0] = time
-        tell(f"{activity}: {finished} of {total}, about {seconds_left(start, finished / total):.0f} s left")
+        left = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
+        tell(f"{activity}: {finished} of {total}{left}")
 
     return progress
 

@@ -68,7 +68,7 @@ def wear(
     count = count_progress("wear, percent", delivery.quiet)
 
     def report(case: str, share: float) -> None:
-        count(round(100 * (CASES.index(case) + share)), 100 * len(CASES))
+        count(round(100 * (CASES.index(case) + share) / len(CASES)), 100)
 
     result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
     if result.interrupted:

@@ -545,6 +545,11 @@ class Friction(Section):
         le=2.0,
     )
 
+    @property
+    def words(self) -> str:
+        """Name of the law as a condition of results, with the lubricant of film friction."""
+        return f"film friction, {self.lubricant}" if self.law == "film" else "Coulomb friction"
+
     @field_validator("lubricant")
     @classmethod
     def _refuse_unknown_lubricant(cls, name: str) -> str:

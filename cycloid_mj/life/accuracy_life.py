@@ -14,7 +14,7 @@ from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, to_json_values
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.life.duty import Duty, constant_duty
+from cycloid_mj.life.duty import Duty, constant_duty, describe_condition
 from cycloid_mj.life.wear_course import (
     CASES,
     SETTINGS,
@@ -429,7 +429,7 @@ class _Log:
             surfaces.append(WornSurface(surface, law, depth, depth - law.coefficient.typical * last.doses[surface.key]))
         return WearLife(
             design=self._drive.reducer.design.name,
-            condition=f"{duty.words}, half of the time each way",
+            condition=f"{describe_condition(self._drive.reducer.design, duty)}, half of the time each way",
             hours=self._hours,
             growth=self._growth,
             courses=self._courses,

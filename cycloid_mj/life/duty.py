@@ -8,6 +8,7 @@ from pathlib import Path
 from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.units import RPM
+from cycloid_mj.design import Design
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
 
@@ -53,6 +54,11 @@ class Duty:
             else f"rest, {point.share:.3g}"
             for point in self.points
         )
+
+
+def describe_condition(design: Design, duty: Duty) -> str:
+    """Return a duty cycle with the temperatures of the parts and the friction law, as a condition of results."""
+    return ", ".join(filter(None, (duty.words, design.thermal.words, design.friction.words)))
 
 
 def constant_duty(torque: float, speed: float, peak: float | None = None) -> Duty:

@@ -11,7 +11,7 @@ from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.life.as_built import Parts, default_parts, select_rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
-from cycloid_mj.life.duty import Duty, constant_duty
+from cycloid_mj.life.duty import Duty, constant_duty, describe_condition
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.heat import rate_heat
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
@@ -105,7 +105,7 @@ def _rate_parts(
     by_key = sort_by_margin(items, life)
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    condition = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
+    condition = describe_condition(design, duty)
     rating = Rating(design.name, condition, life, by_key, assumptions, spread, work, reducer.parts_text)
     return _add_thermal_limits(rating, design, duty) if compliance else rating
 

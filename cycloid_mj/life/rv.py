@@ -15,7 +15,7 @@ from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import Ratings, RollerRow, oil_viscosity, rate_modified_life
-from cycloid_mj.life.duty import Duty
+from cycloid_mj.life.duty import Duty, describe_condition
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
 from cycloid_mj.life.pitting_factors import factors_of_contact, weighted_contact
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
@@ -76,9 +76,8 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
         *_rate_planets(reducer, torques, weighted_speeds, speed_ratios),
     ]
     by_key = sort_by_margin(items, life)
-    return Rating(
-        reducer.design.name, duty.words, life, by_key, tuple(_assumptions(reducer, duty)), None, 0.0, reducer.parts_text
-    )
+    condition, assumptions = describe_condition(reducer.design, duty), tuple(_assumptions(reducer, duty))
+    return Rating(reducer.design.name, condition, life, by_key, assumptions, None, 0.0, reducer.parts_text)
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:

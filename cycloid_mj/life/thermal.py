@@ -11,7 +11,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, describe_condition
 from cycloid_mj.life.heat import (
     heat_limits,
     heat_transfer_coefficient,
@@ -127,7 +127,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     torque_limit = _find_torque_limit(reducer, points, steady_state, tightest_of_cycle, settings)
     return ThermalState(
         design=reducer.design.name,
-        condition=f"{duty.words}, ambient {ambient:g} °C",
+        condition=f"{describe_condition(reducer.design, duty)}, ambient {ambient:g} °C",
         temperatures=temperatures,
         losses=steady_state.losses,
         heat=heat,

@@ -139,7 +139,10 @@ def loads(
     return Measurement(
         measure="loads",
         design=reducer.design,
-        condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
+        condition=(
+            f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {reducer.design.friction.words}, "
+            f"{SOLVERS[solver]}"
+        ),
         quantities=by_key(*by_kind, discs, capacities),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),

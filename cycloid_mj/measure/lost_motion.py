@@ -70,7 +70,10 @@ def lost_motion(
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
-        condition=f"{reducer.INPUT} locked, up to {rated_torque:.4g} N m on the output, {SOLVERS[solver]}",
+        condition=(
+            f"{reducer.INPUT} locked, up to {rated_torque:.4g} N m on the output, {reducer.design.friction.words}, "
+            f"{SOLVERS[solver]}"
+        ),
         quantities=quantities(loops),
         curves=curves(loops),
         assumptions=_assumptions(loops, period, solver),

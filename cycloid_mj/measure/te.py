@@ -97,7 +97,9 @@ def te(
     return Measurement(
         measure="te",
         design=reducer.design,
-        condition=f"{describe_loads(torques)}, {rpm:.0f} rpm at speed, {SOLVERS[solver]}",
+        condition=(
+            f"{describe_loads(torques)}, {rpm:.0f} rpm at speed, {reducer.design.friction.words}, {SOLVERS[solver]}"
+        ),
         quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),

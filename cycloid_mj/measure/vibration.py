@@ -98,7 +98,10 @@ def vibration(
     return Measurement(
         measure="vibration",
         design=reducer.design,
-        condition=f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
+        condition=(
+            f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {reducer.design.friction.words}, "
+            f"{SOLVERS[solver]}"
+        ),
         quantities=by_key(
             _level_quantities(reducer, runs_at_speed, checks), _unbalance_quantities(reducer, runs_at_speed, checks)
         ),

@@ -24,6 +24,7 @@ from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import count_parts, solve_ripple
+from cycloid_mj.statics.film import film_text
 from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import describe_self_locking, shaft_powers, solve_back_driving
 from cycloid_mj.statics.springs import POSES
@@ -307,8 +308,8 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     stiffness = value_and_error(lambda item: item.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     efficiency = 100.0 * friction.efficiency(rated_torque, speed, joint.ratio, driving=True)
-    error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)
-    yield Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=spread_note)
+    error, note = 100.0 * _efficiency_error(reducer, 1.0), f"{film_text(reducer)}; {_efficiency_spread(reducer)}"
+    yield Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=note)
     back_driving_powers, driving_torque = solve_back_driving(reducer, rated_torque)
     is_self_locking = math.isnan(driving_torque)
     yield Quantity(

@@ -402,9 +402,11 @@ def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) ->
 
 
 def film_text(reducer: Reducer) -> str:
-    """Return the law and the lubricant with its temperature in the tooth contacts, as a condition of results."""
+    """Return the friction law as a condition of results, with the lubricant's temperature in the tooth contacts."""
     design = reducer.design
-    return f"film friction, {design.friction.lubricant} at {lubricant_temperature(reducer, design.tooth_pair):g} °C"
+    if not design.has_film:
+        return design.friction.words
+    return f"{design.friction.words} at {lubricant_temperature(reducer, design.tooth_pair):g} °C"
 
 
 def film_assumption(reducer: Reducer) -> str:

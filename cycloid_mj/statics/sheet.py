@@ -233,7 +233,7 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
             [
                 f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {SHEETS[reducer.LAYOUT].inertia}",
                 *([design.thermal.words] if design.thermal.words else []),
-                *([film_text(reducer)] if design.has_film else []),
+                film_text(reducer),
             ]
         ),
         load_source=source,

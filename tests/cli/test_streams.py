@@ -20,6 +20,7 @@ from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.interrupt import Stopped, exit_code
 from cycloid_mj.base.text import MESSAGE, legible, shorten
 from cycloid_mj.cli.process import SUBSTITUTES, SUBSTITUTING, substitutes
+from cycloid_mj.cli.progress import count_progress
 from cycloid_mj.cli.terminal import tell_error
 from cycloid_mj.design import PRESETS, dump, loads
 
@@ -241,3 +242,14 @@ def test_the_exit_code_of_a_stop_is_that_of_its_signal() -> None:
     assert [exit_code(stop) for stop in (KeyboardInterrupt(), Stopped("SIGTERM"), Stopped("SIGHUP"))] == [130, 143, 129]
     assert exit_code(Stopped("the failure of another run")) == 130
     assert exit_code(ValueError()) == 1
+
+
+def test_progress_without_a_finished_item_has_no_time_left(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_COUNTS", 0.0)
+    progress = count_progress("wear, percent", quiet=False)
+    progress(0, 100)
+    assert capsys.readouterr().err == "wear, percent: 0 of 100\n"
+    progress(50, 100)
+    assert capsys.readouterr().err.endswith(" s left\n")

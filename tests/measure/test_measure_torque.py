@@ -63,8 +63,9 @@ def test_braked_and_crank_held_runs_agree(torque):
 @pytest.mark.slow
 def test_both_name_their_condition(torque, efficiency, folder):
     told = json.loads((folder / "torque-nonpin.json").read_text(encoding="utf-8"))
-    assert told["condition"] == "1.048 N m on the crank, 1640 rpm, by the planar solver"
-    assert efficiency.condition == f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm, by the planar solver"
+    assert told["condition"] == "1.048 N m on the crank, 1640 rpm, Coulomb friction, by the planar solver"
+    largest = f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm"
+    assert efficiency.condition == f"{largest}, Coulomb friction, by the planar solver"
 
 
 def test_the_mean_input_torque_equals_the_given_torque(torque):
