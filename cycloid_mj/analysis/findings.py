@@ -16,7 +16,11 @@ def condition(reducer: Reducer) -> Condition:
     """Return the condition that a design is run under."""
     design = reducer.design
     return Condition(
-        design.load.torque, design.drive.speed, temperature=design.thermal.words, friction=design.friction.words
+        design.load.torque,
+        design.drive.speed,
+        temperature=design.thermal.words,
+        friction_law=design.friction.law,
+        lubricant=design.friction.lubricant if design.has_film else "",
     )
 
 

@@ -267,8 +267,8 @@ class Condition:
         Solver of the runs that the figure is judged by, if it is named.
     temperature
         Temperatures of the parts in words; empty for 20 °C.
-    friction
-        Friction law in words, if it is named.
+    friction_law, lubricant
+        Friction law, if it is named, and the lubricant of film friction.
     """
 
     load: float
@@ -276,11 +276,13 @@ class Condition:
     input_torque: float | None = None
     solver: str = ""
     temperature: str = ""
-    friction: str = ""
+    friction_law: str = ""
+    lubricant: str = ""
 
     def __str__(self) -> str:
-        """Format the condition in words, such as "36.68 N m, 1640 rpm, Coulomb friction"."""
-        return ", ".join(filter(None, (self.words, f"{self.speed_rpm:g} rpm", self.temperature, self.friction)))
+        """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
+        film = f"film friction, {self.lubricant}" if self.lubricant else ""
+        return ", ".join(filter(None, (self.words, f"{self.speed_rpm:g} rpm", self.temperature, film)))
 
     @property
     def speed_rpm(self) -> float:
@@ -296,7 +298,8 @@ class Condition:
         """Convert the condition to JSON values; keys end in their units, and values that are not set are omitted."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         solver = {"solver": self.solver} if self.solver else {}
-        words = {key: getattr(self, key) for key in ("temperature", "friction") if getattr(self, key)}
+        named = ("temperature", "friction_law", "lubricant")
+        words = {key: getattr(self, key) for key in named if getattr(self, key)}
         return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver | words
 
 

@@ -122,7 +122,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     warm = at_temperatures(reducer.design, temperatures)
     ambient = reducer.design.service.ambient_temperature
     course = _solve_warm_up(reducer, duty, steady_state, settings)
-    tightest = _find_tightest_time(reducer.design, course)
+    moments = _follow_clearances(reducer.design, course)
+    tightest = min(moments, key=lambda moment: min(moment.play, moment.clearance))
     tightest_of_cycle = tightest if len(duty.points) > 1 else None
     torque_limit = _find_torque_limit(reducer, points, steady_state, tightest_of_cycle, settings)
     return ThermalState(
@@ -143,8 +144,11 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         times=course.times,
         warm_up={part: ambient + rise for part, rise in course.rises.items()},
         peaks={part: ambient + course.peak(part) for part in HEATED},
-        largest_difference=float(np.max(course.rises["disc"] - course.rises["ring"])),
+        largest_difference=max(
+            float(np.max(rises["disc"] - rises["ring"])) for rises in (course.rises, course.periodic)
+        ),
         tightest=tightest,
+        smallest_play=min(moment.play for moment in moments),
         converged=steady_state.converged,
         assumptions=tuple(_assumptions(reducer, steady_state)),
         can_preload=isinstance(reducer, RvReducer),
@@ -288,20 +292,22 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     return solve_course(steady_state.network, heating, "disc", reference_rise, duration, settings.samples)
 
 
-def _find_tightest_time(design: Design, course: TemperatureCourse) -> TightestTime:
-    """Return the time of the warm-up at which the parts have the least play, with play [m] and temperature rises [K].
+def _follow_clearances(design: Design, course: TemperatureCourse) -> list[TightestTime]:
+    """Return play [m], tightest pair and temperature rises [K] at each time of a warm-up and of its periodic state.
 
-    `course` has the temperature rises over time, for the warm-up and its duty cycles.
+    `course` has the temperature rises over time. Its periodic state counts as the end of the warm-up.
     """
     ambient = design.service.ambient_temperature
-    times = []
-    for index, time in enumerate(course.times):
-        rises = {part: float(rise[index]) for part, rise in course.rises.items()}
+    moments = []
+    all_times = [*course.times, *[course.times[-1]] * len(course.periodic["disc"])]
+    all_rises = {part: np.append(rise, course.periodic[part]) for part, rise in course.rises.items()}
+    for index, time in enumerate(all_times):
+        rises = {part: float(rise[index]) for part, rise in all_rises.items()}
         warm = at_temperatures(design, {part: ambient + rise for part, rise in rises.items()})
-        play, clearances = tooth_play(warm), warm_clearances(warm)
+        clearances = warm_clearances(warm)
         pair = min(clearances, key=clearances.__getitem__)
-        times.append(TightestTime(float(time), play, pair, clearances[pair], rises))
-    return min(times, key=lambda item: min(item.play, item.clearance))
+        moments.append(TightestTime(float(time), tooth_play(warm), pair, clearances[pair], rises))
+    return moments
 
 
 @dataclass(frozen=True)
@@ -494,7 +500,10 @@ def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
         yield "half of each loss heats each of the two parts that meet; motor and driven machine take no heat"
         yield "conductances of bearings assume 14 rollers, a third of them loaded"
         yield "conductivities by the kind of material"
-    yield "losses change linearly with the temperature of the disc during the warm-up, and with the torque by duty"
+    yield (
+        "losses change linearly with the temperature of the disc during the warm-up, with the torque by duty, and "
+        f"beyond {SETTINGS.solved:g} times the torque or speed of the duty: such limits are extrapolated"
+    )
     if not steady_state.converged:
         reason = "losses and temperatures do not agree" if isinstance(reducer, RvReducer) else "the parts jam"
         yield f"{reason} at these temperatures: the losses are those before the clearance is lost"

@@ -39,17 +39,17 @@ class TemperatureCourse:
         Times [s], shape (m,).
     rises
         Rise of each node [K], shape (m,).
-    last_cycle
-        Index of the first time of the last cycle.
+    periodic
+        Rise of each node over a cycle of the periodic state that follows [K], shape (n,).
     """
 
     times: Array
     rises: Mapping[str, Array]
-    last_cycle: int
+    periodic: Mapping[str, Array]
 
     def peak(self, node: str) -> float:
-        """Return the largest rise of a node in the last cycle [K]."""
-        return float(np.max(self.rises[node][self.last_cycle :]))
+        """Return the largest rise of a node in the periodic state [K]."""
+        return float(np.max(self.periodic[node]))
 
 
 def solve_course(
@@ -62,7 +62,8 @@ def solve_course(
 ) -> TemperatureCourse:
     """Compute the temperature rise of each node [K] over time [s] in a warm-up from the temperature of the air.
 
-    The solution is exact at the returned times (matrix exponential of each point of the duty).
+    The solution is exact at the returned times (matrix exponential of each point of the duty). The periodic state is
+    the one that a cycle maps to itself.
 
     Parameters
     ----------
@@ -96,12 +97,20 @@ def solve_course(
         rates[:-1] /= capacity[:, np.newaxis]
         duration = point.duration / count
         steps += [(expm(duration * rates), duration)] * count
-    state: Array = np.append(np.zeros(len(nodes)), 1.0)
-    times, states = [0.0], [state]
-    for _ in range(cycles):
-        for matrix, duration in steps:
-            state = matrix @ state
-            times.append(times[-1] + duration)
-            states.append(state)
-    rises = np.array(states)[:, :-1].T
-    return TemperatureCourse(np.array(times), dict(zip(nodes, rises, strict=True)), len(times) - 1 - len(steps))
+    step_matrices = [matrix for matrix, _ in steps]
+    cycle_matrix = np.linalg.multi_dot([*step_matrices[::-1], np.eye(len(nodes) + 1)])
+    periodic_start = np.linalg.solve(np.eye(len(nodes)) - cycle_matrix[:-1, :-1], cycle_matrix[:-1, -1])
+    times = np.cumsum([0.0, *[duration for _, duration in steps] * cycles])
+    rises, periodic = (
+        dict(zip(nodes, _follow(start, matrices), strict=True))
+        for start, matrices in ((np.zeros(len(nodes)), step_matrices * cycles), (periodic_start, step_matrices))
+    )
+    return TemperatureCourse(times, rises, periodic)
+
+
+def _follow(start: Array, step_matrices: Sequence[Array]) -> Array:
+    """Return the rises of n nodes from a start (n,) on after each of k steps [K], shape (n, k + 1)."""
+    states = [np.append(start, 1.0)]
+    for matrix in step_matrices:
+        states.append(matrix @ states[-1])
+    return np.array(states)[:, :-1].T

@@ -62,11 +62,13 @@ class ThermalState(Presented):
     times, warm_up
         Times [s] and temperature of each part [°C] after a start from the temperature of the air.
     peaks
-        Largest temperature of each part in the last cycle of the duty [°C].
+        Largest temperature of each part in a cycle of the periodic state [°C].
     largest_difference
         Largest difference of disc and ring in the warm-up [K].
     tightest
         Time of the warm-up and its cycles with the least play.
+    smallest_play
+        Least radial play of the teeth in the warm-up and its cycles [m].
     converged
         Whether losses and temperatures agree; false if the parts jam on the way.
     assumptions
@@ -94,6 +96,7 @@ class ThermalState(Presented):
     peaks: Mapping[str, float]
     largest_difference: float
     tightest: TightestTime
+    smallest_play: float
     converged: bool
     assumptions: tuple[str, ...]
     can_preload: bool = False
@@ -122,7 +125,7 @@ class ThermalState(Presented):
             ),
             Quantity("jam_difference_k", "difference that closes the teeth", self.jam_difference, "K"),
             Quantity("tooth_play_um", "radial play of the teeth, warm", 1e6 * self.play, "um"),
-            Quantity("smallest_tooth_play_um", "the same, smallest in the warm-up", 1e6 * self.tightest.play, "um"),
+            Quantity("smallest_tooth_play_um", "the same, smallest in the warm-up", 1e6 * self.smallest_play, "um"),
             Quantity("loss_w", "power lost", sum(self.losses.values()), "W"),
             Quantity("thermal_torque_nm", f"thermal torque limit: {self.limited_by}", self.torque, "N m"),
             Quantity("thermal_speed_rpm", "thermal speed limit at the duty's torque", self.speed / RPM, "rpm"),
@@ -179,38 +182,28 @@ class ThermalState(Presented):
 
     def as_json(self) -> dict[str, Any]:
         """Convert temperatures [°C], losses [W], torque limits [N m] and warm-up to JSON; infinite limits are None."""
-        return dict(
-            to_json_values(
-                {
-                    "design": self.design,
-                    "condition": self.condition,
-                    "temperatures_c": dict(self.temperatures),
-                    "peak_temperatures_c": dict(self.peaks),
-                    "difference_k": self.difference,
-                    "largest_difference_k": self.largest_difference,
-                    "jam_difference_k": self.jam_difference,
-                    "jams": self.jams,
-                    "clearances_um": {pair: 1e6 * value for pair, value in self.clearances.items()},
-                    "tooth_play_um": 1e6 * self.play,
-                    "smallest_tooth_play_um": 1e6 * self.tightest.play,
-                    "tightest_time_s": self.tightest.time,
-                    "losses_w": dict(self.losses),
-                    "heat_w": dict(self.heat),
-                    "thermal_torque_nm": self.torque,
-                    "thermal_speed_rpm": self.speed / RPM,
-                    "limited_by": self.limited_by,
-                    "thermal_torque_by_duty": [
-                        {"share": share, "torque_nm": torque} for share, torque in self.duty_torques.items()
-                    ],
-                    "time_constant_s": self.network.time_constant,
-                    "warm_up": {
-                        "time_s": self.times.tolist(),
-                        **{f"{part}_c": values.tolist() for part, values in self.warm_up.items()},
-                    },
-                    "conductances_w_k": [vars(item) for item in self.network.conductances],
-                    "heat_capacities_j_k": dict(self.network.capacities),
-                    "converged": self.converged,
-                    "assumptions": list(self.assumptions),
-                }
-            )
-        )
+        content = {
+            "design": self.design,
+            "condition": self.condition,
+            "temperatures_c": dict(self.temperatures),
+            "peak_temperatures_c": dict(self.peaks),
+            **{key: row.value for key, row in self.quantities.items() if not key.startswith("temperature_")},
+            "jams": self.jams,
+            "clearances_um": {pair: 1e6 * value for pair, value in self.clearances.items()},
+            "tightest_time_s": self.tightest.time,
+            "losses_w": dict(self.losses),
+            "heat_w": dict(self.heat),
+            "limited_by": self.limited_by,
+            "thermal_torque_by_duty": [
+                {"share": share, "torque_nm": torque} for share, torque in self.duty_torques.items()
+            ],
+            "warm_up": {
+                "time_s": self.times.tolist(),
+                **{f"{part}_c": values.tolist() for part, values in self.warm_up.items()},
+            },
+            "conductances_w_k": [vars(item) for item in self.network.conductances],
+            "heat_capacities_j_k": dict(self.network.capacities),
+            "converged": self.converged,
+            "assumptions": list(self.assumptions),
+        }
+        return dict(to_json_values(content))

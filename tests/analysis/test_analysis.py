@@ -497,9 +497,9 @@ def test_a_hold_of_less_than_a_turn_is_warned_of():
 
 def test_findings_name_their_condition():
     found = analyze(ideal(designed("load.torque_nm=35.0", "drive.speed_rpm=-1640")))
-    assert found.as_json()["condition"] == {"load_nm": 35.0, "speed_rpm": -1640.0, "friction": "Coulomb friction"}
-    assert str(found.condition) == "35 N m, -1640 rpm, Coulomb friction"
-    assert str(analyze(ideal(designed("drive.speed_rpm=1640"))).condition) == "no load, 1640 rpm, Coulomb friction"
+    assert found.as_json()["condition"] == {"load_nm": 35.0, "speed_rpm": -1640.0, "friction_law": "coulomb"}
+    assert str(found.condition) == "35 N m, -1640 rpm"
+    assert str(analyze(ideal(designed("drive.speed_rpm=1640"))).condition) == "no load, 1640 rpm"
 
 
 @pytest.mark.parametrize("column", ["gear_x", "crank_speed", "pin_1_angle"])

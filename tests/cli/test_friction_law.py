@@ -2,7 +2,10 @@
 
 import pytest
 
+from cycloid_mj.analysis.findings import condition
 from cycloid_mj.cli.app import main
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.reducer import Reducer
 
 LAWS = {"coulomb": "Coulomb friction", "film": "film friction, lithium grease 100"}
 """Value of `friction.law` -> words in the results of `pin`."""
@@ -31,7 +34,6 @@ def test_results_name_their_friction_law(capsys: pytest.CaptureFixture[str], com
         "reduce pin",
         "measure torque pin --quick",
         "measure efficiency pin --quick",
-        "simulate pin",
     ],
 )
 def test_results_of_long_computations_name_their_friction_law(
@@ -39,3 +41,13 @@ def test_results_of_long_computations_name_their_friction_law(
 ) -> None:
     folder = str(tmp_path_factory.mktemp("law"))
     assert LAWS[law] in output(capsys, f"{command} --out {folder}", law)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [((), "36 N m, 1640 rpm"), (("friction.law=film",), "36 N m, 1640 rpm, film friction, lithium grease 100")],
+)
+def test_runs_name_their_friction_law(changes: tuple[str, ...], words: str) -> None:
+    reducer = Reducer(override(PRESETS["pin"], ["load.torque_nm=36", *changes]))
+    assert str(condition(reducer)) == words
+    assert condition(reducer).as_json()["friction_law"] == reducer.design.friction.law
