@@ -29,9 +29,9 @@ TURN = 60.0 / 1640.0
 """A crank turn at the designs' speed [s]."""
 
 SETTLING = 0.015
-"""Start of the figures [s]: the load is on after 5 ms, and the jolt of the start gone after 10."""
+"""Start of the figures [s] (heuristic): the load is on after 5 ms, and the jolt of the start gone after 10."""
 
-ARCSEC = np.pi / 648000.0
+ARCSEC = np.pi / 648000.0  # [rad]
 
 Figures = Mapping[str, float]
 

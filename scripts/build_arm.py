@@ -25,7 +25,7 @@ LINK_INERTIA = 0.1
 """Inertia of the forearm about the elbow [kg m2], the smallest on a joint: the time step is chosen for it."""
 
 MJX_STEP_SHARE = 0.5
-"""Time step for MJX relative to that for MuJoCo, as of ``reduce --format mjx``."""
+"""Time step for MJX relative to that for MuJoCo, as of ``reduce --format mjx`` (heuristic)."""
 
 ARM = """<mujoco model="arm">
   <compiler angle="radian" autolimits="true"/>

@@ -50,7 +50,7 @@ WARM = 10_000
 FREE, FIXED, NONPIN = "free pins", "fixed pins", "nonpin"
 KINDS = {FREE: ("pin", "free"), FIXED: ("pin", "fixed"), NONPIN: ("nonpin", "free")}
 
-_THREAD_TIME = 3
+_THREAD_TIME = 3  # CLOCK_THREAD_CPUTIME_ID of Linux
 _NARROW = int(mujoco.mjtTimer.mjTIMER_COL_NARROW)
 _now = np.zeros(2, dtype=np.int64)
 _address = _now.ctypes.data

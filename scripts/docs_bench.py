@@ -58,7 +58,7 @@ PRELOADS = (0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0)
 """Angles between the halves of a ring [arcmin]."""
 
 SETTLED, TURNS = 0.06, 0.25
-"""Settling time of a run at the speed of the preset [s], and the crank turns evaluated afterwards."""
+"""Settling time of a run at the speed of the preset [s], and the crank turns evaluated afterwards (heuristic)."""
 
 
 def fit_drives() -> dict[str, Any]:

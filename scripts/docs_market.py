@@ -32,7 +32,7 @@ COLUMNS = ("point", "figure", "unit", "theirs", "source", "ours", "ratio", "note
 
 SOURCES = {"S": "read in a catalogue or paper", "M": "from memory, to be checked"}
 SHARES = (0.95, 0.9, 0.8)
-"""Shares of the stated maximum torque that are requested after a refusal, until a drive is created."""
+"""Shares of the stated maximum torque that are requested after a refusal, until a drive is created (heuristic)."""
 
 
 @dataclass(frozen=True)

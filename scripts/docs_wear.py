@@ -10,7 +10,7 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.life.accuracy_life import wear
 
 NAMES = ("pin", "nonpin", "printed", "twodisc")
-HOURS = 1000.0
+HOURS = 1000.0  # of running
 
 
 def main() -> None:

@@ -35,8 +35,8 @@ from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth
 from cycloid_mj.geometry.profile import pin_angles, sample, unit
 from cycloid_mj.reducer import Reducer
 
-SAMPLING = 1e-4
-LOAD = 36.0
+SAMPLING = 1e-4  # interval of the results [s]
+LOAD = 36.0  # torque on the output [N m], as in `validate`
 
 
 @dataclass(frozen=True)

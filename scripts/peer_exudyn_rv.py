@@ -41,7 +41,7 @@ CHORD_ERROR = 5e-7
 """Largest distance of the segments of Exudyn's curve from the outline of a disc [m]."""
 
 BEARING_DAMPING = 2e3
-"""Damping of a crank bearing in Exudyn [N s/m], a few percent of the critical damping of a disc."""
+"""Damping of a crank bearing in Exudyn [N s/m], a few percent of the critical damping of a disc (heuristic)."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ LOOK = ("--magnify", "200", "--frames", "36", "--width", "520")
 WIDTH, HEIGHT = 1265, 1780
 """Of the picture of a report [px]."""
 
-COLOURS = 256
+COLOURS = 256  # of a PNG file with a palette
 
 WALKED = ("1-requirements.png", "2-refused.png", "3-drives.png", "4-designed.png")
 """Steps of the walk through the designer's page that are shown."""

@@ -20,7 +20,7 @@ from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.reducer import Reducer
 
-WORKERS = 2
+WORKERS = 2  # processes that are compared with one
 COLUMNS = ("CPU", "2 processes", "Dask", "client", "scheduler")
 
 TURN = {"drive.ramp_s": 0.0, "drive.hold_s": 0.05, "load.torque_nm": 36.0}

@@ -30,7 +30,7 @@ from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stoc
 from cycloid_mj.reducer import Reducer, reducer_of
 
 MIN_CRANK_TURNS = 1.25
-"""Crank turns of a run after the start has settled."""
+"""Crank turns of a run after the start has settled (heuristic)."""
 
 Progress = Callable[[Any], None]
 

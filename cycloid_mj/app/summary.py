@@ -70,7 +70,7 @@ CLEARANCE = "clearance of "
 """Start of the labels of clearances."""
 
 MAX_FOLLOWING = 2
-"""Errors that a change of an error may cause and that its button resolves with it."""
+"""Errors that a change of an error may cause and that its button resolves with it (heuristic)."""
 
 POSES = 61
 """Crank angles of the rated torque in the header; its accuracy is `TORQUE_RTOL`."""

@@ -75,7 +75,7 @@ FormatFlag = Annotated[
         "with an integrator and a time step of MJX. Default: mjcf.",
     ),
 ]
-USUAL_SAMPLES = 100
+USUAL_SAMPLES = 100  # default number of drives of ``--spread``
 
 STEM = "reducer"
 SAMPLES = "samples.csv"

@@ -20,7 +20,7 @@ ASSUMPTIONS = (
 """The other end of each range: the presets have 0.2 % of the speed of the gear's centre (0.34 mm/s) and 0.5."""
 
 UNDETERMINED = 2.0
-"""Ratio of the largest to the smallest value from which a figure counts as not determined by the design."""
+"""Ratio of the largest to the smallest value from which a figure counts as not determined by the design (heuristic)."""
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
 STARTS = 8
-"""Number of independent starts, which is also the smallest number by which two designs are ranked."""
+"""Number of independent starts, which is also the smallest number by which two designs are ranked (heuristic)."""
 
 ORDER_MARGIN = 1.05
-"""Ratio of two quantities up to which they have no order: the time step alone may cause as much."""
+"""Ratio of two quantities up to which they have no order (heuristic): the time step alone may cause as much."""
 
 
 @dataclass(frozen=True)

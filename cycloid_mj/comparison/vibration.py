@@ -14,7 +14,7 @@ from cycloid_mj.geometry import kinematics
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
 """Centres of the octave bands [Hz], those of IEC 61260."""
 TURNS_PER_SEGMENT = 2
-"""Crank turns of a segment of Welch's method."""
+"""Crank turns of a segment of Welch's method (heuristic)."""
 
 
 @dataclass(frozen=True, eq=False)

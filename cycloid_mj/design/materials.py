@@ -87,10 +87,11 @@ def _entry(
 
 
 SOFTEST_METAL = 3e10
-"""Young's modulus [Pa] below which a material counts as a plastic, and creeps: magnesium has 45 GPa."""
+"""Young's modulus [Pa] below which a material counts as a plastic, and creeps (heuristic): magnesium has 45 GPa."""
 
 LIGHTEST_MODULUS = 9e10
-"""Young's modulus [Pa] below which an unnamed metal counts as aluminium: bronze has 95 GPa, aluminium 70."""
+"""Young's modulus [Pa] below which an unnamed metal counts as aluminium (heuristic): bronze has 95 GPa, aluminium
+70."""
 
 DEFAULT = "alloy steel"
 

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
 
-MM, KN = 1e-3, 1e3
+MM, KN = 1e-3, 1e3  # in m and in N
 
 OFF = 1.25
-"""Largest ratio of the lengths of pins in stock to the requested length, or of that to them."""
+"""Largest ratio of the lengths of pins in stock to the requested length, or of that to them (heuristic)."""
 
 ROUNDING = 1e-7
 """Largest difference of two sizes that count as equal [m]."""

@@ -107,6 +107,7 @@ _LEAST = TABLE.least
 _PHASES, _FORCES, _FIRST = TABLE.phases, TABLE.forces, math.log(TABLE.least)
 _PHASE_STEP = math.pi / (_PHASES - 1)
 _FORCE_STEP = (math.log(TABLE.most) - _FIRST) / (_FORCES - 1)
+"""Steps of the table in the phase [rad] and in the logarithm of the force."""
 
 NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 """Table of a drive with the law ``coulomb``."""

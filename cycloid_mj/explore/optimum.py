@@ -25,7 +25,8 @@ from cycloid_mj.figures import figure
 from cycloid_mj.statics.sheet import Sheet
 
 AT_END = 0.01
-"""Distance to an end of a range, or to a limit, relative to the range or the bound, within which a point lies at it."""
+"""Distance to an end of a range, or to a limit, relative to the range or the bound, within which a point lies at it
+(heuristic)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,7 +45,7 @@ CONSTANT_RTOL = 1e-9
 
 
 MAX_INTERVAL_WIDTH = 0.2
-"""Width of the 95 % interval of a share above which a note recommends more samples."""
+"""Width of the 95 % interval of a share above which a note recommends more samples (heuristic)."""
 
 MAX_WORST = 5
 """Number of worst samples that are kept as designs."""

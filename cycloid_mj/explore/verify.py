@@ -50,7 +50,7 @@ _RV_FORCES = {"pin_gear_peak_force_n": TEETH, "crank_bearing_running_force_n": C
 _RV_ERROR = "te_loaded_forward_arcsec"
 
 ANGLES_PER_TOOTH = 8
-"""Crank angles of statics in a mesh period of an RV reducer."""
+"""Crank angles of statics in a mesh period of an RV reducer (heuristic)."""
 
 
 def _compute_rv_statics(reducer: Reducer) -> dict[str, float]:

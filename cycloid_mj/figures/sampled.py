@@ -17,7 +17,7 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.samples import SampleFigures, Samples, backlash, identical_samples, solve_samples
 
 ANGLES = 360
-"""Crank angles at which every sample is solved."""
+"""Crank angles at which every sample is solved (heuristic)."""
 
 TOUCH = 1e-4
 """Torque that moves the parts to a stop, over the nominal torque: its wind-up is at most 0.2 % of the backlash."""

@@ -22,7 +22,8 @@ TIP_CLEARANCE = DEDENDUM - 1.0
 """Clearance between tip and mating root per module."""
 
 SHIFT_STEP = 0.05
-"""Step of the profile shift coefficient of a pinion: above the least shift, the flank does not begin in a cusp."""
+"""Step of the profile shift coefficient of a pinion (heuristic): above the least shift, the flank does not begin in a
+cusp."""
 
 PATH_NODES = 4
 """Gauss-Legendre nodes of each interval of a path of contact: exact for polynomials up to the seventh degree."""

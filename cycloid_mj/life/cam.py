@@ -16,7 +16,7 @@ from cycloid_mj.statics.ideal import ideal_cam
 from cycloid_mj.statics.springs import turn_evenly
 
 STIFFNESS_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
-"""Factors on the stiffness of the cam, which depends on the fit of rollers and rings and on the seat."""
+"""Factors on the stiffness of the cam, which depends on the fit of rollers and rings and on the seat (heuristic)."""
 
 
 def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:

@@ -21,7 +21,7 @@ HEAT_REMEDY = (
     "`cycloid-mj thermal`"
 )
 
-BELOW, ABOVE = -1, 1
+BELOW, ABOVE = -1, 1  # directions of rounding
 
 THERMAL_TORQUE = "thermal_torque"
 """Key of the item with the largest torque that steady temperatures allow."""

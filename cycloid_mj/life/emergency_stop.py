@@ -24,7 +24,8 @@ KINDS = {
 """Pressure limits of an emergency stop: consequence, factor, strength that it multiplies, and source."""
 
 FAR_BEYOND = 2.0
-"""Ratio of a torque by the square root law to the smallest other limit, from which no equilibrium is sought."""
+"""Ratio of a torque by the square root law to the smallest other limit, from which no equilibrium is sought
+(heuristic)."""
 
 
 def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) -> Iterator[RatedItem]:

@@ -24,13 +24,13 @@ from cycloid_mj.statics.springs import POSES as POWER_POSES
 from cycloid_mj.statics.springs import turn_evenly
 
 POSES = 181
-"""Default number of crank angles; powers need no more than those of the statics."""
+"""Default number of crank angles (heuristic); powers need no more than those of the statics."""
 
 PRELOAD_SHARE = 0.01
 """Torque that closes the clearances, over the load: wind-up is measured from there."""
 
 SECTORS = 72
-"""Sectors of a turn into which a worn surface is divided, 5 deg each."""
+"""Sectors of a turn into which a worn surface is divided, 5 deg each (heuristic)."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from cycloid_mj.life.plastic_set import rate_permanent_set
 from cycloid_mj.reducer import Reducer
 
 SOFTEST_STEEL = 1e11
-"""Young's modulus from which a material counts as steel [Pa]: pitting and endurance limits are for steel only."""
+"""Young's modulus from which a material counts as steel [Pa] (heuristic): pitting and endurance limits are for steel
+only."""
 
 
 @dataclass(frozen=True)

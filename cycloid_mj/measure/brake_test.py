@@ -20,8 +20,8 @@ from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 
 DECAY = 2e-3
-"""Time [s] in which the motor's slope damps the oscillation to 1/e: with the paper's motor, 5 % of its speed consume
-all of its torque, as with induction motors (2 to 10 %)."""
+"""Time [s] in which the motor's slope damps the oscillation to 1/e (heuristic): with the paper's motor, 5 % of its
+speed consume all of its torque, as with induction motors (2 to 10 %)."""
 
 
 def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:

@@ -26,7 +26,7 @@ from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 SPEED_FRACTIONS = (0.5, 0.75, 1.0, 1.25, 1.5)
-"""Speeds of the sweep relative to the design's."""
+"""Speeds of the sweep relative to the design's (heuristic)."""
 SHOWN = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
 _HZ = "frequency [Hz]"

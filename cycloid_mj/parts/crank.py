@@ -12,7 +12,7 @@ from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
 from cycloid_mj.reducer import Reducer, once
 
 STATIONS = 41
-"""Number of sections of each journal at which nominal stress is evaluated."""
+"""Number of sections of each journal at which nominal stress is evaluated (heuristic)."""
 
 
 @dataclass(frozen=True)

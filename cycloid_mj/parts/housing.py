@@ -19,7 +19,7 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
 SLIT_SHARE = 1e-3
-"""Gap between the halves of a ring relative to its width, so that they can rotate."""
+"""Gap between the halves of a ring relative to its width, so that they can rotate (heuristic)."""
 
 
 def pin_part(reducer: Reducer) -> Part:

@@ -13,7 +13,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 RIM = 0.5
-"""Width of the disc outside its pins relative to their radius."""
+"""Width of the disc outside its pins relative to their radius (heuristic)."""
 
 
 def output_centres(reducer: Reducer) -> Array:

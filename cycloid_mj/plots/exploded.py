@@ -24,7 +24,7 @@ GAP = 0.12
 """Distance between parts of the exploded view, relative to the outer radius of the housing."""
 
 AXIS = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
-HEIGHT = 6.2
+HEIGHT = 6.2  # of the figure [in]
 
 ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded.png"
 """Files of an assembly."""

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
 AXIAL_GAP = 1e-3
-"""Distance of the output disc and of the counterweight from the faces of the discs [m]."""
+"""Distance of the output disc and of the counterweight from the faces of the discs [m] (heuristic)."""
 
 
 def pin_flexibility(reducer: "Reducer") -> Array:

@@ -29,8 +29,8 @@ CACHED_DESIGNS = 24
 """Number of designs whose derived values are cached."""
 
 SLICES_CREEP = 0.02
-"""Creep speed of slices [m/s]: stock MuJoCo lifts sliding contacts by mu^2 v/(v0 impratio), more at a low creep speed
-v0."""
+"""Creep speed of slices [m/s] (heuristic): stock MuJoCo lifts sliding contacts by mu^2 v/(v0 impratio), more at a low
+creep speed v0."""
 
 SHAPING_NOTHING = (
     *("name", "errors", "measured", "friction", "drag", "contact", "stiffness", "damping", "working_force"),

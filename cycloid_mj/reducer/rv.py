@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 Table = TypeVar("Table")
 
 WINDOW_MARGIN = 0.5e-3
-"""Gap between a post and its window where they are closest, if the design leaves the window open [m]."""
+"""Gap between a post and its window where they are closest, if the design leaves the window open [m] (heuristic)."""
 
 
 FLANGE_WALL = 0.05
-"""Wall of the flanges outside of the tapered bearings and the posts, per radius of the pin circle."""
+"""Wall of the flanges outside of the tapered bearings and the posts, per radius of the pin circle (heuristic)."""
 
 
 class RvReducer(Reducer):

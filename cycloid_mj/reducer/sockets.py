@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer.reducer import Reducer
 
 WALL_GAP = 0.1
-"""Smallest gap between the lobe tips and the wall, as a share of rho - c."""
+"""Smallest gap between the lobe tips and the wall, as a share of rho - c (heuristic)."""
 
 
 def wall_radius(design: Design) -> float:

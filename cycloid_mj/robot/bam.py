@@ -22,7 +22,7 @@ from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import ReducedJoint
 
 MIN_FIT_SHARE = 0.25
-"""Share of the nominal torque from which friction is fitted, up to the nominal torque."""
+"""Share of the nominal torque from which friction is fitted, up to the nominal torque (heuristic)."""
 
 WITHOUT_STRIBECK = {
     **dict.fromkeys(("friction_stribeck", *(f"load_friction_{part}_stribeck" for part in ("motor", "external"))), 0.0),

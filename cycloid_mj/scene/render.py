@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.mjcf.bodies import VISUAL_GROUP
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, arrow_heights, shown_forces
 from cycloid_mj.scene.opengl import opengl
@@ -34,10 +35,6 @@ class ImageSettings:
 
 
 IMAGE = ImageSettings()
-
-
-VISUAL_GROUP = 2
-"""Group of the geoms that are only drawn."""
 
 
 def render(

@@ -41,7 +41,7 @@ MAX_WIDTH = bounds_of(Gear.model_fields["face_width"])["le"]
 
 OUTPUT_PINS = np.array([4, 5, 6, 8, 10, 12])
 WALL_SHARES = (0.06, 0.09, 0.12, 0.16, 0.2, 0.25)
-"""Numbers of output pins; walls outside the pins relative to the outer radius of the ring."""
+"""Numbers of output pins (heuristic); walls outside the pins relative to the outer radius of the ring."""
 
 GAP_SHARE, DISC_SHARE = 0.04, 0.15
 """Gap between discs, and thickness of an output disc, relative to the outer radius (assumed)."""
@@ -53,11 +53,11 @@ DIMENSIONS = 9
 """Variables of the cube: wall, pin, eccentricity, width, bore, shaft, number, size and bearing of the output pins."""
 
 POWER_RESERVE = 1.1
-"""Power of the motor relative to that of torque and speed."""
+"""Power of the motor relative to that of torque and speed (heuristic)."""
 
 TOLERANCE_SHARE = 0.1
-"""Standard deviation of every fit, radius and position over the clearance: six of them are 0.6 of it, and all of 96
-samples of each process turn freely (with 0.16, 4 % of printed drives jam)."""
+"""Standard deviation of every fit, radius and position over the clearance (heuristic): six of them are 0.6 of it, and
+all of 96 samples of each process turn freely (with 0.16, 4 % of printed drives jam)."""
 
 POSITIONS = ("pin_position", "pin_radius", "pin_circle", "hole_position", "eccentricity", "disc_size")
 FIT_TOLERANCES = ("mesh", "seat", "cam", "output")

@@ -16,7 +16,7 @@ from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.springs import turn_evenly
 
 MIN_DIFFERENCE = 1.05
-"""Ratio of stiffness or life from which a drive is shown next to the lightest."""
+"""Ratio of stiffness or life from which a drive is shown next to the lightest (heuristic)."""
 
 
 LIGHTEST = f"lowest losses among the drives within {SETTINGS.mass_tolerance:.0%} of the lowest mass"

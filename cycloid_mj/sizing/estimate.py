@@ -29,17 +29,18 @@ from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.statics.film import ASSUMED, RollerBearings, cam_mean_diameter, idle_torque_of
 
 ANGLES = 24
-"""Angles of half a turn at which pins carry."""
+"""Angles of half a turn at which pins carry (heuristic)."""
 
 LINE_STIFFNESS = 0.26
 """Stiffness of a line contact over E* times its length: Palmgren's, of steel at 50 N/mm."""
 
 LUBRICANT_FACTOR = 0.86
-"""Product of the factors of ISO 6336-2 for lubricant, speed and roughness, on the allowed pressure (median of ratings
-of 100 drives)."""
+"""Product of the factors of ISO 6336-2 for lubricant, speed and roughness, on the allowed pressure (heuristic: median
+of ratings of 100 drives)."""
 
 CRITICAL = 3.0
-"""Errors of the critical tooth (position and radius of its pin), output pin and disc, in standard deviations.
+"""Errors of the critical tooth (position and radius of its pin), output pin and disc, in standard deviations
+(heuristic).
 
 At the 95 % percentile, the largest of 30 normal errors is 3.1 standard deviations."""
 
@@ -53,10 +54,11 @@ They scatter by 5 % in length and 14 % in mass; ratings correct them.
 """
 
 FIRST_TORQUE = 1e3
-"""Torque at which estimates begin, over the cube of the diameter [N/m2]; the largest torques are 2.5 to 40 times it."""
+"""Torque at which estimates begin, over the cube of the diameter [N/m2] (heuristic); the largest torques are 2.5 to
+40 times it."""
 
 ROUNDS = 5
-"""Evaluations at the torque of the one before, as shares of the load depend on it."""
+"""Evaluations at the torque of the one before, as shares of the load depend on it (heuristic)."""
 
 
 Estimate = dict[str, Array]

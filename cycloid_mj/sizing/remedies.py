@@ -21,15 +21,15 @@ from cycloid_mj.sizing.solve import (
 )
 
 STEP = 1.04
-"""Factor between values that are tried; with their rounding, a remedy is at most 5 % above the smallest."""
+"""Factor between values that are tried (heuristic); with their rounding, a remedy is at most 5 % above the smallest."""
 
 MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED, MAX_BACKLASH = 3.0, 100.0, 0.05, 30.0 * RPM, 60.0
 """Largest diameter [m], shortest life [h], smallest share of the time, slowest crank [rad/s] and largest backlash
 [arcmin] of a remedy."""
 
 MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 6, 5, 4
-"""Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
-remedies; a diameter is among them."""
+"""Largest number of values that are searched for a remedy (heuristic), of those that are verified from the smallest
+on, and of remedies; a diameter is among them."""
 
 Changes = Sequence[FeasibleChange]
 """Changes of the same kind, the smallest first."""

@@ -19,6 +19,7 @@ from cycloid_mj.parts.export.motors import MotorName
 
 LEAST_RATIO, MOST_RATIO = 3, 150
 MAX_DISCS = 4
+"""Range of ratios, and largest number of discs, that a requirement may state."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +52,12 @@ UNSET = {"length": math.inf, "backlash": math.inf, "clearance": 0.0}
 """Values of a requirement that does not limit them."""
 
 PIN_SIZE = 0.06
-"""Typical diameter of a ring pin relative to that of a drive, at which a fit is represented by one clearance."""
+"""Typical diameter of a ring pin relative to that of a drive, at which a fit is represented by one clearance
+(heuristic)."""
 
 LARGEST_PAIR = 0.6
-"""Largest diameter of a pair, that of the cam, relative to that of a drive, at which a fit must be tabulated."""
+"""Largest diameter of a pair, that of the cam, relative to that of a drive, at which a fit must be tabulated
+(heuristic)."""
 
 FINER = 10.0**-0.1
 """Step of the clearances that a backlash may require (R10, ISO 3)."""

@@ -90,16 +90,17 @@ MODEL = PRESETS["rv80e"]
 """The drive whose proportions, gaps and stiffnesses the others have."""
 
 POST_PLAY = 0.5e-3
-"""Smallest play of a post in its window next to a crank bore [m]."""
+"""Smallest play of a post in its window next to a crank bore [m] (heuristic)."""
 
 TEETH = {"ring": range(28, 61, 2), "sun": range(10, 31), "planet": range(15, 121)}
 """Numbers of teeth that are searched; an even number of pins balances two discs."""
 
 MAX_RATINGS, MAX_GROWTH, GROWTH = 8, 2.0, 1.06
-"""Largest number of candidates that are rated, and factor on the diameter of a remedy at most and per step."""
+"""Largest number of candidates that are rated, and factor on the diameter of a remedy at most and per step
+(heuristic)."""
 
 ESTIMATE_ANGLES = 48
-"""Crank angles of an estimate."""
+"""Crank angles of an estimate (heuristic)."""
 
 OUTPUT_RPM = 15.0
 """Usual speed of the output [rpm], at which catalogues state the rated torque."""
@@ -108,7 +109,7 @@ DUTY_SHARE = 0.4
 """Share of the time under load, if none is required [1]: assumed, an intermittent duty (S3, IEC 60034-1)."""
 
 CLEARANCE = 0.5e-6
-"""Clearance of pins on discs and in their sockets, if none is required [m]: parts are matched."""
+"""Clearance of pins on discs and in their sockets, if none is required [m] (heuristic): parts are matched."""
 
 
 class RvRequirement(Requirement):

@@ -113,7 +113,7 @@ class SearchSettings:
 SETTINGS = SearchSettings()
 
 UNSOUND = 0.3
-"""Factor of estimates next to a candidate that cannot be built or balanced."""
+"""Factor of estimates next to a candidate that cannot be built or balanced (heuristic)."""
 
 Figures = Mapping[str, float]
 Point = tuple[float, ...]

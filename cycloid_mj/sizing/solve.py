@@ -17,10 +17,10 @@ LENGTH_WORDS = "a length of {:.4g} mm"
 """Words of a change of the length [mm]."""
 
 EXCESS = 1.1
-"""Factor of the maximum torque for which a search of its own must fail before the maximum is stated."""
+"""Factor of the maximum torque for which a search of its own must fail before the maximum is stated (heuristic)."""
 
 MAX_RATIOS = 7
-"""Number of ratios tried in a range, evenly spaced: 1.5 s of CPU each."""
+"""Number of ratios tried in a range, evenly spaced (heuristic): 1.5 s of CPU each."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,7 +50,8 @@ class FilmSettings:
 FILM = FilmSettings()
 
 NEEDLE_ROUNDS = 2
-"""Solutions with separate rollers of the cams: the friction of a cam acts on the resultant of the previous one."""
+"""Solutions with separate rollers of the cams (heuristic): the friction of a cam acts on the resultant of the
+previous one."""
 
 
 @dataclass(frozen=True)

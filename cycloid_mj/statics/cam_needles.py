@@ -21,7 +21,8 @@ EVEN_SHARE = np.pi / 4.0
 """Resultant of the forces of many rollers without clearance over their sum: start value of `CamNeedles.shares`."""
 
 MAX_DEFLECTION = 100.0
-"""Displacement of a cam, over that under its working force, up to which the equations include only its rollers."""
+"""Displacement of a cam, over that under its working force, up to which the equations include only its rollers
+(heuristic)."""
 
 
 @dataclass(frozen=True)

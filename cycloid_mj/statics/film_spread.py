@@ -201,7 +201,7 @@ def extrapolate_losses(
 
 
 RAISED_FRICTION = 1.1
-"""Factor on all friction coefficients that determines how the losses grow with them."""
+"""Factor on all friction coefficients that determines how the losses grow with them (heuristic)."""
 
 
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:

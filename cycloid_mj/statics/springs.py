@@ -16,7 +16,7 @@ from cycloid_mj.statics.film import FilmContacts, FilmFriction, build_film_conta
 from cycloid_mj.statics.friction import compute_friction_per_force
 
 POSES = 61
-"""Default number of crank angles over a turn."""
+"""Default number of crank angles over a turn (heuristic)."""
 
 
 _SAME_IN_GAPS = ("disc", "distance", "slope", "shift", "shift_slope", "curvature", "curvature_rate", "phase")

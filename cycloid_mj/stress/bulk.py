@@ -16,10 +16,10 @@ from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 
 DISTANCES_PER_OCTAVE = 2
-"""Number of search distances from a distance to twice that distance."""
+"""Number of search distances from a distance to twice that distance (heuristic)."""
 
 MAX_PLATEAU_DROP = 0.05
-"""Relative drop of the largest stress to the next distance below which it is on a plateau."""
+"""Relative drop of the largest stress to the next distance below which it is on a plateau (heuristic)."""
 
 
 @dataclass(frozen=True)

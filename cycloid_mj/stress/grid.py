@@ -16,10 +16,10 @@ from cycloid_mj.stress.packages import import_package, open_mesher
 from cycloid_mj.stress.region import Region
 
 BULK_DISTANCE = 0.5
-"""Distance from loaded patches at which bulk begins, over the ring's pin radius."""
+"""Distance from loaded patches at which bulk begins, over the ring's pin radius (heuristic)."""
 
 MAX_REMESHES = 4
-"""Largest number of remeshes with shorter edges."""
+"""Largest number of remeshes with shorter edges (heuristic)."""
 
 
 class FoldedError(CycloidError):

@@ -15,7 +15,8 @@ from cycloid_mj.stress.grid import Grid, GridSettings, quadratic_mesh
 from cycloid_mj.stress.packages import open_mesher
 
 CORNER_DISTANCE = 0.15
-"""Distance from sharp inner corners that the bulk excludes, over the shaft's radius; real shafts have fillets."""
+"""Distance from sharp inner corners that the bulk excludes, over the shaft's radius (heuristic); real shafts have
+fillets."""
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:

@@ -20,7 +20,7 @@ RATED_LOAD = 36.0
 """Load torque [N m]: the paper's 36.68 N m, rounded."""
 
 SETTLED = 0.01
-"""Time at which evaluation starts [s]: rise of the load, and the decay of its transient."""
+"""Time at which evaluation starts [s] (heuristic): rise of the load, and the decay of its transient."""
 
 PERIODS = 36
 """Mesh periods per turn of the crank: ring teeth of the paper's designs."""

@@ -36,7 +36,8 @@ from hsieh2014.torque import NEAR as TORQUE_NEAR
 from hsieh2014.verdicts import chance, rank_order
 
 SEED, TURNS, CHORD_ERROR = 2014, 1, 50e-6
-"""Random seed of the facets, crank turns, and chord error of the facets [m], as was usual for meshes in 2014."""
+"""Random seed of the facets, crank turns, and chord error of the facets [m], as was usual for meshes in 2014
+(heuristic)."""
 
 PHASES = (0.0, 1.3, 2.5, 3.8, 5.0)
 """Crank angles of the starts [rad]."""

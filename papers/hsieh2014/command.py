@@ -33,7 +33,7 @@ COLUMNS = (
     *("ours", "ours_value", "ours_lowest", "ours_highest", "numerical_error", "error_unit"),
     *("verdict", "p", "decided_by"),
 )
-SECONDS_BETWEEN_LINES = 5.0
+SECONDS_BETWEEN_LINES = 5.0  # of progress
 SOLVERS = {"planar": "the planar solver", "mujoco": "MuJoCo"}
 
 ReproduceQuickFlag = Annotated[

@@ -12,7 +12,7 @@ from cycloid_mj.comparison import settle_run
 from cycloid_mj.comparison.forces import tooth_forces
 
 RELIEVED = 0.1
-"""Share of its largest force below which pin 1 counts as relieved, as in the stress study."""
+"""Share of its largest force below which pin 1 counts as relieved, as in the stress study (heuristic)."""
 
 
 def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:

@@ -10,10 +10,11 @@ from hsieh2014.pin_motion import PinMotion
 from hsieh2014.verdicts import majority_verdict, spread_error, spread_value
 
 SEEN_TURN, ROLLS = 1.0, 0.5
-"""Smallest visible rotation of a pin [deg], and share of the gear's surface speed above which a pin rolls."""
+"""Smallest visible rotation of a pin [deg], and share of the gear's surface speed above which a pin rolls
+(heuristic)."""
 
 SWAYS, GIVE = 0.1, 0.05
-"""Shares of the clearance: smallest displacement that counts, and allowed deflection of the socket."""
+"""Shares of the clearance (heuristic): smallest displacement that counts, and allowed deflection of the socket."""
 
 Motions = OverStarts[PinMotion]
 

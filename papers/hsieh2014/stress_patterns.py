@@ -20,10 +20,10 @@ from hsieh2014.statements import PIN_1_CYCLE, stress_of_output, stress_peaks
 from hsieh2014.stress_evidence import Evidence
 
 REGULAR = 0.5
-"""Smallest correlation of each start's curve with the mean of the others for a regular curve."""
+"""Smallest correlation of each start's curve with the mean of the others for a regular curve (heuristic)."""
 
 MOSTLY = 0.5
-"""Smallest share of pin 1's load near crank angle 0 for a pin that is loaded there."""
+"""Smallest share of pin 1's load near crank angle 0 for a pin that is loaded there (heuristic)."""
 
 OF_THE_PEAKS = "share of the turn's peaks"
 

@@ -20,12 +20,13 @@ from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 from cycloid_mj.statics.film import drag_torques
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
+"""Groups of the geoms that are only drawn, and of those that touch each other."""
 
 SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
 """Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
 it above a creep of some mrad/s."""
 
-_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # unit vectors
 
 
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties], tilting_pins: bool = False) -> None:

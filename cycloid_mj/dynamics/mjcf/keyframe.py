@@ -72,7 +72,8 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
 
 
 IDLE = 1e-3
-"""Share of the nominal torque under which a drive with a preload rests: without any, its output has no place."""
+"""Share of the nominal torque under which a drive with a preload rests (heuristic): without any, its output has no
+place."""
 
 
 def _resting_fit(reducer: Reducer, crank: float) -> Fit:

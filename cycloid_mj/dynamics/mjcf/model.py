@@ -34,7 +34,7 @@ Held = Literal["crank", "output", ""]
 """The shaft with a position servo; empty: both have a torque only."""
 
 SERVO_BANDWIDTH = 2e4
-"""Bandwidth [rad/s] of the position servo that makes a shaft follow its command; critically damped."""
+"""Bandwidth [rad/s] of the position servo that makes a shaft follow its command (heuristic); critically damped."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.regime import stiffness_ratio
 
 MAX_CG_STIFFNESS_RATIO = 0.3
-"""Largest K dt^2/m for which conjugate gradients are used: up to it they cost less than Newton's step, at 1 more."""
+"""Largest K dt^2/m for which conjugate gradients are used (heuristic): up to it they cost less than Newton's step, at
+1 more."""
 
 
 def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -> None:

@@ -38,7 +38,7 @@ LAW = np.dtype(
 """A contact law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT (`impact.ImpactLaw`), else 0."""
 
 SEAL_CREEP = 2e6
-"""Torque of a drag per speed and inertia below its limit [1/s], as in MuJoCo's joint friction."""
+"""Torque of a drag per speed and inertia below its limit [1/s], as in MuJoCo's joint friction (heuristic)."""
 
 
 class System(NamedTuple):

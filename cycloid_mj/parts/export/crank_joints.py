@@ -38,7 +38,7 @@ from cycloid_mj.parts.joint_strength import JOINTS, PressFit, shrink_difference
 from cycloid_mj.reducer import Reducer, once
 
 KEY_ANGLES = 360
-"""Number of angles around the shaft at which the wall of the cams over a keyway is compared."""
+"""Number of angles around the shaft at which the wall of the cams over a keyway is compared (heuristic)."""
 
 GLUE_FIT = "H7/g6, retaining compound"
 """Fit of cams that are too thin for a keyway: the gap for an anaerobic compound."""

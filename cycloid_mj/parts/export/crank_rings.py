@@ -23,7 +23,8 @@ from cycloid_mj.parts.shaft import COUNTERWEIGHT, bearing_seats
 from cycloid_mj.reducer import Reducer
 
 FILLETED_NECK = 2.5
-"""Length of a neck between two shoulders over the fillet at each of them, with the room that `edges` requires."""
+"""Length of a neck between two shoulders over the fillet at each of them, with the room that `edges` requires
+(heuristic)."""
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,8 @@ ITEMS = (
 """Bought parts of joints, in the order of solids and places."""
 
 SEAT_PLAY = 0.05e-3
-"""Radial play of a ring in the cover around it, as dowels locate it [m]: less than a printer or a lathe is off."""
+"""Radial play of a ring in the cover around it, as dowels locate it [m] (heuristic): less than a printer or a lathe
+is off."""
 
 MOTOR, LOAD = "motor", "load"
 """Mating parts that are not part of the drive."""

@@ -22,7 +22,7 @@ from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
 GAP = 5e-3
-"""Distance between the bounding boxes of neighbouring parts [m], for a brim."""
+"""Distance between the bounding boxes of neighbouring parts [m], for a brim (heuristic)."""
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from cycloid_mj.statics.kernel.newton import (
 from cycloid_mj.statics.kernel.system import State, cam_at
 
 MAX_SUBSTEPS = 1024
-"""Largest number of parts of a step along a path in which the output jumps."""
+"""Largest number of parts of a step along a path in which the output jumps (heuristic)."""
 
 
 class HysteresisSettings(NamedTuple):

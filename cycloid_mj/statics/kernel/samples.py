@@ -12,7 +12,7 @@ from cycloid_mj.statics.kernel.search import balance_briefly, balance_with_paths
 from cycloid_mj.statics.kernel.system import System, allocate_system, cam_contact
 
 CARRYING_SHARE = 0.01
-"""Smallest force of a loaded tooth, relative to the largest over the turn."""
+"""Smallest force of a loaded tooth, relative to the largest over the turn (heuristic)."""
 
 
 FIGURES = 9

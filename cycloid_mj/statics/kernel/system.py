@@ -23,7 +23,8 @@ RATE = 4
 
 
 SKIN_FACTOR = 2.0
-"""Safety factor of the displacements that the neighbour-list skin allows (Verlet, Phys. Rev. 159 (1967), 98).
+"""Safety factor of the displacements that the neighbour-list skin allows (heuristic); Verlet, Phys. Rev. 159 (1967),
+98.
 
 The displacements are bounded by the gradients at the ideal pose: lever arms vary over a turn, and rotations count to
 the second order.
