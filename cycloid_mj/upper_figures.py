@@ -84,9 +84,10 @@ def _part_function(kind: str, name: str) -> Compute:
 
 
 def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
-    """Return one figure per kind of part, computed by finite elements.
+    """Return the catalogue entries (`Figure`) of a finite-element quantity, one for each kind of part.
 
-    `key` and `unit` are those of the figure; {} in `name` and `definition` is replaced by the words for the part.
+    `key` and `unit` are those of the quantity. The key of an entry is that of the part, "_" and `key`; {} in `name` and
+    `definition` is replaced by the words for the part.
     """
     return tuple(
         Figure(

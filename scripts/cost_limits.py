@@ -17,7 +17,7 @@ from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.explore.sampling import SAMPLING, list_batches, tolerance_zones
-from cycloid_mj.explore.tolerances import balance_batch
+from cycloid_mj.explore.tolerances import solve_sample_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.measure import MEASURES
@@ -140,7 +140,7 @@ def marginal_second(*words: str) -> float:
 def sample_cost(design: Design) -> float:
     """Measure the CPU time of one sample of `tolerance`, balanced at 360 angles under three torques [ms]."""
     reducer = Reducer(design)
-    work = partial(balance_batch, reducer, tolerance_zones(reducer), 0, ANGLES)
+    work = partial(solve_sample_batch, reducer, tolerance_zones(reducer), 0, ANGLES)
     first_batch, *rest = list_batches(SAMPLING.block)
     work((first_batch, SAMPLED))
     start = time.process_time()

@@ -15,7 +15,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.row import PointResult, Task, evaluate_row
 from cycloid_mj.explore.sampling import SAMPLING, list_batches, tolerance_zones
-from cycloid_mj.explore.tolerances import balance_batch
+from cycloid_mj.explore.tolerances import solve_sample_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.reducer import Reducer
@@ -57,7 +57,7 @@ def works(fast_points: int, slow_points: int) -> dict[str, Work]:
         "turn, massless pins": points("load.torque_nm", "simulate", TURN, slow_points),
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
         f"{SAMPLING.block} samples": Work(
-            partial(balance_batch, Reducer(toleranced), tolerance_zones(Reducer(toleranced)), 0, ANGLES),
+            partial(solve_sample_batch, Reducer(toleranced), tolerance_zones(Reducer(toleranced)), 0, ANGLES),
             [(block, SAMPLED) for block in list_batches(WORKERS * SAMPLING.block)],
         ),
     }

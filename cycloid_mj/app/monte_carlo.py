@@ -16,7 +16,7 @@ from cycloid_mj.explore.jam import find_jams, stops_study
 from cycloid_mj.explore.rv_samples import ERRORS
 from cycloid_mj.explore.sampling import list_batches, tolerance_zones
 from cycloid_mj.explore.tolerance_zones import has_tolerances
-from cycloid_mj.explore.tolerances import Tolerances, balance_batch, tolerance
+from cycloid_mj.explore.tolerances import Tolerances, solve_sample_batch, tolerance
 from cycloid_mj.figures import SAMPLED, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer, reducer_of
@@ -89,7 +89,7 @@ def _study_central(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict
     zones = tolerance_zones(reducer)
     columns: dict[str, Array] = {}
     for batch in list_batches(STUDY.samples):
-        block = balance_batch(reducer, zones, STUDY.seed, ANGLES, (batch, tuple(SAMPLED)))
+        block = solve_sample_batch(reducer, zones, STUDY.seed, ANGLES, (batch, tuple(SAMPLED)))
         jams_early = not columns and stops_study(find_jams(block))
         columns = {
             key: np.concatenate([columns[key], block_values]) if columns else block_values

@@ -253,16 +253,17 @@ def _continue_search(
     fits
         List to which the fit of each new search is appended, with its intervals.
     offset_gain
-        Bayesian information criterion without torque offsets minus that with them; stored in the fits.
+        Advantage of fitting torque offsets: Bayesian information criterion without them minus that with them. It is
+        stored in the fits.
     interval_searches
-        Expected number of searches for the intervals by kind (`TYPICAL_STEPS`), for the progress. If empty, the
-        intervals of the fits are those of the linearised model.
+        Expected number of searches for the intervals, by the names in `TYPICAL_STEPS`, for the progress display. If the
+        dictionary is empty, no intervals are searched for: they are those of the linearised model.
 
     Returns
     -------
     Array
-        Scaled values from which intervals were last computed, shape (v,); if a search for them still reached a lower
-        cost at the last repetition, the values of that search.
+        Scaled values of the best solution, shape (v,). The intervals refer to them, unless the last repetition reached
+        a lower cost.
     """
     best, *other_solutions = solutions
     scaled_values = best[1]

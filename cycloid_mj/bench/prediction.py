@@ -40,7 +40,11 @@ class Prediction(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table of the figures in `DEFINITIONS`, such as play and stiffness, for measured and predicted loops."""
+        """Return the loop quantities of `DEFINITIONS`, such as play and stiffness, as a table of named columns.
+
+        A row has the key of the quantity, which ends in its unit, and its value for the measured and for the predicted
+        loops.
+        """
         modelled_figures = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
             {"key": key, "measured": item.value, "modelled": modelled_figures[key].value}

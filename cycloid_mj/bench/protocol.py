@@ -478,10 +478,10 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Read the lines of a protocol for transmission error and no-load torques from the files of a bench, by key.
+    """Read transmission error and no-load torques from the files of a test bench; return them by key.
 
-    They have the units in which their keys end, and no intervals. Missing files are skipped. The running torque is the
-    mean magnitude over its file. Raises UsageError if a file is malformed.
+    The keys, such as ``te_arcsec``, end in the units of the values. The values have no confidence intervals. Missing
+    files are skipped. The running torque is the mean magnitude over its file. Raises UsageError if a file is malformed.
     """
     figures = {}
     if files.te:

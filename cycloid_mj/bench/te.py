@@ -233,7 +233,7 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     UsageError
         The design does not exist, the load is 0, or the measurement has too few points to resolve its orders.
     RunError
-        No static balance exists.
+        No static equilibrium exists.
     """
     reducer = reducer_of(resolve(design))
     measured = _convert_to_cranks(reducer, measured)

@@ -166,7 +166,7 @@ class MotorInterface:
     ] = None
 
     def chosen(self) -> "Motor":
-        """Return the motor that the flags describe: its name, or its interface if a flag sets one of the dimensions.
+        """Return the motor of the flags: its name, or its dimensions if a flag such as ``--motor-shaft-mm`` sets one.
 
         Raises
         ------

@@ -81,15 +81,17 @@ def acceleration(motion: Series) -> Acceleration:
     )
 
 
-def spectrum(motion: Series) -> Spectrum:
-    """Compute the power spectral densities of the results of `acceleration` over full crank turns, by Welch's method.
+def spectrum(run_series: Series) -> Spectrum:
+    """Compute power spectral densities of the accelerations of disc centre and output in a run, by Welch's method.
 
-    A segment of Welch's method has two turns, or all samples if there are fewer. The accelerations are means between
-    samples, which attenuates high frequencies; this is corrected.
+    The accelerations are those of `acceleration`: [m/s^2] and [rad/s^2], minus the closed form. `run_series` are the
+    time series of the run, of which full crank turns are used. A segment of Welch's method has two turns, or all
+    samples if there are fewer. The accelerations are means between samples, which attenuates high frequencies; this is
+    corrected.
     """
-    turns = full_turns(motion)
+    turns = full_turns(run_series)
     window = slice(turns[0].start, turns[-1].stop)
-    accelerations, interval = acceleration(motion), _sample_interval(motion)
+    accelerations, interval = acceleration(run_series), _sample_interval(run_series)
     segment = min(TURNS_PER_SEGMENT * (turns[0].stop - turns[0].start), len(accelerations.output[window]))
     frequency, power = density(
         np.column_stack([accelerations.centre, accelerations.output])[window], 1.0 / interval, segment

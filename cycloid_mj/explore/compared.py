@@ -67,10 +67,11 @@ class RunPlan:
     def trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """Return a `Trial` for each of `designs`: the design after a parameter variation, and the measures of its runs.
+        """Return a `Trial` for each of `designs` with a changed parameter: the measured quantities of all its runs.
 
-        A design has one run from each of its initial states in `self.starts`, and `variation`, the change of a
-        parameter, is applied to all of them. `measures_by_design` has the measures of every simulated design.
+        Each design has several runs, from independent initial states. In `self.starts`, these are copies of the design
+        with gravity in other directions. `variation` is the change of a parameter of all of them. `measures_by_design`
+        has the measured quantities of each run, by the copy of the design after the variation.
         """
         starts_by_design = ([variation.of(reducer_of(start)) for start in self.starts[design]] for design in designs)
         return [

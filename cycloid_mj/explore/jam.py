@@ -42,7 +42,7 @@ PRELOADED_PARTS = {"preload_n": "a tooth", "output_preload_n": "an output pin", 
 def find_jams(figures: Mapping[str, Array]) -> Mask:
     """Return which samples jam, shape (samples,), by the figures of `PRELOADS` [N], shape (samples,) each.
 
-    Samples without a static balance have NaN as forces, and count as jammed.
+    Samples without a static equilibrium have NaN as forces, and count as jammed.
     """
     is_free = [figures[preload] <= JAM.preload_share * figures[loaded] for preload, loaded in PRELOADS.items()]
     return np.asarray(~np.all(is_free, axis=0))

@@ -17,7 +17,7 @@ from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.explore.budget import Share
 from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import balance_rv, closed_rotation, largest_mean_force
+from cycloid_mj.statics.rv_sheet import closed_rotation, largest_mean_force, solve_rv_equilibrium
 
 FIGURE = "te_errors_arcsec"
 """The figure of the samples."""
@@ -123,7 +123,7 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
     torque, rows = reducer.design.rated_torque, []
     for number in range(samples):
         sample = RvReducer(draw_rv_drive(reducer, seed, number)[0])
-        loads = balance_rv(sample, torque, angles)
+        loads = solve_rv_equilibrium(sample, torque, angles)
         rows.append([float(loads.pins.max()), largest_mean_force(loads.bearings), float(loads.flanks.max())])
     return dict(zip(RATED_FORCES, np.array(rows).T, strict=True))
 

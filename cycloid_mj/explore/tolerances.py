@@ -459,7 +459,7 @@ def _solve_batches(
     each. Return False if the study stops because too many samples of the first batch jam, otherwise True.
     """
     total, solved_samples = sum(batch.count for batch, _ in study.work), 0
-    solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
+    solve = partial(solve_sample_batch, study.reducer, study.zones, study.seed, ANGLES)
     for index, figures in engine.stream(solve, study.work):
         figures_by_batch[index] = figures
         solved_samples += study.work[index][0].count
@@ -610,7 +610,7 @@ class _Study:
         )
 
 
-def balance_batch(
+def solve_sample_batch(
     reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[sampling.Batch, Sequence[str]]
 ) -> dict[str, Array]:
     """Draw the samples of a batch, solve their static equilibrium, and compute their figures, such as the backlash.

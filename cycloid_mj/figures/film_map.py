@@ -128,10 +128,10 @@ def compute_film_map(
 
 
 def _points_at(warm_reducer: Reducer, temperature: float, shares: Sequence[float]) -> list[MapPoint]:
-    """Return the points of an efficiency map at a temperature [°C], that of all parts of `warm_reducer`.
+    """Compute the points of an efficiency map at one temperature [°C], that of all parts of `warm_reducer`.
 
-    `shares` are torques relative to the nominal torque, and at the same time speeds relative to the design's speed.
-    Raises RunError without a static equilibrium.
+    The map is a grid: each torque is combined with each speed. `shares` are the torques relative to the nominal torque,
+    and also the speeds relative to the design's speed.
     """
     design = warm_reducer.design
     points = [MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))]

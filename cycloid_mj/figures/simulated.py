@@ -9,11 +9,12 @@ from cycloid_mj.reducer import Reducer
 def _make_figure(
     key: str, unit: str, name: str, definition: str, measure: str, quantity: str, layouts: tuple[Layout, ...] = ()
 ) -> Figure:
-    """Return the catalogue entry of a quantity that ``cycloid-mj measure`` determines by simulation.
+    """Return the catalogue entry (`Figure`) of a quantity that ``cycloid-mj measure`` determines by simulation.
 
-    `measure` is the name of the measurement and `quantity` that of its result, such as ``loads`` and ``capacity``; the
-    alias of the entry is ``measure/quantity``. Its key is ``simulated_`` and `key`. The entry exists for `layouts`, by
-    default those that the measurement supports.
+    `name`, `definition` and `unit` are texts for the user. `measure` is the name of the measurement and `quantity` that
+    of its result, such as ``loads`` and ``capacity``; the alias of the quantity is ``measure/quantity``. Its key is
+    ``simulated_`` and `key`. `layouts` are the types of reducer (central crank, RV) that have the quantity, by default
+    those that the measurement supports.
     """
 
     def compute(reducer: Reducer) -> float:

@@ -149,10 +149,9 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
 
 
 def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> float:
-    """Compute the largest output torque [N m] at which the items with some `keys` reach their limits.
+    """Compute the largest output torque [N m] at which none of some rated items exceeds its limit.
 
-    If only heat limits the torque and `rating` has the torque that steady temperatures allow, this torque is returned.
-    Otherwise the reducer is rated again at other torques.
+    `keys` are the keys of these items in `rating`, such as "output bearing".
 
     Raises
     ------

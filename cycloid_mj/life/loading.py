@@ -127,7 +127,8 @@ CAM: tuple[Body, Body] = ("shaft", "disc")
 def relative_speed(reducer: Reducer, speed: float, bodies: tuple[Body, Body] = CAM) -> float:
     """Compute the magnitude of the relative speed of two bodies [rad/s] at a speed of the crank [rad/s].
 
-    It follows from the ideal kinematics of a design with a fixed ring or a fixed carrier.
+    The default bodies are crank shaft and disc, between which the cam runs. The speed follows from the ideal kinematics
+    of a design with a fixed ring or a fixed carrier.
     """
     member = reducer.member
     gear_speed = float(member.gear_angle(speed))

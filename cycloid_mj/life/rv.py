@@ -21,7 +21,7 @@ from cycloid_mj.life.pitting_factors import factors_of_contact, weighted_contact
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.film import CRANK_TAPER
-from cycloid_mj.statics.rv_sheet import balance_running, film_over_turn, ideal_rv, springs_over_turn
+from cycloid_mj.statics.rv_sheet import film_over_turn, ideal_rv, solve_running_equilibrium, springs_over_turn
 
 TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 """Assumed rollers of a tapered bearing; lengths over its outer diameter."""
@@ -45,7 +45,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     """Rate an RV reducer over a duty cycle for a life [h]: life and safety of crank bearings, cycloid and planet teeth.
 
     The speeds of the duty are speeds of the sun. Crank bearings carry the larger of the forces of ideal load sharing
-    and of the static balance with clearances and errors.
+    and of the static equilibrium with clearances and errors.
 
     Raises
     ------
@@ -135,10 +135,10 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
 
-    They follow from ideal load sharing or from the static balance, whichever results in the larger mean load. `torque`
-    [N m] acts on the output.
+    They follow from ideal load sharing or from the static equilibrium, whichever results in the larger mean load.
+    `torque` [N m] acts on the output.
     """
-    shared, solved = ideal_rv(reducer, torque), balance_running(reducer, torque)
+    shared, solved = ideal_rv(reducer, torque), solve_running_equilibrium(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
     return (shared if means[0] >= means[1] else solved).cranks
 
@@ -234,7 +234,8 @@ def _rate_teeth(
     contact = reducer.at_rated_load.contacts[kind]
     curvature = springs_over_turn(reducer).curvature
     pressures = [
-        float(contact.pressure(balance_running(reducer, float(torque)).pins, curvature).max()) for torque in torques
+        float(contact.pressure(solve_running_equilibrium(reducer, float(torque)).pins, curvature).max())
+        for torque in torques
     ]
     worst = pressures[int(np.argmax(torques))] * math.sqrt(peak_torque / torques.max())
     limit = YIELD_PRESSURE * contact.strength
@@ -262,7 +263,7 @@ def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
 
     `torque` acts on the output.
     """
-    loads = balance_running(reducer, torque)
+    loads = solve_running_equilibrium(reducer, torque)
     surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)
     return weighted_contact(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
 
@@ -309,7 +310,7 @@ def _rate_planets(
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
     curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in radii)
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
-    forces = [float(balance_running(reducer, float(torque)).flanks.max()) for torque in torques]
+    forces = [float(solve_running_equilibrium(reducer, float(torque)).flanks.max()) for torque in torques]
     pressures = [
         float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
     ]

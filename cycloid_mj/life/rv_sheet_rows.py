@@ -34,7 +34,7 @@ from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.film import film_text
-from cycloid_mj.statics.rv_sheet import balance_rv
+from cycloid_mj.statics.rv_sheet import solve_rv_equilibrium
 from cycloid_mj.statics.sheet import Sheet, shaft_powers
 
 ERROR_SAMPLES = 2_000
@@ -306,7 +306,7 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     torques = reducer.design.rated_torque * np.array([*(-np.array(shares[::-1])), *shares])
     count = rv_sheet.SETTINGS.rotation_angles
     turns = [
-        reducer.share * float(np.mean(balance_rv(reducer, torque, count).carrier_turn)) / ARCMINUTE
+        reducer.share * float(np.mean(solve_rv_equilibrium(reducer, torque, count).carrier_turn)) / ARCMINUTE
         for torque in torques.tolist()
     ]
     name, panel = "mean over a turn of the carrier", "Torsion, sun locked"

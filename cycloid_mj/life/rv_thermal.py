@@ -20,7 +20,7 @@ from cycloid_mj.life.thermal_network import (
 )
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvLoads
-from cycloid_mj.statics.rv_sheet import balance_running, friction_powers
+from cycloid_mj.statics.rv_sheet import friction_powers, solve_running_equilibrium
 
 RV_THERMAL_ASSUMPTIONS = (
     "half of each loss heats each of the two parts that meet; motor and driven machine take no heat",
@@ -66,7 +66,7 @@ def solve_rv_losses(
         losses.append(dict(friction_powers(warm, abs(point.torque), crank_angles)))
     largest = max(abs(point.torque) for point in points)
     warm = warm_reducer(reducer, temperatures)
-    loads = balance_running(warm, largest, crank_angles)
+    loads = solve_running_equilibrium(warm, largest, crank_angles)
     links = (*_contact_links(warm, loads), *_grease_links(reducer), *_air_links(reducer, temperatures["housing"]))
     return tuple(losses), Network(links, capacities)
 

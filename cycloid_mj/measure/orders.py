@@ -81,11 +81,12 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
     return CAUSES[reducer.LAYOUT](reducer)
 
 
-def _ring_causes(reducer: Reducer, signal: Signal, shared: str) -> tuple[Cause, Cause]:
+def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tuple[Cause, Cause]:
     """Return the causes of transmission error at the ring: properties that all teeth share, and errors of single teeth.
 
-    Each has the orders that it excites, in cycles per crank turn. `signal` is the rotation in which they appear,
-    `shared` names what all teeth have in common besides the clearance.
+    Each has the orders that it excites, in cycles per crank turn. `signal` is the rotation in which they appear;
+    `shared_properties` names, for the explanation, what all teeth have in common besides the clearance, such as
+    "profile".
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
     teeth, ring = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
@@ -98,7 +99,7 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared: str) -> tuple[Cause, 
             float(mesh_base),
             lambda k: k % teeth == 0,
             f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
-            f"{shared})",
+            f"{shared_properties})",
         ),
         Cause(
             "ring",

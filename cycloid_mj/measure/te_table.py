@@ -299,11 +299,11 @@ def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signa
 def _compared_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
-    """Return the errors of a forward run with full and with half the time step, at the crank angles that both cover.
+    """Return the transmission errors of a forward run with full and half time step, at their common crank angles.
 
-    The run has the load and the pace of `condition`; `traces` are the errors by condition, `finer_traces` those with
-    half the time step by load and pace, of the first part of the run. `signal` is an attribute of `Trace`, such as
-    "output".
+    The run has the load and the speed ("pace") of `condition`. `traces` are the transmission errors by condition, and
+    `finer_traces` those with half the time step by load and pace, for the first part of the run. `signal` is an
+    attribute of `Trace`, such as "output".
 
     Returns
     -------

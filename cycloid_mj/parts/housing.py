@@ -107,9 +107,10 @@ def ring_spans(reducer: Reducer) -> list[tuple[float, float, float]]:
 
 
 def _sleeve_cores(reducer: Reducer) -> list[Segment]:
-    """Return the pins that are pressed into the housing inside the sleeves, from pin 1 on +y clockwise.
+    """Return the steel pins inside the sleeves of the ring, which are pressed into the housing, as prismatic bodies.
 
-    Empty without sleeves.
+    A `Segment` is an outline that extends between two axial positions. The pins begin with pin 1 on +y and continue
+    clockwise. The list is empty for a ring without sleeves.
     """
     design = reducer.design
     if not design.ring.has_sleeves:

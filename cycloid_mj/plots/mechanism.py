@@ -207,7 +207,7 @@ def _style_of(part: str, opacity: float) -> dict[str, Any]:
 
 
 def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
-    """Draw an arc with an arrow head; its centre (2,) is in mm, its radius in m.
+    """Draw an arc with an arrow head; `centre` (2,) is in [mm], the unit of the axes, and `radius` in [m].
 
     The arc begins at the angle `start` [rad], counter-clockwise from +x. It covers the angle `sweep` [rad], clockwise
     if negative.

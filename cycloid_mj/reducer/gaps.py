@@ -156,22 +156,22 @@ def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingCont
 
 
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
-    """Compute the n gaps between a disc and the ring, or one half of it, at the n contact lines of the ideal mesh.
+    """Compute the gaps between a disc and the ring, or an axial half of it, at the contact lines of the ideal mesh.
 
     Errors and modifications of the profile change the gap of a line as follows:
 
-    - a displacement d of the pin opens it by d . n, where n is the outward normal of the disc;
+    - a displacement of the pin opens it by its component along the outward normal of the disc;
     - a pin radius larger by r closes it by r, and reduces the clearance of the pin in its socket by r;
     - a disc profile larger by r closes it by r;
     - a disc generated with a pin circle larger by x has the same gaps as ring pins closer to the axis by x;
     - a rotation of the flanks by an angle a opens it by a times the lever arm of the normal.
 
-    `Gaps.distance` and `Gaps.curvature` are those between the disc's trochoid and the centre of the pin.
+    The curvature in the result is the relative curvature of the disc's trochoid and the path of the pin's centre.
 
     Parameters
     ----------
     disc, half_index
-        Indices of the disc and of the half of the ring; 0 for an undivided ring.
+        Indices of the disc and of the axial half of the ring; 0 for a ring in one piece.
     lines
         Contact lines of the ideal disc, for pins in their nominal positions.
     centre

@@ -52,9 +52,10 @@ def is_drawn(design: Design) -> bool:
 
 
 def require_open_sockets(design: Design, feature: str) -> None:
-    """Raise an error if the sockets of a design are closed, because the solids of such parts cannot be generated.
+    """Raise DesignError if free ring pins sit in closed sockets: their parts have no solids.
 
-    `feature` is the name of the feature that needs the solids, for the message.
+    Open sockets are half-round grooves in the wall of the ring. Closed sockets are bores in end plates, which the tool
+    cannot generate as solids. `feature` is the name of the feature that needs the solids, for the message.
 
     Raises
     ------

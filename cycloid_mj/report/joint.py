@@ -110,9 +110,10 @@ def _quantity_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Return the data of a chart as JSON values: title, axis labels, and ``curves`` with points in the order of x.
+    """Return the data of a chart of `curves` as JSON values: title, axis labels, range of x, and points of curves.
 
-    ``theory`` is true for curves of the full model. ``span`` is the range of x over all curves.
+    Title and labels are those of the first curve. ``span`` is the range of x over all curves. Each item of ``curves``
+    has name, x, y, and ``theory``, which is true for a curve of the full model and false for one of the reduced joint.
     """
     first_curve = curves[0]
     data = []

@@ -147,10 +147,12 @@ def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int)
 
 
 def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
-    """Add a body with constant friction that a spring couples to crank and hinge, a slip element of the hinge.
+    """Add a slip element (Jenkin element) to a hinge: a spring in series with a constant friction torque.
 
+    The friction acts on a body of negligible mass. The spring couples its angle to the wind-up between crank and hinge.
     `spec`, an ``MjSpec``, is changed in place, and `joint` is the hinge in it. `model` is the compiled ``MjModel``
-    without the reducer, and `index` is the index of the element in `reduced`.
+    without the reducer, for the position of the hinge. `reduced` is the joint model with the parameters of all slip
+    elements, and `index` that of this element.
     """
     slip, name = reduced.slips[index], slip_name(joint.name, index)
     armature, damping = slip_inertias(reduced)[index]

@@ -116,8 +116,9 @@ class ModelComparison:
     def as_json(self) -> list[dict[str, Any]]:
         """Convert the compared quantities to a list of JSON values, those of `Quantity.as_json` with three more keys.
 
-        ``value`` is that of the joint, ``reference`` that of the full model. The additional keys are ``key``, ``bound``
-        (allowed difference, in ``unit``) and ``holds`` (whether the difference is within it).
+        ``value`` is that of the joint, ``reference`` that of the full model. The additional keys are ``key``
+        (identifier of the quantity), ``bound`` (allowed difference, in ``unit``) and ``holds`` (whether the difference
+        is within it).
         """
         return [
             {"key": row.key, **row.as_json(), "bound": self.bounds[row.key], "holds": self.is_within(row)}

@@ -20,8 +20,8 @@ from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.rv_sheet import (
-    balance_rv,
     output_rotation,
+    solve_rv_equilibrium,
     springs_over_turn,
     torque_on_carrier,
 )
@@ -198,7 +198,7 @@ class RvModel(FullModel):
         reducer, braking = self._reducer, braking_sign(self._reducer)
 
         def rotation(torque: float) -> float:
-            carrier_turn = balance_rv(reducer, braking * torque, poses).carrier_turn
+            carrier_turn = solve_rv_equilibrium(reducer, braking * torque, poses).carrier_turn
             return float(output_rotation(reducer, carrier_turn).mean())
 
         return rotation
@@ -226,7 +226,7 @@ class RvModel(FullModel):
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)
-        low, high = (balance_rv(reducer, torque, POSES) for torque in torques)
+        low, high = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
         teeth, flanks = np.split(springs.stiffness, [springs.pins], axis=1)
         work = {
             "mesh": (high.pins - low.pins) ** 2 / teeth,

@@ -84,7 +84,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     ContactError
         The contact pressure at the nominal torque is beyond Hertz's line contact.
     RunError
-        No static balance exists, for example because friction jams the reducer.
+        No static equilibrium exists, for example because friction jams the reducer.
     """
     reducer = reducer_of(resolve(design))
     require_sound(reducer)
@@ -240,9 +240,9 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
 def _compute_no_load_torque(reducer: Reducer) -> float:
     """Compute the friction torque on the crank without a load [N m].
 
-    It is the friction torque at the first output torque of `GRID.no_load` that has a static balance. If this is not the
-    smallest torque, the result is extrapolated linearly to zero torque, but not below 0. The result is 0 if friction
-    jams the parts at all of these torques.
+    It is the friction torque at the first output torque of `GRID.no_load` that has a static equilibrium. If this is not
+    the smallest torque, the result is extrapolated linearly to zero torque, but not below 0. The result is 0 if
+    friction jams the parts at all of these torques.
     """
     rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:

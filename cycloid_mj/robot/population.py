@@ -177,7 +177,7 @@ def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Pro
     DesignError
         A tolerance has an unknown form.
     RunError
-        Fewer than two drives can be assembled, or the design has no static balance.
+        Fewer than two drives can be assembled, or the design has no static equilibrium.
     """
     varied_tables = VARIED[reducer.LAYOUT]
     ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in varied_tables)

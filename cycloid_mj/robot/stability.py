@@ -102,10 +102,11 @@ class StepTrial:
 
     @property
     def sentence(self) -> str:
-        """Sentence on a trial of a time step: relative error of the largest wind-up in an impact under the rated load.
+        """Return a sentence on the trial: relative error of the largest wind-up in an impact of the rated load.
 
-        It is the `summary` if there is no valid impact test: the joint is unstable or rigid, or its static error is too
-        large.
+        The error is relative to the closed form. If there is no valid impact test, the text is a short verdict
+        (`summary`) such as "unstable": the joint is unstable or rigid, or the error of its wind-up under a constant
+        torque is too large.
         """
         if not self.good or self.level == "rigid":
             return self.summary

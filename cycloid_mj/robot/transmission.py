@@ -69,7 +69,7 @@ def count_parts(reducer: Reducer) -> int:
 
 
 def _has_balance(reducer: Reducer, load: float) -> bool:
-    """Return whether a static balance exists over the first part of a turn, in both directions of the crank.
+    """Return whether a static equilibrium exists over the first part of a turn, in both directions of the crank.
 
     `load` is a share of the nominal torque.
     """

@@ -254,19 +254,20 @@ class _InnerParts:
         return points
 
 
-def _measured_inner_parts(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
-    """Return centres and radii of the inner parts of all pairs (pins, cams, needles) at the poses of a log.
+def _measured_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) -> _InnerParts:
+    """Return centres and radii of the inner parts of all mating pairs (pins, cams, needles) at the poses of a log.
 
-    `by_part` has the pose of each part by its name: x [m], y [m] and angle [rad], shape (n, 3).
+    `poses_by_part` has the poses of each part by its name at n samples of the log: x [m], y [m] and angle [rad], shape
+    (n, 3).
     """
     nominal = ring_places(reducer)
-    ring = transform(by_part[names.HOUSING][:, np.newaxis], nominal)
-    if names.pin(1) in by_part:
-        ring = np.stack([by_part[names.pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+    ring = transform(poses_by_part[names.HOUSING][:, np.newaxis], nominal)
+    if names.pin(1) in poses_by_part:
+        ring = np.stack([poses_by_part[names.pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
     if isinstance(reducer, RvReducer):
-        return _rv_inner_parts(reducer, by_part, ring)
-    pins = transform(by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _central_inner_parts(ring, cams(reducer, by_part[names.SHAFT]), pins, drawn_radii(reducer))
+        return _rv_inner_parts(reducer, poses_by_part, ring)
+    pins = transform(poses_by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
+    return _central_inner_parts(ring, cams(reducer, poses_by_part[names.SHAFT]), pins, drawn_radii(reducer))
 
 
 def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerParts:

@@ -87,14 +87,14 @@ def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
 
 
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
-    """Return a rated drive in the form shown to users: with its main quantities, and the reason for each value.
+    """Return one drive of a search in the form for users: design, main quantities, and a reason for each value.
 
     Parameters
     ----------
     solution
-        Result of the search, with the requirement.
+        Result of the search; only its requirement is used, for the reasons.
     rated
-        The drive.
+        The drive with its computed limits.
     title, why
         Title, such as "lightest", and a sentence on why the drive is shown.
     """

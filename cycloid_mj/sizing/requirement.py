@@ -86,12 +86,14 @@ def required(
     changes: tuple[str, ...] = (),
     kind: "type[Requirement] | None" = None,
 ) -> "Requirement":
-    """Return a requirement from values in the units of the command line; see `Requirement` for their meaning.
+    """Return a requirement for a drive from values in the units of the command line.
 
-    Life, speed and duty default to those of the process. `duty` is the share of the time under load, or the path of a
-    CSV file with a duty cycle. `cooling` is one of `COOLING`, or a heat transfer coefficient [W/(m2 K)]. `changes` are
-    settings of the design, ``table.key=value``. `kind` is the class of the result, by default `Requirement`. Raises
-    UsageError if two values exclude each other, or one is out of range.
+    Diameter and length are the largest outer dimensions. `speed_rpm` is that of the crank. Life, speed and duty default
+    to those of `process`, the manufacturing process. ``clearance_um`` is the clearance of each pair of parts;
+    alternatively, `fit` is an ISO 286 fit such as "H7/g6". `custom` allows sizes that are not in stock. `duty` is the
+    share of the time under load, or the path of a CSV file with a duty cycle. `cooling` is one of `COOLING`, or a heat
+    transfer coefficient [W/(m2 K)]. `changes` are settings of the design, ``table.key=value``. `kind` is the class of
+    the result, by default `Requirement`. Raises UsageError if two values exclude each other, or one is out of range.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(

@@ -350,10 +350,11 @@ class Pool:
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
     ) -> Rated | None:
-        """Search for the best drive by an objective, or the first whose figure reaches `goal`; return None without one.
+        """Search for the best drive by an objective, such as mass, or the first that reaches `goal`; None without one.
 
-        The candidate with the largest expected improvement is rated, again and again, until no improvement is expected
-        or `max_ratings` candidates are rated (efficient global optimization: Jones, Schonlau and Welch, J. Global
+        `goal` is a value of the quantity of the objective, in its unit; NaN: none. The candidate with the largest
+        expected improvement is evaluated by the full computation, again and again, until no improvement is expected or
+        `max_ratings` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
         Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
         With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
         within all limits of the objective.

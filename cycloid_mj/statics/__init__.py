@@ -35,7 +35,7 @@ __all__ = [
 
 
 def main(design: Named, load_nm: float | None = None) -> "Sheet":
-    """Compute the data-sheet figures of a reducer by statics; in Python ``cm.statics(design)``.
+    """Compute the data-sheet quantities of a reducer by statics; in Python ``cm.statics(design)``.
 
     Parameters
     ----------

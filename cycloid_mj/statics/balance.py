@@ -15,7 +15,7 @@ from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.cam_needles import cam_needles
 from cycloid_mj.statics.film import FilmFriction, drag_power, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
-from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
+from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, solve_equilibria
 from cycloid_mj.statics.rv_motion import rv_transmission_error
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -100,7 +100,7 @@ class Loads:
 
 @deprecated_argument("follow", "warm_start")
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool = False) -> Loads:
-    """Compute contact forces and displacements under an output torque at the crank angles of the springs.
+    """Compute contact forces and displacements under an output torque at the crank angles of the contact springs.
 
     With the friction law ``film``, the solution is repeated with the friction coefficients of the lubricating film
     under the previous forces, until the losses change by less than `FILM.rtol` (fixed-point iteration).
@@ -149,7 +149,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start:
 def solve_at_friction(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None = None
 ) -> Loads:
-    """Solve for equilibrium with the springs' friction coefficients, and add the structure's twist to the rotations.
+    """Solve for equilibrium with the friction coefficients of the `springs`; add the structure's twist to rotations.
 
     Parameters
     ----------
@@ -180,8 +180,8 @@ def _solve_ring_output(
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
     losses divided by the crank speed relative to the ring. As it depends on the contact forces, a secant iteration
-    determines it. `warm_start` starts each crank angle from the previous solution, and `start` is a solution to start
-    from. The rotation of the output includes the twist of the structure.
+    determines it. `springs` are the contact springs. `warm_start` starts each crank angle from the previous solution,
+    and `start` is a solution to start from. The rotation of the output includes the twist of the structure.
     """
     settings = RING_TORQUE
     speed, torque_ratio = reducer.speed_against_ring, 1.0 + 1.0 / reducer.design.lobes
@@ -230,8 +230,8 @@ def _solve_carrier_output(
 ) -> Loads:
     """Solve for the contact forces in equilibrium under a torque on the carrier [N m], in the frame of the ring.
 
-    `torque` is a number or has shape (m,). The twist of the structure is not included. `warm_start` starts each crank
-    angle from the previous solution, and `start` is a solution to start from.
+    `torque` is a number or has shape (m,). The twist of the structure is not included. `springs` are the contact
+    springs. `warm_start` starts each crank angle from the previous solution, and `start` is a solution to start from.
     """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
@@ -240,7 +240,7 @@ def _solve_carrier_output(
     disc_displacements[..., :2] = contacts.cam_position
     if start is not None:
         z[:] = start.departures
-    force, cam, work = _balance_contacts(reducer, springs, load, z, warm_start and start is None)
+    force, cam, work = _solve_contacts(reducer, springs, load, z, warm_start and start is None)
     output = force[:, springs.teeth :]
     moments = (
         (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
@@ -259,13 +259,14 @@ def _solve_carrier_output(
     )
 
 
-def _balance_contacts(
+def _solve_contacts(
     reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
 ) -> tuple[Array, Array, float]:
     """Solve for equilibrium from the displacements `z` (m, u) [m], which are overwritten by the solution.
 
-    There are u unknowns at each of m crank angles, n contacts and D discs. `load` (m, u) [N] are the generalised
-    forces. `warm_start` starts each crank angle from the previous solution.
+    `springs` are the contact springs. There are u unknown displacements at each of m crank angles, n contacts and D
+    discs. `load` (m, u) [N] are the generalised forces. `warm_start` starts each crank angle from the previous
+    solution.
 
     Returns
     -------
@@ -277,15 +278,15 @@ def _balance_contacts(
     if needles is None:
         force = np.zeros(contacts.distance.shape)
         with announce_compilation():
-            residual = balance(contacts, load, z, force, warm_start)
-        require_balance(residual, springs, load)
+            residual = solve_equilibria(contacts, load, z, force, warm_start)
+        require_equilibrium(residual, springs, load)
         return force, _cam_forces(contacts, z), residual.work
     for number in range(NEEDLE_ROUNDS if contacts.friction_per_force.size else 1):
         extended = needles.extend(contacts, springs.teeth)
         all_forces = np.zeros(extended.distance.shape)
         with announce_compilation():
-            residual = balance(extended, load, z, all_forces, warm_start and number == 0)
-        require_balance(residual, springs, load)
+            residual = solve_equilibria(extended, load, z, all_forces, warm_start and number == 0)
+        require_equilibrium(residual, springs, load)
         force, rollers = needles.split(all_forces, springs.teeth)
         needles, work = needles.with_shares(rollers), work + residual.work
     if float(np.linalg.norm(_cam_offsets(contacts, z), axis=-1).max()) > needles.reach:
@@ -310,10 +311,10 @@ def _cam_offsets(contacts: KernelSprings, z: Array) -> Array:
     return np.asarray(z[:, :-1].reshape(len(z), -1, 3)[..., :2] - contacts.cam_position)
 
 
-def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
+def require_equilibrium(residual: Residual, springs: Springs, load: Array) -> None:
     """Raise RunError if a residual exceeds `RESIDUAL_RTOL` of the load; the message says whether friction is the cause.
 
-    `load` (k, u) [N] are the generalised forces on the u unknowns at the k crank angles of the springs, from
+    `load` (k, u) [N] are the generalised forces on the u unknowns at the k crank angles of the contact `springs`, from
     `Springs.load`. Friction is the cause if the parts have no equilibrium with it even without clearance
     (`jam.friction_limit`).
     """
@@ -414,8 +415,9 @@ def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     """Compute the friction power [W] at m crank angles by part, "teeth", "cam" and "output" (its pins): part -> (m,).
 
     The power of a contact is its friction coefficient times normal force times sliding speed; a part has the sum over
-    its contacts. `contact_loads` are the forces on the `springs`. With the friction law ``film`` each contact has its
-    own coefficient, otherwise each kind of pair has one.
+    its contacts. `springs` are the contact springs at the m crank angles, which also have the sliding speeds, and
+    `contact_loads` are the forces on them. With the friction law ``film`` each contact has its own coefficient,
+    otherwise each kind of pair has one.
     """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth

@@ -46,7 +46,7 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
-        """Compute the reactions of two bearings that balance the forces on a part, as a beam on two supports.
+        """Compute the reactions of two bearings to the forces on a part, as a beam on two supports.
 
         Parameters
         ----------

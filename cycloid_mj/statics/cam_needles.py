@@ -48,9 +48,10 @@ class CamNeedles:
     shares: Array
 
     def extend(self, contacts: KernelSprings, teeth: int) -> KernelSprings:
-        """Return the springs of `contacts` with a spring for each roller in place of a spring for each cam.
+        """Return the contact springs with a spring for each needle roller in place of a spring for each cam.
 
-        The rollers are inserted between the first `teeth` contacts, those with the ring, and those of output pins.
+        The rollers are inserted between the first `teeth` springs of `contacts`, those with the ring, and those of
+        output pins.
         """
         positions = contacts.cam_position
         angles, discs, unknowns = len(positions), positions.shape[1], contacts.slope.shape[2]
@@ -79,9 +80,10 @@ class CamNeedles:
         return contacts._replace(**extended, cam_clearance=self.reach)
 
     def split(self, forces: Array, teeth: int) -> tuple[Array, Array]:
-        """Split the forces of the springs of `extend` [N], shape (m, n + D Z), into those of contacts and of rollers.
+        """Split forces of the contact springs from `extend` [N] into those of other contacts and of needle rollers.
 
-        `teeth` is the number of contacts with the ring, which precede the rollers.
+        `forces` has the shape (m, n + D Z) for m crank angles, n contacts, and D discs with Z rollers each. `teeth` is
+        the number of contacts with the ring, which precede the rollers.
 
         Returns
         -------
@@ -104,7 +106,10 @@ class CamNeedles:
 
 
 def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
-    """Return the rollers between discs and cams at the crank angles of the springs; None for single springs."""
+    """Return the needle rollers between discs and cams as contact springs; None if a cam is a single spring.
+
+    They are computed at the crank angles of the other contact springs, `springs`.
+    """
     count = reducer.separate_needles
     if not count:
         return None

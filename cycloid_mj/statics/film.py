@@ -140,7 +140,7 @@ class FilmSurfaces:
     inputs: FilmInputs = DESIGN_INPUTS
 
     def select(self, selected: Mask) -> "FilmSurfaces":
-        """Return the surfaces of those contact lines for which the mask `selected` is true.
+        """Return the surfaces of the contact lines for which the mask `selected` is true.
 
         `selected` has the shape of the attribute `radius`.
         """
@@ -228,7 +228,7 @@ class FilmSurfaces:
         return core_friction.scaled(scale)
 
     def cam_friction(self, force: Array) -> Array:
-        """Compute the friction coefficients of the cams at the bore radius of the disc [1] under forces [N].
+        """Compute the friction coefficients of the cams [1] under forces [N], at the bore radius of the disc.
 
         `force` has any shape; the result has the same shape.
         """
@@ -277,7 +277,7 @@ class FilmContacts:
     centres: Array
 
     def displaced(self, departures: Array) -> "FilmContacts":
-        """Return the contacts for discs that are displaced from their ideal pose.
+        """Return the lubricated contacts for discs that are displaced from their ideal pose.
 
         A displaced disc centre changes the phases of the pins, which are their angles from the direction of the
         eccentric: by 1.4 deg if a clearance of the cam of 25 um displaces a disc with an eccentricity of 1 mm.
@@ -285,8 +285,8 @@ class FilmContacts:
         Parameters
         ----------
         departures
-            Displacements from the ideal pose [m], shape (m, 3 D + 1): x, y and rotation of each disc, then rotation of
-            the output; rotations are arc lengths as in ``reducer.gaps``.
+            Displacements from the ideal pose [m], shape (m, 3 D + 1) at m crank angles: x, y and rotation of each of D
+            discs, then rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
         """
         moved = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
         (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved, -1, 0)
@@ -295,15 +295,15 @@ class FilmContacts:
         return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
-        """Compute the film friction of all contacts under known normal forces.
+        """Compute the friction of all lubricated contacts under known normal forces.
 
         Parameters
         ----------
         teeth, output
-            Normal forces of the contacts with the ring [N], shape (m, teeth), and of the contacts of holes and output
-            pins, shape (m, pins).
+            Normal forces of the contacts with the ring [N], shape (m, teeth) at m crank angles, and of the contacts of
+            holes and output pins, shape (m, pins).
         cam
-            Magnitude of the force of each cam [N], shape (m, D).
+            Magnitude of the force of each of D cams [N], shape (m, D).
         """
         tooth_friction, rolls = self.surfaces.smaller_friction(teeth)
         output_friction = self.surfaces.output_friction(output)
@@ -313,9 +313,9 @@ class FilmContacts:
         return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
-        """Compute the film friction of all contacts under the ideal peak forces of their kinds at the design's load.
+        """Compute the friction of all lubricated contacts under the ideal peak forces at the design's load.
 
-        The ideal peak forces are computed in `reducer.contact`.
+        The ideal peak force of each kind of contact is computed in `reducer.contact`.
         """
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
@@ -327,7 +327,7 @@ class FilmContacts:
 
 
 def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> FilmSurfaces:
-    """Build the surfaces of the mesh at phases of the pins [rad], with the relative curvature of the teeth there [1/m].
+    """Build the lubricated surfaces of the mesh at phases of the pins [rad] with their relative curvature [1/m].
 
     `phases` are angles from the direction of the eccentric, of any shape; `curvature` has the same shape.
     """
@@ -342,7 +342,7 @@ def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> Fi
 
 
 def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
-    """Build the contacts of the discs with ring and output pins, as the film law needs them.
+    """Build the lubricated contacts of the discs with ring and output pins, for the friction law ``film``.
 
     Parameters
     ----------
@@ -351,8 +351,8 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     mesh_gaps, teeth
         Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
     motion
-        Velocities of the unknowns of ``reducer.gaps`` [m/s], shape (m, 3 D + 1), which determine the sliding
-        directions: x, y and rotation of each disc, then rotation of the output; rotations as arc lengths.
+        Velocities [m/s] of the parts, shape (m, 3 D + 1), which determine the sliding directions: x, y and rotation of
+        each of D discs, then rotation of the output. Rotations are arc lengths, as in ``reducer.gaps``.
     """
     gear = reducer.tooth_profile
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]
@@ -378,7 +378,7 @@ def lubricant_temperature(reducer: Reducer, pair: str) -> float:
 
 
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
-    """Return the film law of a kind of mating pair at the temperature of its lubricant.
+    """Return the friction law ``film`` (mixed lubrication) of a kind of mating pair at its lubricant's temperature.
 
     `pair` is "cam", "output" or the kind of the teeth, "pin_gear" or "tooth". `inputs` are factors on viscosity,
     roughness, boundary friction, film thickness, film share and shear stresses.

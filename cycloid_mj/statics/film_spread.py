@@ -51,7 +51,7 @@ RANGES: Mapping[str, InputRange] = {
 
 
 def boundary_range(reducer: Reducer) -> InputRange:
-    """Return the range of the boundary friction coefficient of greased steel, or of a greased plastic at the flanks.
+    """Return the range of the boundary friction coefficient of greased steel, or of greased plastic flanks.
 
     For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
     """
@@ -88,10 +88,9 @@ class Spread:
 def sample_inputs(
     count: int = SAMPLES, boundary: InputRange = RANGES["boundary"]
 ) -> tuple[tuple[FilmInputs, ...], Array]:
-    """Return samples of the inputs of the film law: a scrambled Sobol sequence with a fixed seed.
+    """Return samples of the uncertain inputs of the friction law ``film``: a scrambled Sobol sequence, fixed seed.
 
-    `count` is the number of samples and should be a power of 2. `boundary` is the range of the boundary friction, see
-    `boundary_range`.
+    The inputs are factors such as those on viscosity and roughness.
 
     Returns
     -------
@@ -175,16 +174,16 @@ def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tupl
 def extrapolate_losses(
     reducer: Reducer, contact_power: Callable[[FilmInputs], float], growth: float, samples: int
 ) -> tuple[float, Array]:
-    """Compute the power lost with the law ``film`` from the contact forces of the design's own inputs.
+    """Compute the power lost with the friction law ``film`` for samples of its inputs, without new equilibria.
 
     Parameters
     ----------
     reducer
-        The reducer, for its `drag_power`.
+        The reducer, for the power of its load-independent drag.
     contact_power
         Function from inputs of the law to the friction power of all contacts under these forces [W].
     growth
-        Relative growth of the contact forces over that of the friction coefficients (`loss_growth`) [1].
+        Relative change of the contact forces per relative change of the friction coefficients [1].
     samples
         Number of samples.
 
@@ -261,7 +260,7 @@ class _LoadedContacts:
     cam_power: float
 
     def lost_power(self, inputs: FilmInputs = DESIGN_INPUTS) -> float:
-        """Compute the mean friction power of the loaded contacts [W], for `inputs` of the film law."""
+        """Compute the mean friction power of the loaded contacts [W], for `inputs` of the friction law ``film``."""
         surfaces = replace(self.surfaces, inputs=inputs)
         output_friction = surfaces.output_friction(self.output)
         output = (
@@ -275,7 +274,11 @@ class _LoadedContacts:
 
 
 def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> _LoadedContacts:
-    """Return the contacts that carry load in a solved equilibrium with film friction, with their forces."""
+    """Return the contacts that carry load in a solved equilibrium with film friction, with their forces.
+
+    `springs` are the contact springs with the friction coefficients of the film, and `contact_loads` the forces on them
+    in equilibrium.
+    """
     assert springs.film is not None
     assert contact_loads.friction is not None
     count = springs.teeth

@@ -20,7 +20,7 @@ def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array)
     mesh_gaps
         The contacts, with the u unknowns z of ``reducer.gaps``.
     motion
-        Velocities of z [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed against the ring.
+        Velocities of z in the ideal motion [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(

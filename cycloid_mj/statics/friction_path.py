@@ -144,7 +144,7 @@ def follow_torque_path(
 def _solve_path(
     springs: Springs, friction_elements: FrictionElements, torque: Array, max_rotation: float
 ) -> tuple[float, Array, Array]:
-    """Solve the equilibria along a torque path from rest, as far as they exist.
+    """Solve for the static equilibria along a torque path from rest, as far as they exist.
 
     Parameters
     ----------
@@ -176,7 +176,8 @@ def _solve_path(
 def _no_equilibrium(torque: float, locked_shaft: Held, step: str, residual: float) -> RunError:
     """Return the error to raise if the path of loads with friction has no equilibrium at a torque [N m].
 
-    `step` is the step of the path in words, and `residual` the residual force over the largest load [1].
+    `locked_shaft` is the name of the locked shaft, `step` is the step of the path in words, and `residual` the residual
+    force over the largest load [1].
     """
     shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
     return RunError(

@@ -104,7 +104,9 @@ def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float)
 
 
 def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
-    """Compute the ideal loads of the disc with the `phase` [rad] at crank angles [rad], shape (m,).
+    """Compute the ideal loads of a disc on the ring teeth and the output pins at m crank angles [rad], shape (m,).
+
+    `phase` [rad] is the angle of the disc's eccentric on the crank.
 
     Returns
     -------

@@ -40,9 +40,10 @@ JAM = JamFrictionSettings()
 def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> float:
     """Compute the largest multiple of the design's friction [1] at which parts without clearance have an equilibrium.
 
-    A larger friction jams the parts. The result is at most `JAM.max_friction`. `load` (u,) [N] is the generalised load
-    at the crank angle with the index `angle_index`: forces along x and y and torque of each disc, then the torque of
-    the output. Torques are divided by the radius of the circle of output pins.
+    A larger friction jams the parts. The result is at most `JAM.max_friction`. `springs` are the contact springs.
+    `load` (u,) [N] is the load on the u unknown displacements at the crank angle of index `angle_index`: forces along x
+    and y and torque of each disc, then the torque of the output. Torques are divided by the radius of the circle of
+    output pins.
 
     Notes
     -----
@@ -62,8 +63,8 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     def residual(displacements: Array, friction: float) -> Array:
         """Compute the residual forces divided by the largest component of the load [1], shape (u,).
 
-        `displacements` (u,) are multiples of the deflection `length_unit` [m]; `friction` is the multiple of the
-        design's friction.
+        `displacements`, u unknowns, are multiples of the deflection `length_unit` [m]; `friction` is the multiple of
+        the design's friction.
         """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * friction_per_force)

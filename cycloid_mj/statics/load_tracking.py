@@ -24,9 +24,9 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque,
 
 
 def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
-    """Compute the rms inertia torque of the load, divided by its torque [1], if it follows the transmission error.
+    """Compute the rms inertia torque of the load divided by its torque [1], if it follows the transmission error.
 
-    `rotation` (n,) is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn.
+    `rotation` (n,) is the rotation of the output from its ideal angle [rad] at n evenly spaced crank angles of a turn.
     Its second derivative is computed by FFT. `load` is the torque on the output [N m].
     """
     orders = np.fft.rfftfreq(rotation.size, 1.0 / rotation.size)
@@ -37,7 +37,7 @@ def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
 def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
     """Yield a warning if the inertia torque of the load exceeds its share `MAX_INERTIA_SHARE`; otherwise nothing.
 
-    `quantities` are the figures of the design's static data sheet, by key. The warning states by how much the static
+    `quantities` are those of the design's static data sheet, by key. The warning states by how much the static
     efficiency of drives with such a share differed from simulations (`EFFICIENCY_ERRORS`).
     """
     share = quantities[INERTIA_SHARE].value

@@ -140,7 +140,7 @@ def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> Lock
 
 
 def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
-    """Join the rotations [rad] under negative and under positive torques to a curve of rotation over torque.
+    """Join the output rotations [rad] under negative and under positive torques to a curve over the torque.
 
     The torques are `SHARES` of `max_torque` [N m], the same on both sides.
     """
@@ -154,7 +154,7 @@ def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
 
 
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
-    """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
+    """Compute the rotation of the output [rad] along a torque path of n points [N m], (n,), from rest.
 
     `curve` is the rotation due to the contacts without friction, which is extrapolated linearly; `elements` are the
     slip elements. Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`.

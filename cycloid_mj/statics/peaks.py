@@ -31,7 +31,7 @@ PRESSURE_TORQUE = PressureTorqueSettings()
 
 
 def peak_force(contact_loads: Loads, kind: str) -> float:
-    """Compute the largest force on a contact of a kind [N].
+    """Compute the largest force on a contact of one kind, such as ring pins on the disc [N].
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def peak_force(contact_loads: Loads, kind: str) -> float:
 
 
 def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> float:
-    """Compute the largest Hertz pressure on a kind of contact [Pa].
+    """Compute the largest Hertz pressure on a contact of one kind, such as ring pins on the disc [Pa].
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
 
 
 def line_loads(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> tuple[Array, Array]:
-    """Return the forces of the line contacts of a kind [N] and their relative curvatures [1/m], shape (m, n) each.
+    """Return forces [N] and relative curvatures [1/m] of the n line contacts of a kind at m crank angles, shape (m, n).
 
-    `contact_loads` are the forces on the `springs` at m crank angles, `kind` is ``pin_gear``, ``tooth``, ``output`` or
-    ``cam``. A rolling cam has the force of its most loaded roller.
+    `springs` are the contact springs at m crank angles, `contact_loads` the forces on them, `kind` is ``pin_gear``,
+    ``tooth``, ``output`` or ``cam``. A rolling cam has the force of its most loaded roller.
     """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.relative_curvature
@@ -136,8 +136,8 @@ def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: 
     """Return whether Hertz theory applies at the largest pressure among all contacts of one kind.
 
     The contact with this pressure must be loaded, and its strip must be narrow compared with the thinner body.
-    `contact_loads` are the forces on the `springs` at m crank angles, `kind` is ``pin_gear``, ``tooth``, ``output`` or
-    ``cam``.
+    `springs` are the contact springs at m crank angles, `contact_loads` the forces on them, `kind` is ``pin_gear``,
+    ``tooth``, ``output`` or ``cam``.
     """
     contact = reducer.contacts[kind]
     force, curvature = line_loads(reducer, springs, contact_loads, kind)

@@ -15,10 +15,11 @@ MAX_ANGLE = 600.0 * ARCMINUTE
 
 
 def preloaded(design: Named) -> Design:
-    """Return a design with the angle ``ring.preload_arcmin`` instead of the torque ``ring.preload_torque_nm``.
+    """Return the design with the preload of its ring as an angle, ``ring.preload_arcmin``, instead of as a torque.
 
-    A design without this torque is returned unchanged. Brent's method determines the angle between the halves of the
-    ring at which `halves_torque` equals the torque of the design.
+    A ring in two halves is preloaded by a rotation of the halves against each other. A design without
+    ``ring.preload_torque_nm`` is returned unchanged. Brent's method determines the angle at which `halves_torque`
+    equals this torque.
 
     Parameters
     ----------
@@ -65,8 +66,8 @@ def preloaded(design: Named) -> Design:
 def halves_torque(reducer: Reducer) -> float:
     """Compute the torque [N m] between the two halves of a ring that are rotated against each other by `ring.preload`.
 
-    This angle must not be 0. The reducer is at rest without load. The result is the magnitude of the mean over 13 crank
-    angles.
+    `ring.preload`, the angle, must not be 0. The reducer is at rest without load. The result is the magnitude of the
+    mean over 13 crank angles.
 
     Raises
     ------

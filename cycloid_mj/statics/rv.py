@@ -227,7 +227,7 @@ class RvLoads:
 
 
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
-    """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
+    """Compute the contact springs of an RV reducer at m crank angles against the ring [rad], shape (m,).
 
     Contact stiffnesses are valid at the rated load (`at_rated_load`).
 
@@ -334,7 +334,7 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
 
 
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the phase error of each crank due to the errors of its planet [rad], shape (m, n), at a fixed sun.
+    """Compute the phase error of each of n cranks due to the errors of its planet [rad], (m, n), at a fixed sun.
 
     The errors are run-out and transmission error. A displacement o of the planet's teeth along the circle of cranks
     turns the crank back by o divided by the pitch radius of the planet. `crank` are crank angles against the ring
@@ -399,7 +399,7 @@ def coulomb_coefficients(reducer: RvReducer) -> RvCoefficients:
 def compute_rv_friction(
     reducer: RvReducer, crank: npt.ArrayLike, sense: float, coefficients: RvCoefficients | None = None
 ) -> RvFriction:
-    """Compute the friction of an RV reducer at crank angles against the ring [rad], shape (m,).
+    """Compute the friction of an RV reducer at m crank angles against the ring [rad], shape (m,).
 
     Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the
     tapered bearings of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of
@@ -424,12 +424,12 @@ def compute_rv_friction(
 
 
 def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningFriction | None = None) -> RvLoads:
-    """Solve for the static balance of an RV reducer under a torque on the carrier.
+    """Solve for the static equilibrium of an RV reducer under a torque on the carrier.
 
     Parameters
     ----------
     springs
-        Springs at m crank angles.
+        Contact springs at m crank angles.
     torque
         Torque on the carrier [N m], not 0, counter-clockwise positive: a number, or a torque per crank angle, shape
         (m,).
@@ -465,7 +465,10 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return forces, rotation and compliance of an RV reducer from its equilibrium displacements (m, u) [m]."""
+    """Return forces, rotation and compliance of an RV reducer from its u displacements in equilibrium (m, u) [m].
+
+    `springs` are the contact springs at the m crank angles.
+    """
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
@@ -486,9 +489,10 @@ def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
 def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
     """Return the displacements of least energy (m, u) [m], by a semismooth Newton method with Armijo backtracking.
 
-    All m crank angles are solved together. `load` [N] are the generalised forces on the u unknown displacements, shape
-    (m, u), and `start` (m, u) [m] are the displacements at which the method starts. The tangent
-    neglects the curvature of flanks: its share, which is pin force times curvature over stiffness, is below 1e-3.
+    `springs` are the contact springs; all m crank angles are solved together. `load` [N] are the generalised forces on
+    the u unknown displacements, shape (m, u), and `start` (m, u) [m] are the displacements at which the method starts.
+    The tangent neglects the curvature of flanks: its share, which is pin force times curvature over stiffness, is below
+    1e-3.
 
     Raises
     ------
@@ -522,7 +526,7 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
 
 
 def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the gaps of all contacts at some displacements, and factors a and b in the gradients of the pins' gaps.
+    """Return the gaps of all contacts at known displacements, and factors a and b in the gradients of the pins' gaps.
 
     The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``. q and p are the
     displacements along the normal and along the flank, phi is the rotation of the disc, and p_phi is the part of p that
@@ -531,9 +535,9 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     Parameters
     ----------
     springs
-        Springs of the contacts at m crank angles.
+        Contact springs at m crank angles.
     displacements
-        The u unknown displacements at each angle (m, u) [m].
+        The u displacements at each angle (m, u) [m].
 
     Returns
     -------
@@ -562,7 +566,7 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 
 
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the forces of cranks on discs at some displacements, with their energy and stiffness.
+    """Return the forces of cranks on discs at known displacements, with their energy and stiffness.
 
     There are D discs and n cranks. With a preload, the needles on both sides are loaded up to the displacement at which
     those on the far side open.
@@ -570,9 +574,9 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
     Parameters
     ----------
     springs
-        Springs at m crank angles.
+        Contact springs at m crank angles.
     displacements
-        The u unknown displacements at each angle (m, u) [m].
+        The u displacements at each angle (m, u) [m].
 
     Returns
     -------
@@ -601,8 +605,8 @@ def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Ar
     """Return forces [N], energy [J] and stiffness [N/m] of crank bearings with separate needles at given displacements.
 
     `offsets` are the displacements of the eccentrics in their bores [m], shape (m, D, n, 2), for D discs and n cranks;
-    the results have the shapes (m, D, n, 2), (m, D, n) and (m, D, n, 2, 2). Each needle is a spring along its
-    direction, which closes once the displacement exceeds the clearance.
+    the results have the shapes (m, D, n, 2), (m, D, n) and (m, D, n, 2, 2). `springs` are the contact springs. Each
+    needle is a spring along its direction, which closes once the displacement exceeds the clearance.
     """
     directions = springs.needles
     stiffness = needle_share(directions.shape[1]) * springs.bearing_stiffness
@@ -614,19 +618,19 @@ def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Ar
 
 
 def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Array, Array]:
-    """Compute the energy of springs and load, and the residual forces, at some displacements.
+    """Compute the energy of contact springs and load, and the residual forces, at known displacements.
 
     Parameters
     ----------
     springs
-        Springs at m crank angles.
+        Contact springs at m crank angles.
     load, displacements
         Generalised forces [N] on the u unknown displacements, and these displacements [m], shape (m, u) each.
 
     Returns
     -------
     tuple
-        Energy of the springs minus work of the load (m,) [J]; and residual forces (m, u) [N], which are 0 in
+        Energy of the contact springs minus work of the load (m,) [J]; and residual forces (m, u) [N], which are 0 in
         equilibrium.
     """
     gaps, rise, arm = _contact_gaps(springs, displacements)
@@ -648,9 +652,9 @@ def _sum_along(slope: Array, force: Array) -> Array:
 
 
 def _tangent(springs: RvSprings, displacements: Array) -> Array:
-    """Return the tangent stiffness (m, u, u) [N/m] by the u unknown displacements, at displacements (m, u) [m].
+    """Return the tangent stiffness (m, u, u) [N/m] by the u displacements, at known displacements (m, u) [m].
 
-    The curvature of the flanks is neglected.
+    `springs` are the contact springs at m crank angles. The curvature of the flanks is neglected.
     """
     gaps, _, _ = _contact_gaps(springs, displacements)
     slopes = contact_gradients(springs, displacements)

@@ -57,6 +57,7 @@ def planet_friction(reducer: RvReducer, force: Array, inputs: FilmInputs = DESIG
     """Compute the mean friction coefficients of planet meshes [1] under their forces [N], in the shape of `force`.
 
     The mean over the path of contact is weighted by the friction power, which is load share times sliding speed.
+    `inputs` are factors on the inputs of the friction law ``film``, such as the viscosity.
     """
     path, speeds, material = planet_path(reducer), planet_speeds(reducer), reducer.design.material
     friction = line_friction(
@@ -125,7 +126,7 @@ def bearing_friction(reducer: RvReducer) -> tuple[float, float]:
 
 
 def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
-    """Return the friction of an RV reducer with the law ``film`` at crank angles against the ring [rad], shape (m,).
+    """Return the friction of an RV reducer with the law ``film`` at m crank angles against the ring [rad], shape (m,).
 
     The cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
     """
@@ -171,7 +172,7 @@ class RvFilmLosses:
     bearing_force: float
 
     def contact_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
-        """Compute the mean powers lost to friction that grows with the forces [W], by its source.
+        """Compute the mean powers lost to load-dependent friction [W], by its source.
 
         The keys are "teeth", "crank bearings" and "planets". `inputs` are factors on the inputs of the film law, such
         as the viscosity.
@@ -203,7 +204,8 @@ class RvFilmLosses:
 def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmLosses:
     """Return the friction losses of an RV reducer with the law ``film`` under forces `loads`, at design speed.
 
-    The result computes the powers for any inputs of the law.
+    `springs` are the contact springs. The result computes the lost powers for any inputs of the law, such as another
+    viscosity.
     """
     reducer, is_loaded = film.reducer, loads.pins > 0.0
     unit_power = loads.pins * np.abs(springs.slip) * abs(reducer.speed_against_ring) / len(springs.crank)

@@ -15,7 +15,7 @@ from cycloid_mj.statics.stops import stop_width
 
 
 def rv_springs_at(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
-    """Compute the springs of an RV reducer at angles of the cranks against the ground [rad], shape (m,)."""
+    """Compute the contact springs of an RV reducer at angles of the cranks against the ground [rad], shape (m,)."""
     return compute_rv_springs(reducer, reducer.member.against_ring(reducer.member.driven_angle(crank)))
 
 
@@ -27,7 +27,7 @@ def static_rotations(reducer: RvReducer, springs: RvSprings, torque: float, sens
     reducer
         The reducer; its sun is fixed.
     springs
-        Its springs at m crank angles.
+        Its contact springs, at m crank angles.
     torque
         Torque on the output [N m]. Under 0, the parts are in the middle of their clearances.
     sense

@@ -67,7 +67,7 @@ SETTINGS = RvSheetSettings()
 
 
 def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
-    """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier nearly evenly.
+    """Return `count` crank angles against the ring [rad] that cover a turn of the carrier nearly evenly.
 
     Divided by the turn, they are the fractional parts of k times the golden ratio for k = 0, 1, ..., sorted in the
     order in which the drive passes them. The angles within any part of the turn then cover this part nearly evenly,
@@ -88,7 +88,7 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 
 
 @once
-def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+def solve_rv_equilibrium(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the static equilibrium of an RV reducer without friction, at `count` angles over a turn of the carrier.
 
     `torque` is the torque on the output [N m], not 0.
@@ -102,7 +102,7 @@ def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_an
 
 
 @once
-def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+def solve_running_equilibrium(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the static equilibrium of a running RV reducer with friction, at angles over a turn of the carrier.
 
     There are `count` crank angles. `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque
@@ -117,10 +117,10 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     return solve_rv_loads(springs, on_carrier, friction_over_turn(reducer, float(np.sign(torque)), count))
 
 
-def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+def solve_forward_equilibrium(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the static equilibrium with friction of a reducer that rotates in the direction of its design.
 
-    Unlike in `balance_running`, friction has this direction at either sign of the torque.
+    Unlike in `solve_running_equilibrium`, friction has this direction at either sign of the torque.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def balance_forward(reducer: RvReducer, torque: float, count: int = SETTINGS.for
         The Newton method or the iteration of friction does not converge.
     """
     if torque > 0.0:
-        return balance_running(reducer, torque, count)
+        return solve_running_equilibrium(reducer, torque, count)
     friction = friction_over_turn(reducer, 1.0, count)
     return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque), friction)
 
@@ -151,9 +151,9 @@ def output_rotation(reducer: RvReducer, carrier_turn: Array) -> Array:
 def running_rotation(reducer: RvReducer, torque: float) -> Array:
     """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, shape (`error_angles`,).
 
-    The rotation is counter-clockwise, with friction; `torque` [N m] is an argument of `balance_running`.
+    The rotation is counter-clockwise, with friction; `torque` [N m] is an argument of `solve_running_equilibrium`.
     """
-    return output_rotation(reducer, balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn)
+    return output_rotation(reducer, solve_running_equilibrium(reducer, torque, SETTINGS.error_angles).carrier_turn)
 
 
 @once
@@ -203,7 +203,7 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 
     def rotation(torque: float) -> Array:
         """Return the output's rotation under a torque on it [N m] in [rad], shape (m,)."""
-        return reducer.share * balance_rv(reducer, torque, SETTINGS.rotation_angles).carrier_turn
+        return reducer.share * solve_rv_equilibrium(reducer, torque, SETTINGS.rotation_angles).carrier_turn
 
     width = np.abs(stop_width(rotation, SETTINGS.stop_torque_share * load)) / ARCMINUTE
     yield sheet_quantity("backlash", float(width.mean()))
@@ -223,7 +223,7 @@ def lost_motion(reducer: RvReducer, load: float) -> float:
     `load` is in [N m]; the rotation is the mean over a turn of the carrier.
     """
     turns = [
-        balance_rv(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
+        solve_rv_equilibrium(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
         for share in (LOST_MOTION_SHARE, -LOST_MOTION_SHARE)
     ]
     return reducer.share * float(np.mean(np.abs(turns[0] - turns[1])))
@@ -234,21 +234,21 @@ def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 
     `load` is the torque on the output [N m]. Keys and definitions are in `sheet_figures`.
     """
-    ideal_loads, balanced_loads, springs = (
+    ideal_loads, equilibrium_loads, springs = (
         ideal_rv(reducer, load),
-        balance_rv(reducer, load),
+        solve_rv_equilibrium(reducer, load),
         springs_over_turn(reducer),
     )
-    running_loads = balance_running(reducer, load)
+    running_loads = solve_running_equilibrium(reducer, load)
     kind = reducer.design.tooth_pair
     contact, force = reducer.at_rated_load.contacts[kind], running_loads.pins
     is_loaded = force > CARRYING_SHARE * force.max()
     strength_ratio = contact.strength / float(contact.pressure(force, springs.curvature).max())
-    for name, loads in (("", ideal_loads), ("balanced_", balanced_loads), ("running_", running_loads)):
+    for name, loads in (("", ideal_loads), ("balanced_", equilibrium_loads), ("running_", running_loads)):
         yield sheet_quantity(f"crank_bearing_{name}force", float(loads.bearings.max()))
         yield sheet_quantity(f"crank_bearing_{name}mean_force", largest_mean_force(loads.bearings))
     yield sheet_quantity("planet_mesh_force", float(running_loads.flanks.max()))
-    yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(balanced_loads.carrier_turn) / ARCSECOND)
+    yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(equilibrium_loads.carrier_turn) / ARCSECOND)
     yield sheet_quantity("te_errors", peak_to_peak(closed_rotation(reducer)) / ARCSECOND)
     ideal_peak = float(ideal_loads.pins.max())
     yield sheet_quantity(f"{kind}_peak_force", float(force.max()), reference=ideal_peak, source="ideal sharing")
@@ -279,12 +279,12 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
     design = reducer.design
     if design.has_film:
         return _film_losses(reducer, load, count).powers()
-    springs, balanced_loads = springs_over_turn(reducer, count), balance_forward(reducer, load, count)
-    sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * abs(reducer.speed_against_ring)
+    springs, equilibrium_loads = springs_over_turn(reducer, count), solve_forward_equilibrium(reducer, load, count)
+    sliding = np.sum(equilibrium_loads.pins * np.abs(springs.slip), axis=1).mean() * abs(reducer.speed_against_ring)
     bearing_power = (
-        2.0 * balanced_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
+        2.0 * equilibrium_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
     )
-    mesh_power = balanced_loads.meshes.sum(axis=1).mean() * reducer.planet_mesh.arm * reducer.planet_mesh_speed
+    mesh_power = equilibrium_loads.meshes.sum(axis=1).mean() * reducer.planet_mesh.arm * reducer.planet_mesh_speed
     return {
         "teeth": float(design.mesh_friction * sliding),
         "crank bearings": float(design.friction.cam_rolling * bearing_power),
@@ -296,12 +296,12 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
 @once
 def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
     """Return the losses of the running drive with the law ``film``; arguments are those of `friction_powers`."""
-    balanced_loads = balance_forward(reducer, load + drag_torques(reducer)[1], count)
-    return build_rv_losses(film_over_turn(reducer, 1.0, count), springs_over_turn(reducer, count), balanced_loads)
+    equilibrium_loads = solve_forward_equilibrium(reducer, load + drag_torques(reducer)[1], count)
+    return build_rv_losses(film_over_turn(reducer, 1.0, count), springs_over_turn(reducer, count), equilibrium_loads)
 
 
 def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> Powers:
-    """Compute the mean powers through sun and output and the friction losses, as `balance.powers` does.
+    """Compute the mean powers through sun and output and the friction losses of an RV reducer, as `balance.powers`.
 
     Parameters
     ----------
@@ -357,7 +357,7 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
 
 
 def assumptions(reducer: RvReducer) -> tuple[str, ...]:
-    """Return the assumptions of the static figures of an RV reducer, a sentence each."""
+    """Return the assumptions behind the static data-sheet quantities of an RV reducer, a sentence each."""
     design = reducer.design
     return (
         "statics: parts are rigid, pins, planet teeth and crank bearings are springs with all clearances and "

@@ -29,8 +29,8 @@ from cycloid_mj.statics.kernel import (
     Effects,
     SampleDeviations,
     allocate_workspace,
-    balance_few_samples,
-    balance_samples,
+    solve_few_samples,
+    solve_many_samples,
 )
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -85,9 +85,9 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return the deviations of `count` identical drives, which all have the errors of the design, as read-only arrays.
+    """Return the manufacturing deviations of `count` identical drives, all with the errors of the design.
 
-    Use `dataclasses.replace` to change them. They are an input of `solve_samples`.
+    They are read-only arrays; use `dataclasses.replace` to change them. They are an input of `solve_samples`.
     """
     design = reducer.design
     errors, clearance, modification = reducer.deviations, design.clearance, design.modification
@@ -136,10 +136,10 @@ def solve_samples(
     threads: int = 1,
     friction: bool = False,
 ) -> list[SampleFigures]:
-    """Solve for the equilibrium of every sample under each output torque, at crank angles over a turn.
+    """Solve for static equilibrium of every sample of a tolerance study under each output torque, over a turn.
 
-    The result is the same to the last bit for any number of threads. All samples have the spring stiffnesses of the
-    design.
+    A sample is a drive with its own manufacturing deviations. The result is the same to the last bit for any number of
+    threads. All samples have the spring stiffnesses of the design.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _solve_rows(
     Parameters
     ----------
     ideal_reducer, springs
-        The reducer without errors, and its springs at k crank angles.
+        The reducer without errors, and its contact springs at k crank angles.
     samples
         Deviations of the samples; their waves are added to `common_waves`.
     common_waves
@@ -220,11 +220,11 @@ def _solve_rows(
         """Solve the equilibria of samples `first_sample` to `end_sample` - 1; repeat failures with continuation."""
         inputs = springs.contacts, effects, deviations, load
         workspace = allocate_workspace(springs.contacts)
-        balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
-        balance(*inputs, first_sample, end_sample, rows, None, workspace)
+        solve = solve_few_samples if len(samples) <= MAX_UNCOMPILED else solve_many_samples
+        solve(*inputs, first_sample, end_sample, rows, None, workspace)
         is_balanced = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
         for sample in (first_sample + np.flatnonzero(~is_balanced)).tolist():
-            balance_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
+            solve_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
 
     if threads == 1:
         for first, last in pairwise(bounds):
@@ -251,7 +251,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     Parameters
     ----------
     reducer, springs
-        The reducer without errors, and its springs at k crank angles.
+        The reducer without errors, and its contact springs at k crank angles.
     orders
         Orders of the profile waves that differ between samples; each has an effect for cosine and one for sine.
     common_waves
@@ -303,11 +303,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
 
 
 def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Array:
-    """Compute the changes of the gaps of n contacts at k crank angles by profile waves, shape (k, n, 1 + 2 orders).
+    """Compute the changes of the gaps of n contacts at k crank angles by waves of the profile, shape (k, n, 1 + 2 w).
 
     The first column is the change by `common_waves` [m], amplitudes that all samples have; the others are the
-    derivatives by the amplitude of the cosine, then of the sine, of each of `orders` [1]. `springs` are the contact
-    springs at k crank angles. Gaps of output pins do not change.
+    derivatives by the amplitude of the cosine, then of the sine, of each of the w `orders` [1]. `springs` are the
+    contact springs at k crank angles. Gaps of output pins do not change.
     """
     phase, teeth = springs.contacts.phase, springs.teeth
     foot = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
@@ -324,16 +324,16 @@ def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Convert the deviations of the parts of each sample to deviations of each contact, for the compiled kernel.
+    """Convert the deviations of the parts of each sample drive to deviations of each contact, for the compiled kernel.
 
     Parameters
     ----------
     reducer, springs
-        The reducer, and its springs with the clearances of the design.
+        The reducer, and its contact springs with the clearances of the design.
     samples
         Deviations of the samples.
     orders
-        Orders of the profile waves that differ between samples, shape (w,).
+        Orders of the w profile waves that differ between samples, shape (w,).
     """
     design = reducer.design
     discs, count = design.gear.discs, len(samples)

@@ -220,7 +220,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute a data sheet under a load [N m]; None: the default of `load_of`.
+    """Compute a static data sheet under a `load` on the output [N m]; None: the default of `load_of`.
 
     `parts` are functions from the reducer and its load to the quantities of a part of the sheet.
     """
@@ -395,7 +395,7 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
-    """Compute the rotations of "gear" (disc) and "output" from their ideal angles [rad] over a turn, shape (m,) each.
+    """Compute the rotations of "gear" (disc) and "output" from their ideal angles [rad] at m angles of a turn, (m,).
 
     `case` is "unloaded" or "loaded" with the `load` [N m], `direction` the sense of the crank by name (`DIRECTIONS`).
     Crank angles are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of
@@ -419,10 +419,11 @@ def _central_rotations(reducer: Reducer, load: float, case: str, direction: str)
 
 
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
-    """Yield peak-to-peak and rms values [arcsec] of the rotations [rad] of the disc ("gear") and the output.
+    """Yield peak-to-peak and rms values [arcsec] of the transmission errors of the disc ("gear") and the output.
 
-    `rotations` has arrays of shape (m,) over a turn, by these keys. `case` is "unloaded" or "loaded", and `direction`
-    is the crank's direction by name; both are part of the keys of the quantities.
+    `rotations` has the rotations from the ideal angles [rad] at m angles of a turn, shape (m,), by these keys. `case`
+    is "unloaded" or "loaded", and `direction` is the crank's direction by name; both are part of the keys of the
+    quantities.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"
@@ -431,7 +432,7 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
 
 
 def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and the torques of `LIMITS` [N m].
+    """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and torques at `LIMITS` such as yield.
 
     `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs,
     their shares of the torque and the bearing reactions are included. If no contact is narrow enough for Hertz theory,
@@ -471,7 +472,7 @@ def _force_angles(reducer: Reducer) -> Array:
 
 
 def disc_shares(shares: Array) -> Iterator[Quantity]:
-    """Yield the mean share of each disc in the output torque [1], from `shares` at m crank angles, shape (m, D).
+    """Yield the mean share of each of D discs in the output torque [1], from `shares` at m crank angles, (m, D).
 
     Nothing is yielded for a single disc. If m is 0, because the output has no load, the shares are NaN with a note.
     """
@@ -482,7 +483,7 @@ def disc_shares(shares: Array) -> Iterator[Quantity]:
 
 
 def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
-    """Yield the largest forces [N] and tilting moments [N m] on shaft, output, ring and bearings."""
+    """Yield the largest forces [N] and tilting moments [N m] in `reactions`: on shaft, output, ring and bearings."""
     for member in ("shaft", "output", "ring"):
         disc_forces: Planes = getattr(reactions, member)
         yield sheet_quantity(f"{member}_net_force", float(np.hypot(*disc_forces.net.T).max()))
@@ -498,7 +499,9 @@ def _pair_figures(
 ) -> Iterator[Quantity]:
     """Yield the quantities of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
 
-    `strength_ratio` is the strength of the contact over its largest pressure [1]; NaN if Hertz theory does not apply.
+    `springs` are the contact springs, `contact_loads` the forces on them. `kind` is the kind of pair, such as
+    "pin_gear". `strength_ratio` is the strength of the contact over its largest pressure [1]; NaN if Hertz theory does
+    not apply.
     """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     is_loaded, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(strength_ratio) else ""
@@ -635,7 +638,7 @@ def _elastic_parts_text(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
-    """Return the assumptions of the figures computed by statics, a sentence each."""
+    """Return the assumptions behind the static data-sheet quantities, a sentence each."""
     design = reducer.design
     return (
         f"statics: {_elastic_parts_text(reducer)}, contacts are unilateral springs with all clearances, manufacturing "

@@ -110,7 +110,7 @@ def _has_disc(number: int) -> Callable[[Reducer], bool]:
 
 # fmt: off
 def _motion_rows() -> Iterator[SheetFigure]:
-    """Yield key, name, unit and definition of the figures of backlash, lost motion, stiffness and compliances."""
+    """Yield the catalogue entries of backlash, lost motion, stiffness and compliances (key, name, unit, definition)."""
     yield SheetFigure(
         "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
@@ -139,7 +139,7 @@ def _motion_rows() -> Iterator[SheetFigure]:
 
 
 def _error_rows() -> Iterator[SheetFigure]:
-    """Yield key, name, unit and definition of the static figures of transmission errors of disc and output."""
+    """Yield the catalogue entries of transmission errors of disc and output (key, name, unit, definition)."""
     for shaft in SHAFTS:
         prefix, layouts = ("", BOTH) if shaft == "output" else (f"{shaft}_", CENTRAL)
         for case, direction in product(CASES, DIRECTIONS):
@@ -167,7 +167,7 @@ def _error_rows() -> Iterator[SheetFigure]:
 
 
 def _load_rows() -> Iterator[SheetFigure]:
-    """Yield key, name, unit and definition of the static figures of load shares, forces, pressures and capacities."""
+    """Yield the catalogue entries of load shares, forces, pressures and capacities (key, name, unit, definition)."""
     for number in range(1, 5):
         name = f"share of disc {number} in the torque"
         yield SheetFigure(
@@ -202,7 +202,7 @@ def _load_rows() -> Iterator[SheetFigure]:
 
 
 def _rv_load_rows() -> Iterator[SheetFigure]:
-    """Yield key, name, unit and definition of the static figures that only RV reducers have.
+    """Yield the catalogue entries of quantities that only RV reducers have (key, name, unit, definition).
 
     They are bearing and planet forces, and transmission errors.
     """
@@ -233,7 +233,7 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
 
 
 def _loss_rows() -> Iterator[SheetFigure]:
-    """Yield key, name, unit and definition of the static figures of efficiencies and losses."""
+    """Yield the catalogue entries of efficiencies and losses (key, name, unit, definition)."""
     yield SheetFigure(
         "efficiency", "%", "efficiency",
         "Power of the output over that of the input under the load, at the design's speed, without the bearings of "
@@ -278,7 +278,7 @@ def sheet_quantity(
 ) -> Quantity:
     """Return the quantity with a `key` of `SHEET_FIGURES`; `value` and `reference` are in the unit of the key.
 
-    `source` describes the reference.
+    `source` describes the reference, and `note` is a remark.
     """
     row = SHEET_FIGURES[key]
     return Quantity(key, row.name, value, row.unit, reference=reference, source=source, note=note)

@@ -36,7 +36,7 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
 
 
 def root_arms(reducer: Reducer) -> Array:
-    """Compute the bending moments at the roots of an output pin per force of each disc [m], shape (roots, D).
+    """Compute the bending moments at the roots of an output pin per force of each of D discs [m], shape (roots, D).
 
     Forces act in the middle planes of the discs. A cantilever has one root, where a force F has the moment F a. A beam
     clamped at both ends has two roots, with moments F a b^2/l^2. a is the distance of the force from the root, b that

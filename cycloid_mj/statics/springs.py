@@ -58,7 +58,7 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with the film friction coefficients `friction`; only for designs with the law ``film``."""
+        """Return a copy of the contact springs with the friction coefficients `friction`; requires the law ``film``."""
         assert self.film is not None
         friction_per_force = friction.contacts[..., np.newaxis] * self.film.unit_friction_per_force
         speed = self.film.surfaces.reducer.design.drive.speed
@@ -81,10 +81,10 @@ class Springs:
         return np.asarray(slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2))
 
     def load(self, torque: float | Array) -> Array:
-        """Return the generalised load [N], shape (m, 3 D + 1): a torque on the carrier, weight and centrifugal force.
+        """Return the generalised load on the unknowns [N]: a torque on the carrier, weight and centrifugal force.
 
-        There are m crank angles; the unknowns are x, y and rotation of each of the D discs, then the rotation of the
-        output. `torque` [N m] is a number, or has shape (m,).
+        The shape is (m, 3 D + 1) at m crank angles; the unknowns are x, y and rotation of each of the D discs, then the
+        rotation of the output. `torque` [N m] is a number, or has shape (m,).
         """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
@@ -108,7 +108,7 @@ def at_rest(reducer: Reducer) -> Reducer:
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
-    """Compute the contact springs of a design at crank angles, with the stiffness `at_rated_load`.
+    """Compute the contact springs of a design at m crank angles, with the stiffness at the rated load.
 
     Parameters
     ----------
@@ -162,10 +162,10 @@ def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coeffic
 
 
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
-    """Return the springs of contacts and cams for the compiled kernel, without friction.
+    """Return the contact springs, including those of the cams, for the compiled kernel, without friction.
 
     `mesh_gaps` are the gaps at m crank angles, and `teeth` is the number of contact lines with the ring among them.
-    `cam_positions` [m], shape (m, D, 2), are the positions of the cams.
+    `cam_positions` [m], shape (m, D, 2), are the positions of the cams in D discs.
     """
     design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
@@ -191,7 +191,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 
 
 def _cross_compliances(reducer: Reducer) -> Array:
-    """Compute the deflection of an output pin at each disc per force of each other disc [m/N], shape (D, D).
+    """Compute the deflection of an output pin at each disc per force of each other of D discs [m/N], shape (D, D).
 
     The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. Only the component
     of a deflection along the force of its disc counts: the forces of discs at phases b and b' include the angle b - b',
@@ -203,7 +203,7 @@ def _cross_compliances(reducer: Reducer) -> Array:
 
 
 def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:
-    """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2).
+    """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2), at m crank angles.
 
     The mass is density times face width times `Reducer.disc_section`, without bearings.
 

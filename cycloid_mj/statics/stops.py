@@ -6,7 +6,7 @@ from cycloid_mj.base.array import Array
 
 
 def stop_width(rotation: Callable[[float], Array], torque: float) -> Array:
-    """Compute the free play of the output [rad], shape (m,), at m angles of the locked driven shaft.
+    """Compute the backlash of the output [rad] at m angles of the locked driven shaft, shape (m,).
 
     It is the rotation from the stop under negative torques to that under positive torques. `rotation` is a function
     from a torque [N m] to rotations [rad], shape (m,). It is evaluated at `torque`, at twice this torque, and in the

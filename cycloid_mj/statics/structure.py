@@ -71,7 +71,7 @@ def wind_up(reducer: Reducer) -> float:
 
 
 def crank_flexibility(reducer: Reducer) -> Array:
-    """Compute the deflection of the shaft at each cam per force on each cam [m/N], shape (D, D).
+    """Compute the deflection of the shaft at each cam per force on each of D cams [m/N], shape (D, D).
 
     The shaft is an Euler-Bernoulli beam with its radius and bore on two rigid bearings that allow it to tilt. No
     quantity of the data sheet includes this deflection; only `structure_text` states it.

@@ -65,7 +65,7 @@ class Windup:
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:
-        """Compute the slope of rotations or displacements over the output torque between half and full rated torque.
+        """Compute the slope of rotations or displacements over the output torque, from half to full rated torque.
 
         `values` are rotations [rad] or displacements [m], such as `turn`; their keys are torques relative to `rated`.
         The result is in [rad/(N m)] or [m/(N m)], the mean of both directions.
@@ -184,10 +184,11 @@ def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated
 
 
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work of the force increments from a low to a high load in teeth, cam and output pins [J].
+    """Compute the work [J] in teeth, cam and output pins as the load rises from a `low` to a `high` one.
 
-    The result has shape (m,) by name of the spring (`SPRINGS`). The work is force increment times relative
-    displacement, summed over the contacts. The work that bends the output pins is the separate entry "bending".
+    The result has shape (m,) for m crank angles, by name of the contact (`SPRINGS`). The work is force increment times
+    relative displacement, summed over the contact `springs`. The work that bends the output pins is separate,
+    "bending".
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)

@@ -48,7 +48,7 @@ class Distances:
     vertices: int
 
     def from_patches(self, angle_index: int, nodes: Integers) -> Array:
-        """Compute the distance [m] of nodes from the nearest narrow contact patch at a crank angle.
+        """Compute the distance [m] of nodes from the nearest narrow contact patch at one crank angle.
 
         `angle_index` is the index of the angle, `nodes` are indices of nodes; the result has the shape of `nodes`. It
         is inf without patches. It is 0 for nodes next to sharp corners, whose stress is never bulk stress.
@@ -64,11 +64,9 @@ class Distances:
 
 
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
-    """Return the distances [m] of a grid's nodes from the narrow contact patches of a loaded part at each crank angle.
+    """Return distances [m] of the nodes of `grid` from narrow contact patches of a loaded part, per crank angle.
 
-    `case` has the patches: narrow are the line contacts of Hertz's theory, not conformal contacts. The result also
-    states which nodes are at sharp corners. Near narrow patches and sharp corners, the stress depends on the size of
-    the elements and is not the bulk stress.
+    `grid` is the finite-element mesh of the part.
     """
     points = grid.points
     axial_distance = np.zeros(len(points))
@@ -84,7 +82,7 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
 
 
 def search_distances(distances: Distances, start: float) -> Array:
-    """Return increasing distances from contact patches [m], shape (s,), at which the largest stress is evaluated.
+    """Return s increasing distances from contact patches [m], shape (s,), at which the largest stress is evaluated.
 
     They serve to find the distance from which on the largest stress is nearly constant. The first distance is half of
     `start` [m], and each next distance is larger by the factor sqrt(2). The series ends at the limit
@@ -101,7 +99,7 @@ def search_distances(distances: Distances, start: float) -> Array:
 
 
 def largest_beyond(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Compute the largest von Mises stress beyond each of s distances from contact patches, at a crank angle.
+    """Compute the largest von Mises stress farther than each of s distances from contact patches, at a crank angle.
 
     Parameters
     ----------
@@ -112,7 +110,7 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
     angle
         Index of the crank angle.
     stress
-        Von Mises stress of all nodes [Pa], shape (n,).
+        Von Mises stress of all n nodes [Pa], shape (n,).
 
     Returns
     -------
@@ -156,7 +154,7 @@ def relative_drop(stress_by_distance: Array, index: int) -> float:
     Parameters
     ----------
     stress_by_distance
-        Largest stress beyond each of the distances of `search_distances` from patches [Pa], shape (s,).
+        Largest stress [Pa] beyond each of the s distances from patches of `search_distances`, shape (s,).
     index
         Index of the distance.
 

@@ -26,7 +26,7 @@ class Response:
     forces, displacements
         Balanced loads on its unknowns (n, c) [N], and displacements (n, c) [m].
     imbalance
-        Imbalance of the loads (c, r), as in ``elastic.balance_loads``.
+        Imbalance of the loads (c, r), as in ``elastic.equilibrate_loads``.
     reaction
         Resultants of the supports (c, r), as in ``elastic.reactions``.
     moments
@@ -64,10 +64,11 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness of a part, and return its load case, which solves for the displacements at crank angles.
+    """Factorise the stiffness matrix of a part; return its load case, which solves for displacements.
 
-    The loads at an angle are contact pressure, weight and inertia. The load torque of the output acts at its hub, where
-    the supports carry it. Loads on a part without supports are balanced by its acceleration (d'Alembert).
+    `grid` is the finite-element mesh of the part. The loads at a crank angle are contact pressure, weight and inertia.
+    The load torque of the output acts at its hub, where the supports carry it. Loads on a part without supports are in
+    equilibrium with its acceleration (d'Alembert).
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
@@ -96,8 +97,8 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     """Return the nodal loads [N] of the contact forces on an extruded solid at k angles, a sparse matrix (n, k).
 
-    The forces on the planar grid, `section`, are distributed over the width of the disc on which they act; n is the
-    number of the solid's unknowns.
+    `loads` are those of the part. The forces on the planar mesh, `section`, are distributed over the width of the disc
+    on which they act; n is the number of the solid's unknowns.
     """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [

@@ -80,7 +80,7 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of the force's contact patch on a circle [m], shape (k, 2); NaN where there is no force.
+        """Compute the middle of the force's contact patch on a circle [m] at k angles, (k, 2); NaN without a force.
 
         A narrow patch is where the line of action intersects the circle. On a wide patch, tractions have different
         directions. For the same resultant force, they and their moment of friction are then larger than on a narrow
@@ -157,10 +157,10 @@ class PartFrame:
 
 
 def part_frame(turn: Turn, part: str) -> PartFrame:
-    """Return the moving frame of a part along a turn: origin [m] (k, 2) and angle [rad] (k,), relative to the ring.
+    """Return the moving frame of a part along a turn, relative to the ring: origin [m] (k, 2) and angle [rad] (k,).
 
-    `part` is "shaft", the name of a disc ("gear", "gear_1", ...), "ring", "output" or "pin_1". The frame of the ring
-    does not move.
+    `turn` has k crank angles. `part` is "shaft", the name of a disc ("gear", "gear_1", ...), "ring", "output" or
+    "pin_1". The frame of the ring does not move.
     """
     zeros = np.zeros_like(turn.angle)
     origin = np.zeros((zeros.size, 2))
@@ -190,7 +190,7 @@ def list_contacts(turn: Turn, part: str) -> list[PartContact]:
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Compute the half width [m] of line contacts by Hertz, shape (k,).
+    """Compute the half width [m] of the contact strips of k line contacts by Hertz, shape (k,).
 
     It is at most the arc that `MAX_HALF_ANGLE` spans on the thinner body.
 
@@ -223,7 +223,7 @@ def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | f
     kind
         Kind of mating pair: "pin_gear", "tooth", "cam", "output" or "pin_socket".
     force
-        Normal forces of the contacts [N], shape (k,). In a cam with a rolling bearing, the most loaded roller carries a
+        Normal forces of k contacts [N], shape (k,). In a cam with a rolling bearing, the most loaded roller carries a
         share of them.
     curvature
         Relative curvature of a tooth contact [1/m], shape (k,); None for other kinds, which have a constant curvature.
@@ -253,7 +253,7 @@ def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Compute the relative curvature [1/m], shape (k,), of a ring pin and the flank of the disc at this pin.
+    """Compute the relative curvature [1/m] of a ring pin and the flank of the disc at k angles, shape (k,).
 
     `pin` is its index: 0 is on +y, and indices increase clockwise. `gear_angle` [rad] (k,) is the counter-clockwise
     rotation of the disc's teeth against the ring. `offset` [m] is the distance of the flank from its trochoid.
@@ -320,7 +320,7 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
 
 
 def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
-    """List force, position and patch width of the contacts of the cranks with the bores of a disc, in its frame.
+    """List force, position and patch width of the contacts of cranks and a disc's bores over a `turn`, in its frame.
 
     `disc` is its index from 0. Position and width of a contact describe the load on the bore; its Hertz pressure is
     computed for the most loaded needle.
@@ -368,7 +368,7 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _output_contacts(turn: Turn) -> list[PartContact]:
-    """List force, position and patch width of the contacts of the output pins with discs or bores of rollers.
+    """List force, position and patch width of the contacts of output pins with discs or rollers over a `turn`.
 
     Each combination of pin and disc is one contact.
     """
@@ -385,7 +385,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
-    """List force, position and patch width of the contact of each cam of the shaft with the bore of its disc."""
+    """List force, position and patch width of the contact of each cam of the shaft with its disc over a `turn`."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -420,9 +420,10 @@ def _pin_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
-    """List the contacts between a disc (index from 0) and the ring, as forces on `part` and in its frame.
+    """List the contacts of a disc and the ring over a `turn`, as forces on `part` in its frame.
 
-    `part` is "ring" or the name of that disc; for a ring with pins it must be the disc.
+    `disc` is the index of the disc. `part` is "ring" or the name of that disc; for a ring with pins it must be the
+    disc.
     """
     reducer = turn.reducer
     if reducer.design.ring.kind == "pin":

@@ -66,10 +66,10 @@ class Cost:
 
 
 def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate processor time [s], peak memory and retained memory [B] of the stress study of a part.
+    """Estimate processor time [s], peak memory and retained memory [B] of the stress computation of a part.
 
-    The study solves the finite-element `grid` of the part and a finer grid. For parts in `SUPPORTS`, it also solves a
-    grid with other supports. The estimate depends on the numbers of unknowns of these grids.
+    The computation solves the finite-element mesh `grid` of the part and a finer mesh. For parts in `SUPPORTS`, it also
+    solves a mesh with other supports. The estimate depends on the numbers of unknowns of these meshes, by `settings`.
     """
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
     finer = grid.unknowns * settings.finer(grid) ** rates.growth

@@ -69,7 +69,7 @@ def assemble_body(
     grid
         Finite-element grid of the part, with n unknowns. Without `fixed_nodes` and springs the part is free. As many
         unknowns as it has rigid motions are then fixed, so that the solution is unique; these supports have no
-        reaction, since the loads are in balance.
+        reaction, since the loads are in equilibrium.
     material
         Young's modulus, Poisson's ratio and density.
     springs
@@ -106,40 +106,40 @@ def assemble_body(
     )
 
 
-def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
-    """Balance loads on a part that is free to move by an acceleration of its mass (d'Alembert).
+def equilibrate_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
+    """Bring the loads on a part that is free to move into equilibrium with its inertia forces (d'Alembert).
 
     Parameters
     ----------
     part
         The part, with its loose motions: the rigid motions that no support fixes.
     loads
-        Nodal forces (n, c) [N] of c load cases.
+        Nodal forces on n unknowns in c load cases (n, c) [N].
 
     Returns
     -------
     tuple
-        Balanced loads (n, c) [N]; and the imbalance (c, r), which is the resultants of the loads before balancing:
-        forces [N] and moments [N m] in the order of the r `rigid_motions`, 0 along motions that supports fix.
+        Loads with inertia forces (n, c) [N]; and the imbalance (c, r), the resultants of the loads without them: forces
+        [N] and moments [N m] in the order of the r `rigid_motions`, 0 along motions that supports fix.
     """
     accelerations, imbalance = solve_accelerations(part, loads)
     return loads - part.carried @ accelerations, imbalance
 
 
 def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
-    """Solve for the accelerations of a part along its l loose motions that balance c loads (d'Alembert).
+    """Solve for the accelerations of a part along its l loose motions under c load cases (d'Alembert).
 
     Parameters
     ----------
     part
         The part, with its loose motions: the rigid motions that no support fixes.
     loads
-        Nodal forces (n, c) [N], dense or sparse.
+        Nodal forces on n unknowns (n, c) [N], dense or sparse.
 
     Returns
     -------
     tuple
-        Accelerations (l, c) [m/s^2 or rad/s^2], and the imbalance (c, r) as in `balance_loads`.
+        Accelerations (l, c) [m/s^2 or rad/s^2], and the imbalance (c, r) as in `equilibrate_loads`.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
     loose_motions = list(part.loose)
@@ -155,7 +155,7 @@ def mass_product(mass: Any, fields: Array) -> Array:
 
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
-    """Solve for the displacements of a part [m], shape (n, c), under nodal forces `loads` [N] of c load cases (n, c).
+    """Solve for the displacements [m] of n unknowns of a part under nodal `loads` [N] in c load cases, (n, c) each.
 
     The displacements of fixed unknowns are 0.
     """
@@ -177,7 +177,7 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
     part
         The part with its supports.
     displacement, loads
-        Displacements [m] and nodal forces [N] of c load cases, shape (n, c) each.
+        Displacements [m] and nodal forces [N] of n unknowns in c load cases, shape (n, c) each.
     """
     support_forces = part.hold @ displacement - loads[part.fixed]
     resultants = support_forces.T @ part.motions[part.fixed]
@@ -187,11 +187,11 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the nodal forces (n, 4) [N] that four unit fields of acceleration exert on the mass of a part.
+    """Compute the nodal forces [N] of four unit fields of acceleration on the mass of a part, shape (unknowns, 4).
 
     The fields at a position (x, y) [m] are (1, 0), (0, 1), (x, y) and (y, -x), in m/s2: two translations, the radial
-    and the tangential field. Their linear combinations are the inertia forces of any plane motion. `points` are the
-    part's nodes (p, d) [m].
+    and the tangential field. Their linear combinations are the inertia forces of any plane motion. `points` are the p
+    nodes of the part in d = 2 or 3 dimensions, shape (p, d) [m].
     """
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
@@ -205,8 +205,9 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 def rigid_motions(points: Array) -> Array:
     """Compute the displacements of the nodes of a grid in each of its r rigid motions, shape (p d, r).
 
-    `points` are the p nodes (p, d) [m]. In the plane, the motions are 1 m along x and y and 1 rad about z. In space,
-    they are 1 m along x, y and z and 1 rad about x, y and z. Rotations are linearised, about the origin.
+    `points` are the p nodes in d = 2 or 3 dimensions, shape (p, d) [m]. In the plane, the motions are 1 m along x and y
+    and 1 rad about z. In space, they are 1 m along x, y and z and 1 rad about x, y and z. Rotations are linearised,
+    about the origin.
     """
     nodes, dimension = points.shape
     rotations = 1 if dimension == 2 else 3
@@ -225,7 +226,7 @@ def unknowns(nodes: Integers, dimension: int) -> Integers:
 
 
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
-    """Return the scikit-fem basis of the quadratic elements of a grid.
+    """Return the scikit-fem basis of the quadratic elements of a finite-element mesh.
 
     It is a basis for displacements if `vector` is true, otherwise for scalars. Its quadrature is exact up to the
     polynomial degree `order`.
@@ -244,7 +245,7 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
 
 
 def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
-    """Assemble the stiffness matrix of a linear elastic part without supports, sparse (n, n) [N/m].
+    """Assemble the stiffness matrix of a linear elastic part without supports, sparse, n unknowns: (n, n) [N/m].
 
     A planar part is in plane stress. An `assembler` of the same grid, if there is one, is reused to save time.
     """
@@ -309,8 +310,9 @@ class _Assembler:
 def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
     """Choose unknowns to fix, far from each other, which prevent the rigid motions with the indices `loose`.
 
-    `motions` (n, r) are all rigid motions. Returns the index of one unknown for each loose motion. In each step, it is
-    the unknown that moves most in the motions that the previous unknowns leave free.
+    `motions` are the displacements of the n unknowns in all r rigid motions, shape (n, r). Returns the index of one
+    unknown for each loose motion. In each step, it is the unknown that moves most in the motions that the previous
+    unknowns leave free.
     """
     remaining = motions[:, list(loose)]
     remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
@@ -356,8 +358,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
 def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
     """Factorise a symmetric stiffness matrix; return a function that solves for displacements under loads.
 
-    The function maps loads (n, c) [N] to displacements (n, c) [m]. The method is LDL^T of rslab if that is installed,
-    or else LU of SuperLU, which is much slower.
+    The function maps loads on n unknowns in c load cases, (n, c) [N], to displacements (n, c) [m]. The method is LDL^T
+    of rslab if that is installed, or else LU of SuperLU, which is much slower.
 
     Parameters
     ----------
@@ -386,7 +388,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric stiffness matrix by SuperLU; return a function that solves for the unknowns under loads.
+    """Factorise a symmetric stiffness matrix by SuperLU; return a function that solves for displacements.
 
     `lower` is the lower triangle of the matrix, and `part` the name of the part for messages.
     """

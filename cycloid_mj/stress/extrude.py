@@ -135,21 +135,21 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
 
 
 def _divide_prisms(section: Grid, is_filled: Mask, vertex_index: Integers) -> tuple[list[Array], ...]:
-    """Divide the prism over each triangle of each layer into three quadratic tetrahedra.
+    """Divide the prism over each triangle of each layer of an extruded mesh into three quadratic tetrahedra.
 
     Parameters
     ----------
     section
         The planar grid.
     is_filled
-        Whether there is material in each layer above each triangle, (l, m).
+        Whether there is material in each of l layers above each of m triangles, (l, m).
     vertex_index
-        Index of the solid's vertex at each level above each vertex of the section, (l + 1, v).
+        Index of the solid's vertex at each of the l + 1 levels above each of v vertices of the section, (l + 1, v).
 
     Returns
     -------
     tuple
-        Four lists of arrays, to be concatenated: corners of the tetrahedra (t, 4), vertices at both ends of their edges
+        Four lists of arrays, to be concatenated: corners of t tetrahedra (t, 4), vertices at both ends of their e edges
         (e, 2), node of the section over which the middle of each edge is (e,), and index of the height of this middle
         (e,), where level i has the index 2 i.
     """
@@ -177,7 +177,7 @@ def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -
     Parameters
     ----------
     solid_nodes
-        Node of the solid by height and node of the section, (h, m); -1 where there is none.
+        Node of the solid at each of h heights above each node of the section, (h, m); -1 where there is none.
     weights
         Share of each height in a load, (h,). A node of the section without a node at some height receives no load.
     unknowns
@@ -211,7 +211,7 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:
-    """Return points (n, 3) [m] along the roots of the output pins and both rims of the hub.
+    """Return n points [m] along the roots of the output pins and both rims of the hub, shape (n, 3).
 
     `spacing` [m] is their distance. `face` and `back` are the heights z [m] of the faces of the output disc; the pins
     are on `face`.

@@ -215,11 +215,13 @@ def _collect_maxima(
     distances
         Distances of the grid's nodes from narrow patches and corners.
     distance
-        Distance from patches at which bulk begins [m]; None: where the turn's largest stress reaches its plateau.
+        Distance from contact patches beyond which stress counts as bulk stress [m]; None: where the turn's largest
+        stress reaches a plateau.
     responses
         Responses of the part to the loads, in blocks of consecutive crank angles.
     components
-        Function from displacements (n d, c) [m] to stress components (components, n, c) [Pa].
+        Function from displacements of n nodes in d dimensions for c angles, (n d, c) [m], to stress components
+        (components, n, c) [Pa].
     on_state
         Called with the index of each angle and the stress components of all nodes at it.
     """
@@ -303,10 +305,10 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 
 
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
-    """Compute displacement [m] and stresses [Pa] at all nodes of a part at the crank angle with `index`, for a picture.
+    """Compute displacement [m] and stresses [Pa] at all nodes of a part at one crank angle, for a picture.
 
-    Nodes beyond a `distance` [m] from contacts count as bulk, except those next to sharp corners. The default distance
-    is `grid.bulk_distance`.
+    `index` is the index of the crank angle. Nodes beyond a `distance` [m] from contacts count as bulk, except those
+    next to sharp corners. The default distance is `grid.bulk_distance`.
     """
     grid = part.grid
     node_displacements = part.case.response(np.array([index])).displacements

@@ -21,7 +21,7 @@ from cycloid_mj.stress.study import QUICK, part_study
 
 
 def for_one_turn(design: Design, load: float | None = None) -> Design:
-    """Return a design whose simulation lasts for one crank turn relative to the ring, after transients have settled.
+    """Return a copy of a design whose simulation lasts for one crank turn relative to the ring, after transients.
 
     It runs at full speed from the start, and logs at least 720 samples per turn. `load` is the output torque [N m]; by
     default the design's own, or its rated torque if that is 0. With a speed of 0, the duration does not change. An RV
@@ -85,7 +85,7 @@ The largest stress, the largest contact pressure, and the smallest safety factor
 def part_figure(reducer: Reducer, kind: str, name: str) -> float:
     """Compute the largest bulk stress, contact pressure or safety of the parts of a kind, from a run of one turn.
 
-    `name` is the name of the quantity in `FIGURES_OF_PARTS`.
+    `kind` is the kind of part, such as "gear", and `name` is the name of the quantity in `FIGURES_OF_PARTS`.
 
     Raises
     ------
@@ -100,8 +100,8 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
     """Compute the torsional compliance that each part adds at the output [rad/(N m)], by name of the part.
 
     The forces on the parts are taken from a run without friction under the design's load, or its rated torque if that
-    is 0. `mounts` are the seats of output pins and crank in plates; they add entries to the result, see
-    `part_compliance.compute_part_compliance`.
+    is 0. `mounts` are the seats of output pins and crank in plates; with them, the result also has their compliances,
+    see `part_compliance.compute_part_compliance`.
 
     Raises
     ------
@@ -115,9 +115,9 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
 
 
 def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
-    """Return stress, contact pressure and safety of each kind of part from a study, by key of the catalogue `figures`.
+    """Return stress, contact pressure and safety of each kind of part, by the keys of the data-sheet catalogue.
 
-    Values that are NaN are left out.
+    `findings` are the results of a stress study. Values that are NaN are left out.
     """
     figures = {}
     for kind in KINDS:

@@ -96,9 +96,9 @@ class Peak:
     safety: float
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a stress maximum to JSON values; keys end in their units, and ``place_mm`` is the position.
+        """Convert the largest stress, with angle and position, to JSON values; keys end in their units.
 
-        Values that are not finite become None.
+        ``place_mm`` is the position. Values that are not finite become None.
         """
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
@@ -144,9 +144,9 @@ class Refinement:
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison of the stresses on two finite-element grids to JSON values; keys end in their units.
+        """Convert the stresses on two finite-element meshes, one finer, to JSON values; keys end in their units.
 
-        ``unknowns`` has an entry for each grid, ``bulk_mpa`` the largest bulk stress on each grid by ``angle_deg``, the
+        ``unknowns`` has a number for each mesh, ``bulk_mpa`` the largest bulk stress on each mesh by ``angle_deg``, the
         crank angles. ``change`` and ``scatter_rms`` [1] are the properties `change` and `scatter`. ``holds`` is whether
         ``change`` is below ``bound``.
         """

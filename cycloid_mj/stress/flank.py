@@ -10,7 +10,7 @@ from cycloid_mj.geometry.profile import CycloidGear
 
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
-    """Compute the ideal contact lines between the disc and each of the n lobes of an internal gear.
+    """Compute the ideal contact lines between the disc and each of n lobes of an internal gear, at k crank angles.
 
     `crank_angle` (k,) [rad] are the crank angles. A lobe has three parts: the arc at its tip, and the flank on either
     side.
@@ -42,7 +42,7 @@ def lobe_contact_point(
     rotation_error: Array,
     offset: float,
 ) -> tuple[Array, Array]:
-    """Compute where the force of a lobe acts on the disc's flank [m] (k, 2), and the relative curvature [1/m] (k,).
+    """Compute where the force of a lobe acts on the disc's flank at k crank angles [m], and the relative curvature.
 
     The force of a lobe is the sum of up to three line contacts. It acts where the line of action of the sum intersects
     the flank, which Newton's method determines from the nearest ideal contact line.
@@ -65,8 +65,8 @@ def lobe_contact_point(
     Returns
     -------
     tuple
-        Position of the force in the frame of the gear [m], and relative curvature at the nearest ideal contact line
-        [1/m]. The position is NaN if no contact line faces the force.
+        Position of the force in the frame of the gear [m], (k, 2), and relative curvature at the nearest ideal contact
+        line [1/m], (k,). The position is NaN if no contact line faces the force.
     """
     start_values = lines + rotation_error[:, np.newaxis]
     distances = np.abs(_miss(gear, start_values, action_point[:, np.newaxis], direction[:, np.newaxis], offset))

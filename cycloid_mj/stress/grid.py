@@ -26,9 +26,10 @@ class FoldedError(CycloidError):
     """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
-        """Create the error of a part whose grid has elements that are folded over (with negative volume).
+        """Create the error of a finite-element mesh with elements that are folded over (with negative volume).
 
-        Centres and longest edges of these elements (`folds`) follow from their `corners` (k, d + 1, d) [m].
+        Centres and longest edges of these k elements (`folds`) follow from their `corners` (k, d + 1, d) [m] in d
+        dimensions. `part` is the name of the part.
         """
         super().__init__(
             f"cannot generate a finite-element mesh of the {part}: a curved edge folds its element; increase the "
@@ -200,8 +201,8 @@ def planar_grid(
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
     """Mesh a planar region once by second-order triangles.
 
-    `length` is the unit of the edge lengths in the settings [m]; `short_edges` (n, 3) [m] are positions x, y with their
-    edge lengths. `section` is whether the grid is to be extruded.
+    `length` is the unit of the edge lengths in the settings [m]; `short_edges` (n, 3) [m] are n positions x, y with
+    their edge lengths. `section` is whether the grid is to be extruded.
 
     Raises
     ------
@@ -253,7 +254,7 @@ def quadratic_mesh(
     Parameters
     ----------
     points, cells
-        Vertices (p, d) [m], and the corners of each triangle or tetrahedron, (m, d + 1).
+        The p vertices in d dimensions (p, d) [m], and the corners of each of m triangles or tetrahedra, (m, d + 1).
     edge_ends, middles
         Vertices at both ends of e edges, (e, 2), and the points in their middles, (e, d) [m].
     part
@@ -308,7 +309,7 @@ def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
     """Return new numbers of `count` points such that neighbours have close numbers (reverse Cuthill-McKee method).
 
     The data that sparse products need are then in the processor's cache, which halves their time. `cells` (m, corners)
-    are the points of each element.
+    are the points of each of m elements.
     """
     rows = np.repeat(np.arange(len(cells)), cells.shape[1])
     corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
@@ -344,7 +345,7 @@ def _triangulate(
     Returns
     -------
     tuple
-        Points (p, 2) [m], first the points of the loops in order, and the corners of triangles (m, 3).
+        The p points (p, 2) [m], first the points of the loops in order, and the corners of m triangles (m, 3).
 
     Raises
     ------

@@ -80,7 +80,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     The samples nearest to the angles in the last turn at constant speed and load are used. Each force, including
     friction, acts where its line of action intersects the surface on which it presses. On a wide patch, it acts where
     the tractions have the logged moment. Free parts (disc and pin 1) have the acceleration that their contact forces
-    cause (d'Alembert), so that they are in balance at each sample.
+    cause (d'Alembert), so that loads and inertia are in equilibrium at each sample.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     part
         ``gear`` (with several discs ``gear_1``, ...), ``ring``, ``output``, ``shaft`` or ``pin_1``.
     angles
-        Crank angles [rad], shape (k,); by default every degree.
+        The k crank angles [rad], shape (k,); by default every degree.
 
     Raises
     ------
@@ -123,9 +123,9 @@ def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
 
 
 def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
-    """Return positions and contact forces over a turn at crank angles [rad], shape (k,), from a run.
+    """Return positions and contact forces of a run at k crank angles [rad] of a turn, shape (k,).
 
-    For an RV reducer, which has no run (None), positions and forces follow from the static balance.
+    For an RV reducer, which has no run (None), positions and forces follow from the static equilibrium.
 
     Raises
     ------
@@ -149,11 +149,10 @@ def select_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
 
 
 def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
-    """Compute the loads of a part other than its contact forces, as fields of `PartLoads` by name.
+    """Compute the loads of a part other than its contact forces at k crank angles, as fields of `PartLoads`.
 
-    They are "body_force" (gravity minus acceleration) [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque"
-    (torque of crank, load or fixation) [N m], (k,) each.
-    `contact_sum` is the sum of the contact forces, from which the acceleration of a movable part follows.
+    By name, they are "body_force" (gravity minus acceleration) [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and
+    "torque" (torque of crank, load or fixation) [N m], (k,) each. `turn` has positions and speeds.
     """
     zeros = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment

@@ -116,7 +116,7 @@ def with_modulus(reducer: Reducer, modulus: float) -> Reducer:
 
 
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
-    """Compute the torsional compliance at the output [rad/(N m)] of the output pins in the two plates around the disc.
+    """Compute the torsional compliance of output pins that are held in two plates around the disc [rad/(N m)].
 
     A pin between fixed plates has the lateral compliance c. Under the torque T, with the forces F of the disc on the
     pins, the compliance of the pins is sum(c F^2)/T^2, averaged over the crank angles. A second plate that can turn
@@ -158,7 +158,7 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
 
 
 def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Compute the deflection of an output pin, a Timoshenko beam in two elastic plates, under the force of a disc.
+    """Compute the deflection of an output pin under the force of a disc, as a Timoshenko beam in two elastic plates.
 
     The force is uniform over the disc's width. `studs` are the lengths of the seats in both plates.
 

@@ -79,7 +79,7 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Return the largest stress at the roots of the output pins over the turn, as a tuple of a single `Notch`.
+    """Return the largest stress at the roots of the output pins over the turn, under `loads`; a tuple of one `Notch`.
 
     Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with the bending moment M at the
     root and the radius R of the pin, or of its core under a roller.
@@ -115,10 +115,10 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """Return the largest stresses in the shaft over the turn: a `Notch` for the journals, then one for each shoulder.
+    """Return the largest stresses in the shaft at k crank angles: a `Notch` for the journals, then one per shoulder.
 
     The first is the most stressed section of all journals, without a notch (notch factors of 1). `moments` (k, s, 3) [N
-    m] are the moments about x, y and z at the s stations of `shaft`, at crank angles `angle` (k,) [rad]. The first
+    m] are the moments about x, y and z at the s stations of `shaft`, at the crank angles `angle` (k,) [rad]. The first
     stations are the shoulders.
     """
     bending = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])

@@ -41,10 +41,11 @@ class QuadraticOutline:
 
 
 def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
-    """Divide a closed polygon (n, 2) [m] into quadratic edges; return their nodes, middles and target lengths [m].
+    """Divide a closed polygon of n points [m] into quadratic edges; return their nodes, middles and lengths [m].
 
-    `sizing` determines the target lengths; corners of the polygon are nodes. The number of edges between two corners is
-    the integral of 1/(target length) along the outline, rounded up. An outline has at least 12 edges.
+    `polygon` has the shape (n, 2). `sizing` determines the target lengths; corners of the polygon are nodes. The number
+    of edges between two corners is the integral of 1/(target length) along the outline, rounded up. An outline has at
+    least 12 edges.
     """
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
@@ -81,15 +82,15 @@ def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
 
 
 def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
-    """Halve the edges of a closed polygon (n, 2) [m] until each is at most half as long as its target length.
+    """Halve the edges of a closed polygon of n points (n, 2) [m] until each has at most half its target length.
 
     `sizing` determines the target lengths.
 
     Returns
     -------
     points, corner, radius
-        Points of the divided polygon (m, 2) [m], whether each is a corner, and the radius of curvature [m] there, inf
-        at corners; (m,) each.
+        The m points of the divided polygon (m, 2) [m], whether each is a corner, and the radius of curvature [m] there,
+        inf at corners; (m,) each.
     """
     edge_before, edge_after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]
@@ -112,7 +113,7 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
 
 
 def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
-    """Reduce edge lengths (n,) [m] so that their growth along a closed outline is at most `growth` in both directions.
+    """Reduce n edge lengths [m] so that their growth along a closed outline is at most `growth` in both directions.
 
     Parameters
     ----------

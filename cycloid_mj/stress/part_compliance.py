@@ -35,7 +35,7 @@ def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | 
     reducer
         The reducer of the run.
     mounts
-        Seats of output pins and crank in elastic plates, from a drawing; None: the entries of these seats are absent.
+        Seats of output pins and crank in elastic plates, from a drawing; None: without these seats.
 
     Raises
     ------
@@ -69,10 +69,11 @@ def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | 
 
 
 def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
-    """Compute the work of the shaft's bearing forces on their elastic seats in the housing at each angle [J], (k,).
+    """Compute the work of the shaft's bearing forces on their elastic seats in the housing at k angles [J], (k,).
 
-    A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
-    1051, 1946), with Young's modulus E of the housing. The forces of both bearings follow from equilibrium.
+    `loads` are those of the shaft. A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate
+    (Tate and Rosenfeld, NACA TN 1051, 1946), with Young's modulus E of the housing. The forces of both bearings follow
+    from equilibrium.
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)

@@ -108,7 +108,7 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
 def _distribute_pressure(
     edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array
 ) -> tuple[Integers, Array]:
-    """Distribute forces (a, 2) [N] as elliptical pressure over patches, by Gauss-Chebyshev quadrature with q points.
+    """Distribute a forces (a, 2) [N] as elliptical pressure over patches, by Gauss-Chebyshev quadrature at q points.
 
     The direction of the pressure rotates along the patch with the normal of the outline, as in a bearing; on a narrow
     patch it is practically that of the force. Plane vectors are represented by complex numbers in this function.
@@ -153,7 +153,7 @@ def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[n
 
 
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
-    """Compute the arc length [m] (a,) of the outline's point that is nearest to each position (a, 2) [m].
+    """Compute the arc length [m] (a,) along the outline of the points nearest to each of a positions (a, 2) [m].
 
     `edges` are those of all outlines, `edge` and `xi` (a,) are the index of the edge on which the nearest sample of the
     outline is, and the sample's parameter on this edge. The outline is replaced by its tangent at this sample.
@@ -165,7 +165,7 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> A
 
 
 def _collect_edges(grid: Grid) -> _Edges:
-    """Return nodes, positions [m] and arc lengths [m] of the element edges along all outlines with contacts."""
+    """Return nodes, positions [m] and arc lengths [m] of the element edges of `grid` along outlines with contacts."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)

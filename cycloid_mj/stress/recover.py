@@ -157,9 +157,10 @@ def principal(stress: Array) -> Array:
 def _nodal_fit(grid: Grid, points: Array) -> Any:
     """Return the sparse operator (n, p) that maps values at the p quadrature points to values at the n nodes.
 
-    `points` (p, d) are the coordinates of the quadrature points [m], in the order of the elements. A quadratic
-    polynomial is fitted to the values at the points of the elements around each vertex. It determines the value at the
-    vertex. A node in the middle of an edge has the mean of the polynomials of both ends (Zienkiewicz and Zhu 1992).
+    `points` (p, d) are the coordinates of the quadrature points [m] in d dimensions, in the order of the elements of
+    `grid`. A quadratic polynomial is fitted to the values at the points of the elements around each vertex. It
+    determines the value at the vertex. A node in the middle of an edge has the mean of the polynomials of both ends
+    (Zienkiewicz and Zhu 1992).
     """
     table, is_used = _points_around_vertices(grid, len(points))
     scale = np.zeros(len(table))
@@ -180,7 +181,7 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
     Parameters
     ----------
     points, vertices
-        All quadrature points (p, d) [m], and the vertices (v, d) [m].
+        All p quadrature points in d dimensions (p, d) [m], and the vertices (v, d) [m].
     table, used
         Indices of the w points around each vertex (v, w), padded to the same number w, and a mask that is false for
         padding.
@@ -204,10 +205,10 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
 
 
 def _evaluation_operator(grid: Grid, scale: Array) -> Any:
-    """Return the operator that evaluates the polynomials of `_fit_polynomials` at the nodes, sparse (n, v t).
+    """Return the sparse operator that evaluates the polynomials of `_fit_polynomials` at the n nodes of `grid`.
 
-    It maps the t coefficients of each vertex to nodal values. `scale` (v,) [m] are the lengths by which offsets from
-    the vertices are divided.
+    It maps the t coefficients of each of v vertices to nodal values, shape (n, v t). `scale` (v,) [m] are the lengths
+    by which offsets from the vertices are divided.
     """
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
@@ -222,12 +223,12 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
 
 
 def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
-    """List the quadrature points of the elements around each of v vertices; `count` is the number of all points.
+    """List the quadrature points of the elements of `grid` around each of v vertices; `count` is the total number.
 
     Returns
     -------
     tuple
-        Indices of the points (v, w), padded with 0, and a mask (v, w) that is false for padding.
+        Indices of up to w points around each vertex (v, w), padded with 0, and a mask (v, w) that is false for padding.
     """
     corners = grid.mesh.t.T
     points_per_cell = count // len(corners)

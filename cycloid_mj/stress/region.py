@@ -126,7 +126,7 @@ def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
 def _output_region(reducer: Reducer, rim: Array) -> Region:
     """Return the region of the output disc, for meshing: rim, fixed hub and circles of the pins.
 
-    `rim` is its outline (n, 2) [m].
+    `rim` are the n points of its outline (n, 2) [m].
 
     Raises
     ------

@@ -17,7 +17,7 @@ from cycloid_mj.statics.rv import RvLoads, RvSprings
 from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress.contacts import needle_contact
 from cycloid_mj.stress.notch import Notch
-from cycloid_mj.stress.static_turn import balance_turn
+from cycloid_mj.stress.static_turn import solve_over_turn
 
 
 @dataclass(frozen=True)
@@ -101,14 +101,14 @@ class RvStrength:
 def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
     """Compute the largest stresses of the cranks and of sun and planets over a turn, under the load of the design.
 
-    `angles` [rad], shape (k,), are angles of the cranks relative to the carrier.
+    `angles` [rad], shape (k,), are k angles of the cranks relative to the carrier.
 
     Raises
     ------
     RunError
         No static equilibrium exists.
     """
-    springs, loads = balance_turn(reducer, angles)
+    springs, loads = solve_over_turn(reducer, angles)
     needles = needle_contact(reducer, loads.bearings, 1.0 / reducer.cranks.eccentric_radius)
     return RvStrength(
         shoulders=tuple(_crank_shoulders(reducer, springs, loads, np.ravel(angles))),
@@ -121,7 +121,7 @@ def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
 def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, angles: Array) -> Iterator[Notch]:
     """Yield the largest stress over all cranks and angles at each end of each eccentric, in the order of z.
 
-    `angles` (k,) [rad] are the crank angles of `springs` and `loads`.
+    `angles` (k,) [rad] are the k crank angles of the contact `springs` and their `loads`.
     """
     gear, radius, fillet = reducer.design.gear, reducer.journal_radius, reducer.journal_fillet
     outer = reducer.cranks.eccentric_radius + gear.eccentricity
@@ -140,9 +140,9 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
     """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    `springs` and `loads` are the static equilibrium at the k angles, `stations` (s,) [m] are positions along z. A crank
-    is a beam on supports in the middles of the flanges. Its torque acts at the planet, and decreases along each
-    eccentric.
+    Contact `springs` and `loads` are the static equilibrium at the k angles, `stations` are s positions along z (s,)
+    [m]. A crank is a beam on supports in the middles of the flanges. Its torque acts at the planet, and decreases along
+    each eccentric.
     """
     gear, layout = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)
@@ -174,7 +174,7 @@ def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Arr
 
 
 def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
-    """Yield the nominal stress [Pa] and its factors at the tooth root of the sun, then of a planet.
+    """Yield the nominal bending stress [Pa] and its factors at the tooth root of the sun, then of a planet.
 
     A single pair of teeth carries the normal `force` [N].
     """

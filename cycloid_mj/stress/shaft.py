@@ -79,11 +79,10 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Divide the bearing seats of a shaft into pads; return the unit load and the spring of each pad.
+    """Divide the bearing seats of a shaft into patches ("pads"); return unit load and elastic support of each.
 
-    Each seat has `MODEL.sectors` pads around the axis and `MODEL.strips` along it. `stiffness` [N/m] is the radial
-    stiffness of a bearing. A bearing presses on half of its seat. An elastic bed with the stiffness k per area
-    therefore has the radial stiffness k R w pi/2, with the radius R and width w of the seat.
+    The unit load of a pad is a uniform outward pressure with a sum of 1 N, as nodal forces of `grid`, the
+    finite-element mesh.
 
     Raises
     ------
@@ -115,9 +114,10 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
 
 
 def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) -> Array:
-    """Compute the outward forces [N] (p,) that cancel the tension in the springs of the p pads; 0 in compression.
+    """Compute the outward forces [N] (p,) by which p pads of bearing seats lift off; 0 for pads in compression.
 
-    A pad with the outward displacement d < 0 opens: the force k d cancels its spring of stiffness k. d depends on the
+    A pad is a patch of a bearing seat on an elastic support. Where the support would be in tension, the pad opens: the
+    force k d cancels the tension of its spring of stiffness k at the outward displacement d < 0. d depends on the
     forces on all open pads. An active-set method therefore iterates the set of open pads.
 
     Parameters
@@ -155,10 +155,10 @@ def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) 
 
 
 def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the shaft on its bearings under its loads, and return its load case for any crank angles.
+    """Factorise the stiffness matrix of the shaft on its bearings; return its load case for any crank angles.
 
-    The loads at each angle are a linear combination of unit loads, which are solved here. Bearings press on the shaft
-    and do not pull.
+    `grid` is the finite-element mesh. The loads at each angle are a linear combination of unit loads, which are solved
+    here. Bearings press on the shaft and do not pull.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     part = elastic.assemble_body(grid, steel, springs=pads.springs, loose=(2, 5))
     cam_loads = [unit for cam in range(len(cams)) for unit in _cam_unit_loads(grid, shaft, cam)]
     unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
-    unit_loads, imbalances = elastic.balance_loads(part, unit_loads)
+    unit_loads, imbalances = elastic.equilibrate_loads(part, unit_loads)
     unit_displacements = elastic.displacements(part, unit_loads)
     cam_factors = [factor for cam in range(len(cams)) for factor in _cam_load_factors(shaft, loads, cam)]
     load_factors = np.vstack([*cam_factors, loads.torque, mass_coefficients(loads)])
@@ -185,7 +185,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Solve for the shaft's response at the angles with indices `angles`, shape (c,); bearings do not pull."""
+        """Solve for the shaft's response at c crank angles with indices `angles`, shape (c,); bearings do not pull."""
         weights = load_factors[:, angles]
         open_forces = np.column_stack(
             [
@@ -208,7 +208,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _cam_load_factors(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
-    """Yield the factor (k,) of each unit load of a cam, in the order of `_cam_unit_loads`, at k crank angles.
+    """Yield the factor of each unit load of a cam, in the order of `_cam_unit_loads`, at k crank angles, (k,).
 
     The sum of the unit loads times their factors is the load on the cam. First come the factors of the pressures [N]:
     for each harmonic the factor of the cosine and of the sine (order 0 has no sine). The last factor is the moment
@@ -241,11 +241,11 @@ def _half_cosine(order: int) -> float:
 
 
 def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
-    """Compute the nodal forces [N] of unit loads on the cam with an index: 11 pressures (n, 11), and a couple (n, 1).
+    """Compute the nodal forces [N] of 11 unit pressures on a cam, (n, 11) for n unknowns, and of a couple, (n, 1).
 
-    The pressures vary around the cam as the cosine and sine of multiples of the angle, `MODEL.harmonics`. Those of
-    order 1 have the resultants -1 N along x and y, the others have none. The couple of 1 N m about z is shear around
-    the cam, without resultant.
+    `cam_index` is the index of the cam on the `shaft`, `grid` the finite-element mesh. The pressures vary around the
+    cam as the cosine and sine of multiples of the angle, `MODEL.harmonics`. Those of order 1 have the resultants -1 N
+    along x and y, the others have none. The couple of 1 N m about z is shear around the cam, without resultant.
     """
     cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]
@@ -277,7 +277,7 @@ def _scale_to_unit_moment(grid: Grid, load: Array) -> Array:
 
 def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
-    loads, _ = elastic.balance_loads(part, pads.press.toarray())
+    loads, _ = elastic.equilibrate_loads(part, pads.press.toarray())
     displacements = elastic.displacements(part, loads)
     return displacements, np.asarray(pads.press.T @ displacements)
 
@@ -291,7 +291,7 @@ def section_moment_weights(points: Array, positions: Array) -> Array:
     Parameters
     ----------
     points
-        Nodes (n, 3) [m].
+        The n nodes (n, 3) [m].
     positions
         z of the sections (s,) [m].
     """

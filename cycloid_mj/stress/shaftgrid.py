@@ -22,7 +22,7 @@ fillets."""
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     """Mesh the shaft by solid finite elements (quadratic tetrahedra), in the frame of its solid.
 
-    The origin is on the reducer's axis, and the first cam is offset towards +y.
+    `settings` are the edge lengths. The origin is on the reducer's axis, and the first cam is offset towards +y.
     """
     shaft = shaft_dimensions(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
@@ -39,7 +39,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
 
 
 def _inner_corners(shaft: ShaftDimensions) -> Array:
-    """Return points (n, 3) [m] along the sharp inner edges of a shaft, near which its mesh cannot resolve the stress.
+    """Return n points (n, 3) [m] along the sharp inner edges of a shaft, where its mesh cannot resolve the stress.
 
     The edges are at the faces of the cams, and at both faces and the flats of the counterweight.
     """
@@ -108,7 +108,7 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
 
 
 def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
-    """Set gmsh's target edge length near `positions` (n, 3) [m].
+    """Set gmsh's target edge length near n `positions` (n, 3) [m].
 
     It is a third of `edge` [m] at the positions, and rises to `edge` at a distance of 2 `edge`. Only every eighth
     position is used.
@@ -133,8 +133,8 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
 def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
     """Return a quadratic scikit-fem mesh of gmsh's tetrahedra of ten nodes.
 
-    `tags` (p,) are gmsh's numbers of the `points` (p, 3) [m]. `nodes` (m, 10) are the numbers of the ten nodes of each
-    tetrahedron.
+    `tags` (p,) are gmsh's numbers of the p `points` (p, 3) [m]. `nodes` (m, 10) are the numbers of the ten nodes of
+    each of m tetrahedra.
     """
     position = np.zeros(int(tags.max()) + 1, np.int64)
     position[tags.astype(np.int64)] = np.arange(len(tags))

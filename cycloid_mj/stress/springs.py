@@ -73,7 +73,7 @@ class PartSprings:
         return f"{self.stiffness:.4g} N m/rad{between}"
 
     def table(self) -> Table:
-        """Return a table with the compliance [mrad/(N m)] of each part and the key of the spring that includes it."""
+        """Return a table with the compliance [mrad/(N m)] of each part and the key of its spring in the design file."""
         rows = [
             (part, 1e3 * item, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
             for part, item in self.compliance.items()
@@ -86,7 +86,7 @@ class PartSprings:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert compliances and spring stiffnesses of the parts to JSON values; keys end in their units.
+        """Convert torsional compliances and spring stiffnesses of the parts to JSON values; keys end in their units.
 
         ``parts_rad_per_nm`` has the compliance of each part, ``contacts_rad_per_nm`` the share of the contacts in it.
         ``springs_nm_per_rad`` has the springs of the design (``springs.*``) by their keys.
@@ -103,12 +103,12 @@ class PartSprings:
 
 
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
-    """Compute the compliance of each part by finite elements, and the design with springs of carrier, shaft, housing.
+    """Compute the torsional compliance of each part by finite elements, and a design with springs instead of it.
 
-    A spring has the sum of the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion
-    that `statics.structure` computes. The compliance of the contacts is subtracted from that of the carrier, since
-    statics includes it. `mounts` are the seats of output pins and crank from a drawing; each limit of their modulus
-    needs another simulation.
+    The springs are those of carrier, shaft and housing in the table ``springs`` of the design. A spring has the sum of
+    the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion that `statics.structure`
+    computes. The compliance of the contacts is subtracted from that of the carrier, since statics includes it. `mounts`
+    are the seats of output pins and crank from a drawing; each limit of their modulus needs another simulation.
 
     Raises
     ------

@@ -23,10 +23,10 @@ from cycloid_mj.stress.contacts import nominal_pin_centre
 from cycloid_mj.stress.turn import DEGREES, Turn
 
 
-def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
-    """Solve the static equilibrium of the running drive under its load; return contact springs and loads at k angles.
+def solve_over_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
+    """Solve the static equilibrium of a running RV reducer under its load; return contact springs and loads.
 
-    `angles` (k,) [rad] are angles of the cranks relative to the carrier.
+    Both have k crank angles: `angles` (k,) [rad] are angles of the cranks relative to the carrier.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[R
 
 @once
 def _balance_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
-    """Solve the static equilibrium as `balance_turn`; cached."""
+    """Solve the static equilibrium as `solve_over_turn`; cached."""
     design = reducer.design
     springs = compute_rv_springs(reducer, np.array(angles) * design.lobes / design.ring.teeth)
     torque = torque_on_carrier(reducer, design.load.torque)
@@ -52,7 +52,7 @@ def _friction(reducer: RvReducer, springs: RvSprings) -> RunningFriction:
 
 
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Return positions and contact forces over a turn of the cranks in static equilibrium, as a run would log them.
+    """Return positions and contact forces of an RV reducer at k angles of a turn in static equilibrium, as a run logs.
 
     `angles` [rad] (k,) are angles of the cranks relative to the carrier. Weight and inertia are left out.
 
@@ -62,7 +62,7 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
         No static equilibrium exists.
     """
     crank = np.ravel(np.asarray(angles, dtype=np.float64))
-    springs, loads = balance_turn(reducer, crank)
+    springs, loads = solve_over_turn(reducer, crank)
     zeros = np.zeros_like(crank)
     columns = {"crank_angle": springs.crank, "load_torque": np.full_like(crank, reducer.design.load.torque)}
     columns |= dict(_disc_columns(reducer, springs)) | dict(_force_columns(reducer, springs, loads))
@@ -73,9 +73,9 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
 
 
 def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str, Array]]:
-    """Yield name and values (k,) of the logged columns of each disc: x, y [m], angle [rad]; and their speeds.
+    """Yield name and values (k,) of the logged columns of each disc at k crank angles: x, y [m], angle [rad]; speeds.
 
-    The speeds are 0. `springs` has the k crank angles.
+    The speeds are 0. `springs` are the contact springs at the crank angles.
     """
     eccentrics = reducer.design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)
     for disc, name in enumerate(reducer.gears):
@@ -86,10 +86,10 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
 
 
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
-    """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m].
+    """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m] at k crank angles.
 
-    Forces on a disc have moments about its centre; forces of the sockets on free ring pins have moments about the
-    centre of the pin.
+    `loads` are the forces on the contact `springs`. Forces on a disc have moments about its centre; forces of the
+    sockets on free ring pins have moments about the centre of the pin.
     """
     design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction

@@ -44,10 +44,10 @@ def sample_angles(angles: int) -> Integers:
 
 
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
-    """Return stress amplitude [Pa], mean stress [Pa] and position [m] of the node that is critical for fatigue.
+    """Return stress amplitude [Pa], mean stress [Pa] and position [m] of the node of `part` critical for fatigue.
 
-    `states` maps the indices of the angles of `sample_angles` to the stress components there (components, n) [Pa]. A
-    state does not count at nodes within `distance` [m] of a narrow patch at that angle. At the critical node, 2
+    `states` maps the indices of the angles of `sample_angles` to the stress components of n nodes (components, n) [Pa].
+    A state does not count at nodes within `distance` [m] of a narrow patch at that angle. At the critical node, 2
     amplitude + mean is largest: Goodman's criterion with an endurance limit of half the tensile strength. A negative
     mean counts as 0.
     """
@@ -71,12 +71,12 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     Parameters
     ----------
     states
-        Stress components at each of c instants (c, components, n) [Pa], NaN where a state does not count.
+        Stress components of n nodes at each of c instants (c, components, n) [Pa], NaN where a state does not count.
 
     Returns
     -------
     tuple
-        Amplitude [Pa], mean [Pa] and index of each node, shape (m,) each.
+        Amplitude [Pa], mean [Pa] and index of each of m nodes, shape (m,) each.
     """
     bulk_nodes = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = rank_by_range(states[:, :, bulk_nodes])
@@ -101,7 +101,7 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def rank_by_range(states: Array) -> Array:
-    """Compute an upper bound of the stress range plus mean of each node [Pa], shape (n,), to preselect critical nodes.
+    """Compute an upper bound of stress range plus mean of each of n nodes [Pa], (n,), to preselect critical nodes.
 
     It is sqrt(3) times the norm of the ranges of the stress components, plus half the norm of their largest magnitudes.
     `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.

@@ -134,7 +134,10 @@ class StressStudy(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table with the largest stresses [MPa], largest contact force [N] and yield strength [MPa], a row per part."""
+        """Return a table with named columns: largest stress [MPa], largest contact force [N], yield strength [MPa].
+
+        It has a row per part.
+        """
         rows: list[dict[str, Cell]] = [
             {
                 "part": item.part,
@@ -175,13 +178,13 @@ def stress_study(
     ----------
     run, reducer
         The run, and the reducer that ran. For an RV reducer, which has no run (None), forces follow from the static
-        balance.
+        equilibrium.
     parts
         Names of parts; by default every part of the design.
     settings
         Settings; by default the settings of a full study.
     log
-        Name of the run's file, which the findings state.
+        Name of the run's log file, for the texts of the result.
     on_part
         Called before each part with its name, the number of finished parts, and the number of all parts.
     grids, references
@@ -241,7 +244,7 @@ def in_order(parts: Sequence[str]) -> list[str]:
 
 
 def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Compute the stress of one part over a turn by finite elements; return its grid, loads, maxima, map and findings.
+    """Compute the stress of one part over a turn by finite elements; return mesh, loads, maxima, map and results.
 
     If `grid` is None, the part is meshed with the `settings`.
 
@@ -296,12 +299,12 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
 def _solve_part(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
-    """Solve a part at all crank angles; return stress maxima, map, stress range, and bulk stress by corner distance.
+    """Solve a part at all crank angles; return largest stresses, map, stress range, and effect of corner distance.
 
-    `map_angle` is the crank angle of the map [rad]; None: the angle of the largest bulk stress. The stress range is
-    None for parts other than `RANGE_PARTS`. The last result has pairs of the distance from sharp corners [m] and the
-    largest bulk stress beyond it [Pa], at the crank angle of the largest bulk stress; it is empty for parts without
-    corners.
+    `grid` is the finite-element mesh of the part, `loads` are the loads on it. `map_angle` is the crank angle of the
+    map [rad]; None: the angle of the largest bulk stress. The stress range is None for parts other than `RANGE_PARTS`.
+    The last result has pairs of the distance from sharp corners [m] and the largest bulk stress beyond it [Pa], at the
+    crank angle of the largest bulk stress; it is empty for parts without corners.
     """
     part = assemble_part(reducer, grid, loads)
     has_range = names.family(grid.part) in RANGE_PARTS
@@ -334,10 +337,10 @@ def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
 def _compare_with_finer_grid(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
-    """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
+    """Solve `settings.checked` crank angles on a finer mesh, too; return the bulk stresses [Pa] of both meshes.
 
-    Bulk stress is the largest stress beyond a distance from contacts and sharp corners. `stress` is the solution on
-    `grid`; its largest bulk stress occurs at the first of the angles.
+    Bulk stress is the largest stress beyond a distance from contacts and sharp corners. `stress` is the solution under
+    `loads` on the mesh `grid`; its largest bulk stress occurs at the first of the angles.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
@@ -367,9 +370,9 @@ def _stress_with_other_supports(
 ) -> tuple[tuple[str, float], ...]:
     """Compute the bulk stress [Pa] of a part with other supports than the design's, such as a clamped rim.
 
-    Returns pairs of the support as text, "key = value", and the stress; none for parts without a choice of supports
-    (`SUPPORTS`). The stress is the largest at five crank angles; the first of them is the angle at which the bulk
-    stress in `stress` is largest.
+    `settings` determine the finite-element mesh, `loads` are those on the part. Returns pairs of the support as text,
+    "key = value", and the stress; none for parts without a choice of supports (`SUPPORTS`). The stress is the largest
+    at five crank angles; the first of them is the angle at which the bulk stress in `stress` is largest.
     """
     if part not in SUPPORTS:
         return ()
@@ -386,7 +389,10 @@ def _stress_with_other_supports(
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
-    """Return the largest stress [Pa] away from contacts over the turn, with crank angle, position and safety factor."""
+    """Return the largest stress [Pa] away from contacts over the turn, with crank angle, position and safety factor.
+
+    `stress` is the solution for a part under `loads`.
+    """
     row = int(np.argmax(stress.bulk_stress))
     largest = float(stress.bulk_stress[row])
     return Peak(
@@ -407,9 +413,11 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
 
 
 def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
-    """Compute the larger relative change [1] of the bulk stress with half or with twice the distance from corners.
+    """Compute how much the bulk stress depends on the distance from sharp corners within which stress is ignored.
 
-    `corners` are the pairs of `field.vary_corner_distance`; the result is 0 if there are none.
+    The result is the larger relative change [1] of the bulk stress, the largest stress away from contacts and corners,
+    if this distance is halved or doubled; 0 for a part without corners. `corners` are pairs of distance [m] and bulk
+    stress [Pa], from `field.vary_corner_distance`.
     """
     sizes = [size for _, size in corners]
     base = sizes[len(sizes) // 2] if sizes else 0.0

@@ -41,7 +41,7 @@ class SolidSurface:
 
 
 def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSurface:
-    """Return nodes, normals and quadrature points (order 6) of selected faces on the surface of a solid grid.
+    """Return nodes, normals and quadrature points (order 6) of selected faces on the surface of a solid mesh.
 
     `is_selected` maps the centres (3, f) [m] of all f surface faces to a mask (f,): true for the faces to select.
     """

@@ -29,10 +29,11 @@ STRENGTH_HEADER = ("section", "nominal [MPa]", "factor", "stress [MPa]", "safety
 def bulk_table(findings: StressFindings) -> list[list[str]]:
     """Return the bulk stress of each part as a row of text; columns as in `BULK_HEADER`.
 
-    "from" is the distance from narrow contacts at which the largest stress reaches its plateau. "choice" is the
-    relative change of the stress with this choice: its drop to twice the distance, or its change with half or twice the
-    distance from sharp corners, if that is larger. "safety" is the safety factor of the larger of bulk and fillet
-    stress. "refined" is the relative change of the stress with a finer grid.
+    `findings` are the results of a stress study. "from" is the distance from narrow contacts at which the largest
+    stress reaches its plateau. "choice" is the relative change of the stress with this choice: its drop to twice the
+    distance, or its change with half or twice the distance from sharp corners, if that is larger. "safety" is the
+    safety factor of the larger of bulk and fillet stress. "refined" is the relative change of the stress with a finer
+    mesh.
     """
     return [_bulk_row(part) for part in findings.parts]
 
@@ -61,7 +62,7 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
 
 
 def part_notes(part: PartFindings) -> list[str]:
-    """Return lines of text on a part: stress at fillets, stress range for fatigue, bulk stress with other supports."""
+    """Return notes on a part as lines of text: stress at fillets, stress range for fatigue, other supports."""
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"

@@ -69,7 +69,7 @@ class Turn:
 
 
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Return the logged columns of a run in its last turn, at the samples nearest to crank angles [rad], shape (k,).
+    """Return the logged columns of a run in its last crank turn, at the samples nearest to k crank angles [rad], (k,).
 
     The turn is the last at constant speed and load. Angles and forces are relative to the ring. The run must be a run
     of the design of `reducer`, unless this is None.

@@ -77,7 +77,7 @@ def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) 
 
 
 def _orient_cells(stress_map: StressMap) -> np.ndarray:
-    """Return the nodes of each cell, shape (m, nodes), in an order for which VTK computes a positive area or volume."""
+    """Return the nodes of each of m cells, (m, nodes), in an order for which VTK computes a positive area or volume."""
     cells = stress_map.cells.copy()
     dimension = stress_map.points.shape[1]
     corners = stress_map.points[cells[:, : dimension + 1]]

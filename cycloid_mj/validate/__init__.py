@@ -40,7 +40,7 @@ def main(only: Sequence[str] = (), quick: bool = True, progress: Progress = sile
     Raises
     ------
     UsageError
-        There is no step of a name.
+        A name is not that of a step.
     """
     from cycloid_mj.validate.suite import Validation, run_parts, select_parts, sort_rows
 

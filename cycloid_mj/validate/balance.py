@@ -78,10 +78,11 @@ def design_with_errors(layout: str, *changes: str) -> Design:
 def springs_and_reference(
     reducer: Reducer, crank_angle: float = BALANCE.crank
 ) -> tuple[KernelSprings, DisplacedSprings]:
-    """Return the contacts of a design without friction at a crank angle [rad] as springs, in two implementations.
+    """Return the contact springs of a design without friction at a crank angle [rad], in two implementations.
 
     The first are the springs of the static model (`statics.springs_of`), with approximated gaps. The second are
-    reference springs, whose gaps are computed from the exact curves. Both have the same stiffness.
+    reference springs, whose gaps are computed from the exact curves without approximation. Both have the same
+    stiffness.
     """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])
@@ -100,11 +101,12 @@ def random_pose(unknowns: int, size: float) -> Array:
 
 
 def state_rows(layout: str) -> list[ValidationRow]:
-    """Compare elastic energy and contact forces of the static model at a random pose with those for exact gaps.
+    """Compare elastic energy and contact forces of the static model at a random pose with a reference.
 
-    Returns a row of `cycloid-mj validate` for the energy and one for the forces. `layout` is that of the reducer, a key
-    of `LAYOUTS`. Displacements of the parts are at most `BALANCE.near`. The loads on their
-    displacements are random, too, and at most 100 N. For rotations, both limits are multiplied by three.
+    The reference computes the gaps from the exact curves, while the static model approximates the curves. Returns a row
+    of `cycloid-mj validate` for the energy and one for the forces. `layout` is that of the reducer, a key of `LAYOUTS`.
+    Displacements of the parts are at most `BALANCE.near`. The loads on their displacements are random, too, and at most
+    100 N. For rotations, both limits are multiplied by three.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
@@ -118,9 +120,10 @@ def state_rows(layout: str) -> list[ValidationRow]:
     ]
 
 
-def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
-    """Compare the forces in static equilibrium at the rated load with those of reference springs with exact gaps.
+def equilibrium_rows(layout: str, *changes: str) -> list[ValidationRow]:
+    """Compare the forces in static equilibrium at the rated load with those of a reference.
 
+    The reference are contact springs with gaps from the exact curves, while the static model approximates the curves.
     The equilibrium is that of the statics at one crank angle, without friction. The first row compares the generalised
     forces of the reference springs in this pose [N] with minus the load. The second row compares the forces of all
     contacts [N] with those of the reference springs. `layout` is a key of `LAYOUTS`, `changes` are settings as for
@@ -148,8 +151,9 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
 
 
 def sample_rows() -> list[ValidationRow]:
-    """Compare the static results for a drive with manufacturing errors with those of springs with exact gaps.
+    """Compare the static results for a drive with manufacturing errors with a reference.
 
+    The reference are contact springs with gaps from the exact curves, while the static model approximates the curves.
     The static results are those of the solver for random samples (`solve_samples`): rotations, largest forces and the
     number of loaded teeth, as means, ranges and maxima over the three crank angles `TURN`. The drive has two discs.
     """
@@ -162,7 +166,7 @@ def sample_rows() -> list[ValidationRow]:
     poses, forces = [], []
     for angle_index, crank in enumerate(TURN):
         _, reference = springs_and_reference(Reducer(design), crank)
-        poses.append(reference.balance(load[angle_index], contact_loads.departures[angle_index]))
+        poses.append(reference.solve_equilibrium(load[angle_index], contact_loads.departures[angle_index]))
         forces.append(reference.forces(poses[-1]))
     pose_array, force_array = np.array(poses), np.array(forces)
     gear, output = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]
@@ -197,7 +201,8 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
     Returns
     -------
     tuple
-        The springs of the static model, reference springs with exact gaps, and the friction elements.
+        The contact springs of the static model, reference springs with gaps from the exact curves, and the friction
+        elements.
     """
     friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
     design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
@@ -208,11 +213,12 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
-    """Compare the forces of the static model after a displacement with friction with those of reference springs.
+    """Compare the forces of the static model after a displacement with friction with those of a reference.
 
     The displacement leads from one random pose to another; some surfaces stick during it while others slip. Compared
-    are the residual forces [N], the sum of load, contact and friction forces. The reference springs have exact gaps.
-    `layout` is that of the reducer, a key of `LAYOUTS`.
+    are the residual forces [N], the sum of load, contact and friction forces. The reference are contact springs with
+    gaps from the exact curves, while the static model approximates the curves. `layout` is that of the reducer, a key
+    of `LAYOUTS`.
     """
     springs, reference, friction_elements = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
@@ -224,12 +230,12 @@ def step_rows(layout: str) -> list[ValidationRow]:
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
-    """Check the static solution of a torque loop at a locked crank: reference springs must balance each step's load.
+    """Check the static solution of a torque loop at a locked crank by equilibrium of reference contact springs.
 
-    `layout` is a key of `LAYOUTS`. The reference springs have exact gaps; friction and material hysteresis are springs
-    that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided, into at most
-    `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second row checks that no
-    step exceeds `max_travel`.
+    `layout` is a key of `LAYOUTS`. The reference springs have gaps from the exact curves; friction and material
+    hysteresis are springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is
+    divided, into at most `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second
+    row checks that no step exceeds `max_travel`.
     """
     springs, reference, friction_elements = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
@@ -253,13 +259,13 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
 
 
 def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionElements, path: Array) -> Iterator[Array]:
-    """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path from rest.
+    """Yield the forces of contact springs and friction on the u unknowns [N], (u,), at each pose of a path from rest.
 
-    Contacts and cams are the `reference` springs, whose gaps are exact. Their material adds hysteresis along the
-    normal, and their surfaces add friction along the tangent. Seals have constant friction. Hysteresis and friction are
-    springs that slip at the limits of `friction_elements`. `path` (m, u) are poses z [m] as in ``reducer.gaps``, in
-    which rotations are arc lengths; a generalised force on a rotation is therefore a torque divided by the radius of
-    the circle of output pins.
+    Contacts and cams are the `reference` springs, whose gaps follow from the exact curves. Their material adds
+    hysteresis along the normal, and their surfaces add friction along the tangent. Seals have constant friction.
+    Hysteresis and friction are springs that slip at the limits of `friction_elements`. `path` (m, u) are poses z [m] as
+    in ``reducer.gaps``, in which rotations are arc lengths; a generalised force on a rotation is therefore a torque
+    divided by the radius of the circle of output pins.
     """
     count, discs = friction_elements.stiffness.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs
@@ -292,8 +298,8 @@ def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionEl
 STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(state_rows, layout) for layout in LAYOUTS),
     *(partial(step_rows, layout) for layout in (ONE, TWO)),
-    *(partial(balance_rows, layout) for layout in LAYOUTS),
-    partial(balance_rows, TWO, "output.member=ring"),
+    *(partial(equilibrium_rows, layout) for layout in LAYOUTS),
+    partial(equilibrium_rows, TWO, "output.member=ring"),
     sample_rows,
     partial(path_rows, ONE, BALANCE.max_travel, 30),
     partial(path_rows, TWO),

@@ -78,7 +78,7 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _rated_rows() -> list[ValidationRow]:
-    """Compare the cam's force at rated load with the balance of the other logged forces, and with ideal load sharing.
+    """Compare the cam's force at rated load with equilibrium of the other logged forces, and with ideal load sharing.
 
     The second row has no bound, as clearance and a compliant cam change the load sharing.
     """

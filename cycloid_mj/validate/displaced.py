@@ -91,8 +91,8 @@ def _tooth_contacts(
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each
-        disc, then the arc length of the output's rotation.
+        Crank angle relative to the ring [rad], and pose [m] by u unknowns: x, y and rotation of each disc, then the
+        rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
     disc
         Index of the disc.
     pin_shift
@@ -121,8 +121,8 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     Parameters
     ----------
     crank, z
-        Crank angle relative to the ring [rad], and pose z [m], shape (u,): x, y and arc length of rotation of each
-        disc, then the arc length of the output's rotation.
+        Crank angle relative to the ring [rad], and pose [m] by u unknowns: x, y and rotation of each disc, then the
+        rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
     disc
         Index of the disc.
 
@@ -153,9 +153,9 @@ def _moment(arms: Array, forces: Array) -> Array:
 
 
 def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
-    """Compute the offset of the centre of each disc from that of its cam [m], shape (D, 2), in the frame of the ring.
+    """Compute the offset of the centre of each of D discs from that of its cam [m], (D, 2), in the frame of the ring.
 
-    `crank` is the crank angle relative to the ring [rad], `z` the pose [m] as in ``reducer.gaps``, shape (u,).
+    `crank` is the crank angle relative to the ring [rad], `z` the pose [m] by the unknowns of ``reducer.gaps``.
     """
     design = reducer.design
     errors, offsets = reducer.deviations, []
@@ -188,10 +188,11 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of the n contacts, then of the D cams, with exact curves, and their gradients.
+        """Compute the gaps of n contacts and D cams from the exact curves, and the gradients of the gaps.
 
-        The pose `unknowns` (u,) [m] has x, y and arc length of rotation of each disc, then that of the output's
-        rotation. The gaps include the free travel of ring pins. Gradients are those by the unknowns.
+        The pose `unknowns`, u in number [m], has x, y and rotation of each disc, then the rotation of the output.
+        Rotations are arc lengths at the radius of the circle of output pins. The gaps include the free travel of ring
+        pins. Gradients are those by the unknowns.
 
         Returns
         -------
@@ -215,7 +216,7 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
-        """Compute the forces of contacts and cams [N], shape (n + D,), including the effect of bent output pins.
+        """Compute the forces of n contacts and D cams [N], shape (n + D,), including the effect of bent output pins.
 
         `gaps` [m], shape (n + D,), are those of the contacts, then of the cams; for output pins, the gaps before
         bending.
@@ -240,10 +241,11 @@ class DisplacedSprings:
         gaps, slopes = self.contacts(z)
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
-    def balance(self, load: Array, start: Array) -> Array:
-        """Solve for the equilibrium of springs with exact gaps by modified Newton steps; return its pose (u,) [m].
+    def solve_equilibrium(self, load: Array, start: Array) -> Array:
+        """Solve for static equilibrium of contact springs by modified Newton steps; return the pose (u,) [m].
 
-        The pose has x, y and arc length of rotation of each disc, then the arc length of the output's rotation. `load`
+        The gaps are nonlinear functions of the u unknowns, not linearised. The pose has x, y and rotation of each disc,
+        then the rotation of the output. Rotations are arc lengths at the radius of the circle of output pins. `load`
         (u,) [N] is the generalised force on each unknown. `start` (u,) [m] is a pose near the solution. All steps use
         the stiffness matrix at this pose, which is computed by finite differences.
 

@@ -69,7 +69,7 @@ def _logged_at_every_step(kind: str, *changes: str) -> Run:
 
 
 def balance(run: Run) -> EnergyBalance:
-    """Integrate the logged powers of a run over time; return the works and the change of stored energy [J]."""
+    """Integrate the logged powers of a run over time: the energy balance of works and stored energy [J]."""
     energy = run["kinetic_energy"] + run["potential_energy"]
     return EnergyBalance(
         supplied=_work(run, run["crank_torque"] * run["crank_speed"]),

@@ -130,11 +130,11 @@ def solve(
     locked = _make_locked_reducer(reducer, stiffness, crank)
     max_residual = _RESIDUAL_RTOL * np.abs(locked.load).max()
     if start is not None:
-        pose, residual = _solve_balance(locked, start.departures)
+        pose, residual = _solve_equilibrium(locked, start.departures)
         if residual < max_residual:
             return _make_equilibrium(locked, pose)
     for method in _METHODS:
-        pose, residual = _solve_balance(locked, _minimise_energy(locked, method))
+        pose, residual = _solve_equilibrium(locked, _minimise_energy(locked, method))
         if residual < max_residual:
             return _make_equilibrium(locked, pose)
     raise RunError(
@@ -144,10 +144,11 @@ def solve(
     )
 
 
-def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
+def _solve_equilibrium(locked: LockedReducer, start: Array) -> tuple[Array, float]:
     """Solve for the pose of equilibrium of a `locked` reducer by Powell's hybrid method.
 
-    `start` (u,) [m] is the initial guess: displacements of disc, output and moving pins, see the module docstring.
+    `start` [m] is the initial guess, u unknowns: displacements of disc, output and moving pins, see the module
+    docstring.
 
     Returns
     -------
@@ -163,10 +164,10 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 
 
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
-    """Minimise the energy of a `locked` reducer with uniform contact stiffness; return the pose z [m], shape (u,).
+    """Minimise the energy of a `locked` reducer with uniform contact stiffness; return the pose z [m].
 
-    z are displacements of disc, output and moving pins, see the module docstring. The pose is an initial guess for the
-    equilibrium with a stiffness that depends on the local curvature. `method` is a trust-region method of
+    z are the unknown displacements of disc, output and moving pins, see the module docstring. The pose is an initial
+    guess for the equilibrium with a stiffness that depends on the local curvature. `method` is a trust-region method of
     `scipy.optimize.minimize`.
     """
 
@@ -223,7 +224,7 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
     """Return rotations, tooth forces and cam force of a `locked` reducer that is in equilibrium at a pose `z`.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
     """
     springs = _springs_at_pose(locked, z, False)
     ring_springs, cam_spring = springs["ring"], springs["cam"]
@@ -240,7 +241,7 @@ def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str
 
 @lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
 def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
-    """Compute the springs of a `locked` reducer at a pose, by kind of pair.
+    """Compute the contact springs of a `locked` reducer at a pose, by kind of pair.
 
     The keys are "ring", "cam", "output", and "socket" if pins move. `pose` contains the pose z of the module docstring
     as bytes (`ndarray.tobytes`), which can be the key of the cache. With `uniform`, all tooth contacts have the same
@@ -258,9 +259,9 @@ def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[s
 def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
     """Compute the nearest points of disc and ring of a `locked` reducer by search along the exact curves.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. The
-    result has a row per ring pin; for an internal gear a row per arc that the disc can touch, then the minima in its
-    roots.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    The result has a row per ring pin; for an internal gear a row per arc that the disc can touch, then the minima in
+    its roots.
     """
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
@@ -273,10 +274,10 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring of a `locked` reducer, in the order of `_nearest_points`.
+    """Compute the contact springs between disc and ring of a `locked` reducer, in the order of `_nearest_points`.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. If
-    `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    If `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
     """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
@@ -296,11 +297,11 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 
 
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer, a row per ring pin.
+    """Compute the contact springs of pins in sockets, or of sleeves on pins, of a `locked` reducer, a row per ring pin.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. All
-    sockets are assumed to be full circles, because an unloaded pin could leave an open socket during the search. The
-    force directions of the result are those on the pin.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    All sockets are assumed to be full circles, because an unloaded pin could leave an open socket during the search.
+    The force directions of the result are those on the pin.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
@@ -314,7 +315,7 @@ def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
 
 
 def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
-    """Compute the gaps of pins or sleeves displaced in their seats, and the directions of the nearest points.
+    """Compute the gaps of n pins or sleeves displaced in their seats, and the directions of the nearest points.
 
     The nearest point of the arc of a socket is in the direction of the shift, or at the edge of the socket.
 
@@ -351,9 +352,9 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 
 
 def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the spring between disc and cam of a `locked` reducer; the result has a single row.
+    """Compute the contact spring between disc and cam of a `locked` reducer; the result has a single row.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
     """
     eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
@@ -366,10 +367,10 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 
 
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs between output pins and holes of a `locked` reducer, a row per pin.
+    """Compute the contact springs between output pins and holes of a `locked` reducer, a row per pin.
 
-    `z` (u,) [m] are displacements of disc, output and moving pins from the ideal pose, see the module docstring. Each
-    force acts along the line between the centres of pin and hole.
+    `z` [m] are the unknown displacements of disc, output and moving pins from the ideal pose, see the module docstring.
+    Each force acts along the line between the centres of pin and hole.
     """
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)

@@ -95,7 +95,7 @@ def rotate(points: Array, angle: npt.ArrayLike) -> Array:
 
 
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the signed distance of points (n, 2) [m] in the gear's frame from the trochoid.
+    """Compute the signed distance of n points (n, 2) [m] in the gear's frame from the trochoid.
 
     From the nearest of many samples of the trochoid T(t), Newton's method determines the foot point of each point p,
     where (T - p) . T' = 0.
@@ -122,7 +122,7 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the distance of points outside the gear from its flanks, minus the `offset` of the flanks.
+    """Compute the distance of n points outside the gear from its flanks, minus the `offset` of the flanks.
 
     `points` are in the frame of the gear [m], shape (n, 2). Flanks that are rotated by a modification end at the tip
     and in the valley. If the nearest point would be beyond an end, the end is used. Of the two sides of a lobe, the
@@ -145,10 +145,11 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the signed distance of points [m] in the gear's frame, shape (n, 2), from a trochoid with waves.
+    """Compute the signed distance of n points [m] in the gear's frame, shape (n, 2), from flanks with waves.
 
-    Newton's method starts from the nearest point of the trochoid without waves. Returned are the distance [m], shape
-    (n,), the outward normal (n, 2), and the parameter t of the nearest point [rad], (n,).
+    The curve is the trochoid with the profile waves of `flanks`. Newton's method starts from the nearest point of the
+    trochoid without waves. Returned are the distance [m], shape (n,), the outward normal (n, 2), and the parameter t of
+    the nearest point [rad], (n,).
     """
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
@@ -163,9 +164,9 @@ def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]
 
 
 def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute points T - w(t) n of the trochoid T with waves at parameters t [rad], and their derivatives by t.
+    """Compute points T - w n of the trochoid T with profile waves at n parameters t [rad], and their derivatives by t.
 
-    The waves w(t) [m] set the trochoid back along its normal n.
+    The waves w(t) [m] of `flanks` set the trochoid back along its normal n.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def _outwards(along: Array) -> Array:
 
 
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Compute the distance of points [m] in the gear's frame, shape (n, 2), from the flanks on one side of the tips.
+    """Compute the distance of n points [m] in the gear's frame, (n, 2), from the flanks on one side of the tips.
 
     `side` is 1 for the flanks before the tips (with growing parameter), -1 for those after them; they are rotated by
     the modification.
@@ -220,7 +221,7 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the points of the disc at a `pose` that are nearest to each ring pin.
+    """Compute the points of the disc at a `pose` that are nearest to each of N ring pins.
 
     The gap of a pin is the distance of these points plus the clearance, which is not included here. `centres` (N, 2)
     [m] are the centres of the pins in the ring's frame. `flanks` are those of the disc, by default the ideal flanks of

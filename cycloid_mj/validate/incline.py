@@ -111,8 +111,9 @@ def pair_law() -> ContactParameters:
 def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
     """Simulate a block, or a cylinder if `is_cylinder`, on an incline of `angle` [rad], from rest.
 
-    At the start, the contact has the penetration of static equilibrium. Returns the mean acceleration over the second
-    half of `INCLINE.duration` [m/s2], and speed and slip at the end [m/s].
+    `contact_parameters` are MuJoCo's for the contact. At the start, the contact has the penetration of static
+    equilibrium. Returns the mean acceleration over the second half of `INCLINE.duration` [m/s2], and speed and slip at
+    the end [m/s].
     """
     model = incline_model(contact_parameters, angle, is_cylinder)
     data = mujoco.MjData(model)

@@ -100,7 +100,7 @@ def hole_rows() -> list[ValidationRow]:
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
-    """Compare the penetrations that the collider computes in MuJoCo with exact gaps.
+    """Compare the penetrations that the collider computes in MuJoCo with gaps between the exact curves.
 
     `pins` is the support of the ring pins, a value of ``ring.pins``. Three discs and the output have random
     displacements, pins and sleeves are shifted by ``PIN_SHIFT``. Open contacts count as 0.
@@ -147,7 +147,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
 def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
     """Return the positions of the joints of crank, discs and output by name, [rad] or [m], at `BALANCE.crank`.
 
-    `unknowns` is the pose z [m] as in ``reducer.gaps``, shape (u,).
+    `unknowns` is the pose [m] by the unknowns of ``reducer.gaps``.
     """
     angles = (
         float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
@@ -160,11 +160,12 @@ def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
     return positions
 
 
-def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
-    """Compare the static equilibrium of springs at crank angles [rad] with an independent solution on exact gaps.
+def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
+    """Compare the static equilibrium of contact springs at crank angles [rad] with an independent solution.
 
-    `kind` is the kind of ring, such as `rig.FREE`. The rows are tooth forces, cam force and rotation of the output; an
-    internal gear (`rig.NONPIN`) has no row of tooth forces.
+    The independent solution computes the gaps from the exact curves. `kind` is the kind of ring, such as `rig.FREE`.
+    The rows are tooth forces, cam force and rotation of the output; an internal gear (`rig.NONPIN`) has no row of tooth
+    forces.
     """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
@@ -193,7 +194,7 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
 
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
-    """Compare the power of the cams on the discs with the power of load plus friction at teeth and output pins.
+    """Compare the power of the cams on the discs with the power of the load plus friction at teeth and output pins.
 
     The design has fixed pins, friction and no gravity. `changes` are further settings as for ``--set``, and `name`
     names the changed design in the row.
@@ -237,10 +238,10 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare two exact gaps of each free pin in the pose of `best_fit`: to the nearest disc, and to its socket.
+    """Compare two gaps of each free pin in the pose of `best_fit`: to the nearest disc, and to its socket.
 
-    The best fit shifts a pin so that both gaps are equal; pins that it does not shift are left out. `bound` is the
-    allowed difference [%], `changes` are settings as for ``--set``.
+    They are computed from the exact curves. The best fit shifts a pin so that both gaps are equal; pins that it does
+    not shift are left out. `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
     """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
@@ -288,7 +289,7 @@ WITH_FRICTION: tuple[Callable[[], list[ValidationRow]], ...] = (
 STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     hole_rows,
-    *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
+    *(partial(equilibrium_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
     *WITH_FRICTION,
     partial(fit_rows, 0.1),
     partial(fit_rows, 1.0, *THREE_DISCS, "output.member=ring"),

@@ -174,7 +174,7 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
-    """Compute Hertz's peak pressures of a variant, `case`, of Krol et al. 2019 by their formulas for ideal sharing.
+    """Compute Hertz's peak pressures of a variant, `case`, of Krol et al. 2019 by their ideal load sharing.
 
     Returns
     -------

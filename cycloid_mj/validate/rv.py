@@ -23,7 +23,7 @@ from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.film import drag_torques
 from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
-from cycloid_mj.statics.rv_sheet import balance_rv, closed_rotation, ideal_rv, torque_on_carrier
+from cycloid_mj.statics.rv_sheet import closed_rotation, ideal_rv, solve_rv_equilibrium, torque_on_carrier
 from cycloid_mj.statics.sheet import shaft_powers
 
 
@@ -74,10 +74,12 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
     stiff = RvReducer(reducer.design.but(cranks=dict.fromkeys(("needle_stiffness", "taper_stiffness"), 2e11)))
     spring_mean, ideal_mean = (
         max(mean_force(force) for force in loads.bearings.reshape(len(loads.bearings), -1).T)
-        for loads in (balance_rv(stiff, torque), ideal_rv(reducer, torque))
+        for loads in (solve_rv_equilibrium(stiff, torque), ideal_rv(reducer, torque))
     )
     displaced = RvReducer(reducer.design.but(crank_errors={"bore_x": (CONDITIONS.error, *([0.0] * 5))}))
-    perfect, wrong = (balance_rv(item, torque, CONDITIONS.error_angles).carrier_turn for item in (reducer, displaced))
+    perfect, wrong = (
+        solve_rv_equilibrium(item, torque, CONDITIONS.error_angles).carrier_turn for item in (reducer, displaced)
+    )
     return [
         relative(
             "mean force of a crank bearing, rv80e with bearings a thousand times as stiff",
@@ -104,7 +106,7 @@ def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -
     The ratio is the quotient of the angles by which sun and output turn. Its bound is 0.01 %: in the 6 ms of a run in
     MuJoCo the output turns by 1940 arcsec, of which 0.2 arcsec are 0.01 %. The wind-up changes by up to 0.1 arcsec in
     this time, the transmission error of ideal parts at full speed. The run lasts for the time `hold` [s] at constant
-    speed; samples up to the time `settled` [s] are left out.
+    speed; samples up to the time `settled` [s] are left out. `solver` is the solver of the run.
     """
     drive, load = {"ramp": 0.0, "hold": hold}, {"rise": CONDITIONS.rise} if solver == "mujoco" else {}
     reducer = RvReducer(reducer.design.but(drive=drive, load=load))
@@ -145,7 +147,7 @@ def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -
 
 
 def _static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Solve for the static balance with friction at the crank angles of a run.
+    """Solve for the static equilibrium with friction at the crank angles of a run.
 
     The drag of seal and main bearings on the output adds to the load.
     """

@@ -67,7 +67,7 @@ def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
 def patch_rows(quick: bool) -> list[ValidationRow]:
     """Compare the simulated tooth forces of an ideal internal gear (nonpin) with the forces of `patch_forces`.
 
-    Neighbouring contact lines form one contact area (patch) and share a spring.
+    Neighbouring contact lines form one contact area (patch) and share a spring. `quick` shortens the run.
     """
     note = "an arc and a flank line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
@@ -216,9 +216,9 @@ def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Ar
     Returns
     -------
     tuple of Array
-        For each contact: the index of the pin, or of the lobe to which the arc or flank belongs, shape (n,); the unit
-        normal of the ring, which points into its bore, towards the disc, (n, 2); and the phase B [rad] of the contact
-        on pin, arc or flank, (n,).
+        For each of n contacts: the index of the pin, or of the lobe to which the arc or flank belongs, shape (n,); the
+        unit normal of the ring, which points into its bore, towards the disc, (n, 2); and the phase B [rad] of the
+        contact on pin, arc or flank, (n,).
     """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)
@@ -242,7 +242,7 @@ def _lobes_of_flanks(gear: CycloidGear, contacts: envelope.RingContacts) -> Inte
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the weight [1] of each contact line of the ideal internal gear at a crank angle [rad], shape (n,).
+    """Compute the weight [1] of each of n contact lines of the ideal internal gear at a crank angle [rad], shape (n,).
 
     The weight is the stiffness of the line divided by that of a line with a spring of its own. Arcs come first, then
     lines on the flanks between them. A line on a flank and the arc of its lobe have the weight (1 + s)/2 each. s is the

@@ -65,9 +65,9 @@ Study = Mapping[float, StepFigures | RunError]
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare results of simulations with several time steps, such as transmission error and efficiency.
 
-    `kind` is the kind of ring, such as `rig.FIXED`. The results (`StepFigures`) are judged by `judge_study`.
-    Free pins are also compared with massless pins. Further rows are those of a run under a light load. With `quick`
-    there are only the automatic step and half of it.
+    `kind` is the kind of ring, such as `rig.FIXED`. The results (`StepFigures`) are compared by `judge_study`. Free
+    pins are also compared with massless pins. Further rows are those of a run under a light load. With `quick` there
+    are only the automatic step and half of it.
     """
     automatic_step = 1e6 * timestep(Reducer(rated_design(kind)))
     shares = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
@@ -94,7 +94,7 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Compare a run with massless free pins, at its own time step, with a run with real free pins.
 
-    `real_pins` are the figures of the run with real pins, or its error, which is raised. With `quick` the run is a
+    `real_pins` are the results of the run with real pins, or its error, which is raised. With `quick` the run is a
     third as long.
     """
     if isinstance(real_pins, RunError):
@@ -106,10 +106,10 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
 
 
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
-    """Compare the figures of runs with several time steps with those of the shortest step.
+    """Compare the results of runs with several time steps with those of the shortest step.
 
-    For steps up to the automatic step, each figure has a row with a bound. A longer step has a single row without a
-    bound, that of the figure with the largest difference. A failed run is a row that fails. The last row is the
+    For steps up to the automatic step, each quantity has a row with a bound. A longer step has a single row without a
+    bound, that of the quantity with the largest difference. A failed run is a row that fails. The last row is the
     observed order of convergence.
 
     Parameters
@@ -117,7 +117,7 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
     kind
         Kind of ring.
     figures_by_step
-        Figures of the run, or its error, by time step [us].
+        Results of the run, such as the efficiency, or its error, by time step [us].
     automatic_step
         Automatic time step [us].
 
@@ -151,7 +151,7 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Solve for the order of convergence p [1] from the `values` of a figure at three increasing time steps.
+    """Solve for the order of convergence p [1] from the `values` of a quantity at three increasing time steps.
 
     The values are fitted by a + b h^p with the step h; Brent's method determines p. The result is NaN if no p from 0.1
     to 8 fits.
@@ -174,7 +174,7 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return its `StepFigures`.
+    """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the main results.
 
     `changes` are settings as for ``--set``, ``key=value``.
     """
@@ -202,7 +202,7 @@ def _has_moving_pins(kind: str) -> bool:
 def _compare_figures(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Compare the figures of a run with those of a reference run, one row per figure.
+    """Compare the results of a run with those of a reference run, one row per quantity.
 
     `kind` (the kind of ring) and `case` name the run in the rows, `source` names the reference. `bounds` are the
     allowed differences; an infinite bound counts as no bound.
@@ -227,7 +227,7 @@ def _compare_figures(
 def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
     """Return a row with the observed order of convergence of the mean transmission error over the three shortest steps.
 
-    `kind` is the kind of ring, `figures_by_step` are the figures by time step [us]. With fewer than three successful
+    `kind` is the kind of ring, `figures_by_step` are the results by time step [us]. With fewer than three successful
     runs there is no row.
     """
     steps = sorted(figures_by_step)[:3]

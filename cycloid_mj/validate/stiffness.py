@@ -11,7 +11,7 @@ from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flank_dist
 def tooth_stiffness(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks
 ) -> Array:
-    """Compute the stiffness of each contact of the mesh [N/m], shape (n,).
+    """Compute the stiffness of each of n contacts of the mesh [N/m], shape (n,).
 
     It is that of a line contact at the local relative curvature, at most twice `flat_stiffness`. If the lines of an arc
     and a root are so close that they form one contact patch, they share the stiffness of a single line
@@ -51,7 +51,7 @@ def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
 def _share_patches(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
-    """Return the stiffness of each contact line [N/m], shape (n,), less for lines that form one contact area (patch).
+    """Return the stiffness of n contact lines [N/m], (n,), reduced for lines that form one contact area (patch).
 
     A line on a flank Sigma and that on the arc of its lobe form a patch if the gap half-way between them exceeds the
     larger of their own gaps by less than the deflection of the teeth under their working force (`Contact.force`). The

@@ -108,7 +108,7 @@ def select_parts(only: Sequence[str] = (), other_parts: Sequence[ValidationPart]
     Raises
     ------
     UsageError
-        There is no step of a name.
+        A name is not that of a step.
     """
     unknown = [name for name in only if name not in STEP_NAMES]
     if unknown:

@@ -71,7 +71,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
-    """Compare the figures of a MuJoCo run of a design with those of the planar solver; `case` names the design."""
+    """Compare the results of a MuJoCo run of a design with those of the planar solver; `case` names the design."""
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
     quantities = (
         "mean transmission error",
@@ -96,10 +96,10 @@ def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tupl
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
-    """Compute the figures of a run over its last `WITNESS.periods` mesh periods, in the order of `WITNESS.bounds`.
+    """Compute the compared results of a run over its last mesh periods, in the order of `WITNESS.bounds`.
 
     They are mean and peak-to-peak transmission error of the output [arcsec], mean cam force [N], efficiency [%] and rms
-    speed error of the gear [mrad/s].
+    speed error of the gear [mrad/s]. There are `WITNESS.periods` mesh periods.
     """
     design = reducer.design
     window = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
@@ -117,7 +117,7 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 def _compute_figures(
     error: Array, cam_force: Array, powers: tuple[Array, Array], speed_error: Array
 ) -> tuple[float, ...]:
-    """Compute the figures by which MuJoCo and the planar solver are compared.
+    """Compute the results by which MuJoCo and the planar solver are compared, over n samples.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.parts.export.rv_assembly import place_rv_parts
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.sizing.rv import DUTY_SHARE, RvRequirement
-from cycloid_mj.statics.rv_sheet import balance_running
+from cycloid_mj.statics.rv_sheet import solve_running_equilibrium
 from cycloid_mj.stress.rv_strength import compute_rv_strength
 from cycloid_mj.stress.study import QUICK
 
@@ -92,7 +92,7 @@ def test_the_section_has_cranks_posts_and_planets_at_their_places() -> None:
 
 def test_forces_are_those_of_statics_and_balance_each_disc() -> None:
     found: dict[str, Any] = forces({"design": RV})
-    running = balance_running(RvReducer(PRESETS["rv80e"]), 784.0)
+    running = solve_running_equilibrium(RvReducer(PRESETS["rv80e"]), 784.0)
     for kind, largest in (("teeth", running.pins.max()), ("output", running.bearings.max())):
         assert np.max(found[kind]["force"]) == pytest.approx(largest, rel=5e-3)
     total = sum(

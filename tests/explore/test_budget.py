@@ -136,7 +136,8 @@ def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> No
     def study(samples: int, seed: int) -> dict[str, budget.Share]:
         blocks = budget.list_budget_sets(zones, samples)
         figures = {
-            name: tolerances.balance_batch(reducer, zones, seed, 12, (block, keys)) for name, block in blocks.items()
+            name: tolerances.solve_sample_batch(reducer, zones, seed, 12, (block, keys))
+            for name, block in blocks.items()
         }
         values = {name: np.where(find_jams(one), np.nan, one["backlash_arcmin"]) for name, one in figures.items()}
         drawn = [sampling.draw_deviations(reducer, zones, seed, blocks[name]) for name in "AB"]

@@ -241,7 +241,7 @@ def test_ctrl_c_before_the_first_block_is_no_study(monkeypatch) -> None:
     def pressed(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tolerances, "balance_batch", pressed)
+    monkeypatch.setattr(tolerances, "solve_sample_batch", pressed)
     with pytest.raises(KeyboardInterrupt) as stopped:
         tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 8, 1, engine=Engine(1))
     assert not isinstance(stopped.value, tolerances.StudyInterrupted)

@@ -10,7 +10,7 @@ from cycloid_mj.explore.rv_samples import draw_rv_drive
 from cycloid_mj.life import as_built, rate
 from cycloid_mj.life.as_built import SampleSettings
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import balance_rv
+from cycloid_mj.statics.rv_sheet import solve_rv_equilibrium
 
 RV80E = COULOMB_RV80E
 
@@ -50,7 +50,7 @@ def test_rated_samples_are_at_the_percentile_of_each_force(monkeypatch: pytest.M
     samples = as_built.select_rated_samples(reducer)
     forces = []
     for number in range(20):
-        loads = balance_rv(RvReducer(draw_rv_drive(reducer, 0, number)[0]), 784.0, 61)
+        loads = solve_rv_equilibrium(RvReducer(draw_rv_drive(reducer, 0, number)[0]), 784.0, 61)
         means = np.mean(loads.bearings ** (10.0 / 3.0), axis=0) ** 0.3
         forces.append((loads.pins.max(), means.max(), loads.flanks.max()))
     ranks = np.argsort(np.array(forces), axis=0)

@@ -25,7 +25,7 @@ from cycloid_mj.robot.population import draw_population
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.trial import create_trial_scene
 from cycloid_mj.statics.rv import crank_misfits, phase_errors
-from cycloid_mj.statics.rv_sheet import balance_rv, rv_powers
+from cycloid_mj.statics.rv_sheet import rv_powers, solve_rv_equilibrium
 from cycloid_mj.statics.sheet import sheet_part
 
 RV80E = COULOMB_RV80E
@@ -100,7 +100,7 @@ def test_joint_rests_in_mujoco_as_in_statics(joint: ReducedJoint) -> None:
     drive = reducer()
     for share in (0.03, 0.5, 1.0):
         width = scene.find_rest(share * RATED) - scene.find_rest(-share * RATED)
-        turns = [balance_rv(drive, sign * share * RATED, 97).carrier_turn.mean() for sign in (1.0, -1.0)]
+        turns = [solve_rv_equilibrium(drive, sign * share * RATED, 97).carrier_turn.mean() for sign in (1.0, -1.0)]
         assert width == pytest.approx(abs(turns[0] - turns[1]), rel=1e-3)
     assert joint.quantities["ratio"].value == 153.0
     assert joint.quantities["backlash_arcmin"].value == pytest.approx(0.02286, rel=1e-3)

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
-from cycloid_mj.statics.balance import require_balance
+from cycloid_mj.statics.balance import require_equilibrium
 from cycloid_mj.statics.jam import friction_limit
 from cycloid_mj.statics.kernel import Residual, state
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
@@ -106,7 +106,7 @@ def test_failed_equilibrium_is_no_jam_if_parts_without_clearance_balance() -> No
         (smooth, r"found at a crank angle of 17.19 deg .*: the residual is 0.25 of the load .*; check the clearances"),
     ):
         with pytest.raises(RunError, match=told):
-            require_balance(lost, springs, springs.load(36.0))
+            require_equilibrium(lost, springs, springs.load(36.0))
 
 
 def test_failed_equilibrium_near_the_friction_limit_is_a_jam() -> None:
@@ -119,7 +119,7 @@ def test_failed_equilibrium_near_the_friction_limit_is_a_jam() -> None:
     with pytest.raises(
         RunError, match=r"friction jams the drive .* coefficients are at most 10[3-5]% of those.*close to this limit"
     ):
-        require_balance(Residual(2.18, 0, 1), springs_of(less, [0.7]), load)
+        require_equilibrium(Residual(2.18, 0, 1), springs_of(less, [0.7]), load)
 
 
 def test_a_jam_is_reported_with_the_largest_friction_in_equilibrium() -> None:

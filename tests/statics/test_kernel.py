@@ -26,12 +26,12 @@ from cycloid_mj.statics.kernel import (
     Residual,
     State,
     assemble_after,
-    balance,
     contacts,
     follow_path,
     gap,
     is_open,
     search,
+    solve_equilibria,
     state,
 )
 from cycloid_mj.statics.kernel.continuation import allocate_path, augmented_residual, solve_by_arclength
@@ -187,7 +187,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     u = contacts.slope.shape[2]
     load, other, force = np.zeros((1, u)), np.zeros((1, u)), np.zeros(contacts.distance.shape)
     load[:, -1] = design_of(name).rated_torque / contacts.radius
-    assert balance(contacts, load, other, force, False).force <= RESIDUAL_RTOL
+    assert solve_equilibria(contacts, load, other, force, False).force <= RESIDUAL_RTOL
     here, system = np.zeros(u), allocate_system(contacts)
     for disc, place in enumerate(contacts.cam_position[0]):
         here[3 * disc : 3 * disc + 2] = place
@@ -295,7 +295,7 @@ def test_an_unloaded_drive_with_large_clearances_needs_few_assemblies() -> None:
     z, force = np.zeros((count, 4)), np.zeros(contacts.distance.shape)
     z[:, :2] = contacts.cam_position[:, 0]
     load = springs.load(reducer.share * 1e-4 * changed.rated_torque)
-    result = balance(contacts, load, z, force, True)
+    result = solve_equilibria(contacts, load, z, force, True)
     assert result.force <= RESIDUAL_RTOL
     assert result.work < 45 * count  # 37 per angle
 
@@ -305,7 +305,7 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
     contacts = contacts._replace(friction_per_force=np.zeros((1, *contacts.slope.shape[1:])))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    left = balance(contacts, load, z, force, False)
+    left = solve_equilibria(contacts, load, z, force, False)
     assert left.force <= RESIDUAL_RTOL
     for disc, place in enumerate(contacts.cam_position[0]):
         of_disc = np.flatnonzero(contacts.disc == disc)
@@ -319,7 +319,7 @@ def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
     contacts = contacts._replace(friction_per_force=np.zeros((1, *contacts.slope.shape[1:])))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    assert balance(contacts, load, z, force, False).force <= RESIDUAL_RTOL
+    assert solve_equilibria(contacts, load, z, force, False).force <= RESIDUAL_RTOL
     for disc, place in enumerate(contacts.cam_position[0]):
         of_disc = np.flatnonzero(contacts.disc == disc)
         push = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[:2] for i in of_disc])
@@ -332,7 +332,7 @@ def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
 def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
     z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_position
-    return search.balance_briefly(contacts, load, z, force, True, 0, allocate_system(contacts))
+    return search.solve_equilibria_briefly(contacts, load, z, force, True, 0, allocate_system(contacts))
 
 
 def balanced(name: str, follow: bool, friction: bool) -> Residual:
@@ -343,7 +343,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Residual:
     z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
     for disc, place in enumerate(contacts.cam_position.swapaxes(0, 1)):
         z[:, 3 * disc : 3 * disc + 2] = place
-    return balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
+    return balance_along(contacts, load, z, force) if follow else solve_equilibria(contacts, load, z, force, False)
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -359,11 +359,11 @@ def test_a_failed_search_continues_along_paths_from_its_start_values(
     extrapolate: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At the angle that failed, and at the next ones by the usual search: all end at the same poses."""
-    contacts, usual = springs("few", crank=TURN, friction=True), search.balance_briefly
+    contacts, usual = springs("few", crank=TURN, friction=True), search.solve_equilibria_briefly
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
     load[:, -1] = design_of("few").rated_torque / contacts.radius
     z, paths, force = np.zeros_like(load), np.zeros_like(load), np.zeros(contacts.distance.shape)
-    assert balance(contacts, load, z, force, extrapolate).force <= RESIDUAL_RTOL
+    assert solve_equilibria(contacts, load, z, force, extrapolate).force <= RESIDUAL_RTOL
     first_angles = []
 
     def fail_once(*inputs: Any) -> Residual:
@@ -375,8 +375,8 @@ def test_a_failed_search_continues_along_paths_from_its_start_values(
         system.path_start[:] = 0.0
         return Residual(0.3, 1, 40)
 
-    monkeypatch.setattr(search, "balance_briefly", fail_once)
-    assert balance(contacts, load, paths, np.zeros_like(force), extrapolate).force <= RESIDUAL_RTOL
+    monkeypatch.setattr(search, "solve_equilibria_briefly", fail_once)
+    assert solve_equilibria(contacts, load, paths, np.zeros_like(force), extrapolate).force <= RESIDUAL_RTOL
     assert first_angles == [0, 2]
     np.testing.assert_allclose(paths, z, rtol=0.0, atol=1e-6 * np.abs(z).max())
 
@@ -413,7 +413,7 @@ def test_a_cam_far_stiffer_than_the_teeth_needs_hardly_more_steps(name: str) -> 
         load[:, -1] = design_of(name).rated_torque / contacts.radius
         for disc, place in enumerate(contacts.cam_position[0]):
             z[0, 3 * disc : 3 * disc + 2] = place
-        left = balance(hard, load, z, np.zeros(contacts.distance.shape), False)
+        left = solve_equilibria(hard, load, z, np.zeros(contacts.distance.shape), False)
         assert left.force <= RESIDUAL_RTOL
         steps.append(left.work)
     assert steps[1] < 1.5 * steps[0]
@@ -525,7 +525,7 @@ def test_a_tooth_that_rests_at_the_limit_of_the_foot_point_search_is_solved_agai
     load = found.load(11.288784096638361)
     z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
     z[:, :2] = found.contacts.cam_position[:, 0]
-    left = balance(found.contacts, load, z, force, False)
+    left = solve_equilibria(found.contacts, load, z, force, False)
     assert left.force <= RESIDUAL_RTOL
     assert left.work > 200, "the first searches must have failed"
 

@@ -25,7 +25,7 @@ NEAR_JAM = 1.1
 """Multiple of its friction that jams a drive without play, up to which its play may jam it."""
 
 
-def require_balance(design: Design, crank: float, way: float, sign: float, share: float) -> None:
+def require_equilibrium(design: Design, crank: float, way: float, sign: float, share: float) -> None:
     """Hold a balance to its equilibrium on exact normals, or a jam to what ideal parts without play can bear."""
     reducer = Reducer(design.but(drive={"speed": way * design.drive.speed}))
     springs, torque = springs_of(reducer, [crank]), sign * share * design.rated_torque
@@ -55,7 +55,7 @@ def require_all_balanced(count: int, seed: int) -> None:
         crank = float(draw.uniform(0.0, 2.0 * np.pi))
         for way, sign in WAYS:
             for share in SHARES:
-                require_balance(design, crank, way, sign, share)
+                require_equilibrium(design, crank, way, sign, share)
 
 
 @pytest.mark.slow
@@ -72,7 +72,7 @@ def test_wedged_cams_are_no_equilibrium() -> None:
     """Without inertia, parts pressed together by 150 000 times the load would also balance: such a result is wrong."""
     design = load(Path(__file__).parents[1] / "data" / "wedged_cams.toml")
     for share in (0.001, 1.5):
-        require_balance(design, 6.169354995327815, 1.0, 1.0, share)
+        require_equilibrium(design, 6.169354995327815, 1.0, 1.0, share)
 
 
 MOST_FRICTION = 2.0
@@ -112,7 +112,7 @@ def test_all_drives_balance_just_below_the_friction_limit_without_play() -> None
         reducer = Reducer(scaled(drive, limit / 1.03))
         loads(reducer, springs_of(reducer, [crank]), torque)
         for multiple in (0.9, 0.97, 1.03, 1.1):
-            require_balance(scaled(drive, limit / multiple), crank, 1.0, 1.0, 1.0)
+            require_equilibrium(scaled(drive, limit / multiple), crank, 1.0, 1.0, 1.0)
     assert tried >= 8
 
 
@@ -126,7 +126,7 @@ def test_a_ring_whose_losses_are_many_times_its_load_balances(monkeypatch: pytes
     assert design.output.turns_ring
     for way, sign in WAYS:
         for share in SHARES:
-            require_balance(design, crank, way, sign, share)
+            require_equilibrium(design, crank, way, sign, share)
     found = powers(Reducer(design), design.rated_torque, [crank])
     monkeypatch.setattr(balance, "RING_TORQUE", balance.RingTorqueSettings(max_iterations=30, rtol=0.0))
     assert found.lost == pytest.approx(powers(Reducer(design), design.rated_torque, [crank]).lost, rel=1e-3)

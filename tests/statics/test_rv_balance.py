@@ -18,12 +18,12 @@ from cycloid_mj.statics.rv import (
     solve_rv_loads,
 )
 from cycloid_mj.statics.rv_sheet import (
-    balance_forward,
-    balance_running,
-    balance_rv,
     carrier_turn_angles,
     friction_powers,
     rv_powers,
+    solve_forward_equilibrium,
+    solve_running_equilibrium,
+    solve_rv_equilibrium,
 )
 from cycloid_mj.statics.sheet import sheet_part
 
@@ -72,7 +72,7 @@ def test_friction_that_does_not_converge_is_refused() -> None:
     with pytest.raises(
         RunError, match=r"friction forces of the last two iterations differ by .* Reduce the friction coefficients"
     ):
-        balance_running(reducer("friction.cam_rolling=0.5"), 784.0, 8)
+        solve_running_equilibrium(reducer("friction.cam_rolling=0.5"), 784.0, 8)
 
 
 @pytest.mark.parametrize("member", ["carrier", "ring"])
@@ -83,7 +83,7 @@ def test_power_of_the_sun_is_that_of_the_load_and_of_friction(member: str, load:
     A negative load drives the output.
     """
     drive = reducer(f'output.member="{member}"')
-    loads, mesh = balance_forward(drive, load), drive.planet_mesh
+    loads, mesh = solve_forward_equilibrium(drive, load), drive.planet_mesh
     sun_torque = np.abs(loads.flanks[:, 0] - loads.flanks[:, 1]).sum(axis=1).mean() * mesh.sun_base * np.sign(load)
     sun_torque += drive.planet.friction * loads.meshes.sum(axis=1).mean() * mesh.arm
     powers = rv_powers(drive, load)
@@ -178,7 +178,7 @@ def test_a_mirrored_drive_has_the_same_figures() -> None:
         for bores, speed in (("{2 = 10.0}", 2295.0), ("{3 = -10.0}", -2295.0))
     )
     unmirrored = reducer("crank_errors.bore_x_um={2 = 10.0}", "drive.speed_rpm=-2295")
-    loads = [balance_running(item, 784.0, 61) for item in (forward, backward, unmirrored)]
+    loads = [solve_running_equilibrium(item, 784.0, 61) for item in (forward, backward, unmirrored)]
     turns = [item.carrier_turn for item in loads]
     assert turns[1] == pytest.approx(-turns[0], rel=1e-9)
     assert turns[0].max() < 0.0  # the load turns the carrier back, of a sun that turns counter-clockwise
@@ -190,7 +190,8 @@ def test_a_running_drive_carries_the_friction_torque_of_its_cranks_in_its_planet
     """Power of the sun over that without friction is the inverse of the efficiency."""
     drive = reducer("planet.friction=0")
     idle, running = (
-        float(balance(drive, 784.0, 241).meshes.sum(axis=1).mean()) for balance in (balance_rv, balance_running)
+        float(balance(drive, 784.0, 241).meshes.sum(axis=1).mean())
+        for balance in (solve_rv_equilibrium, solve_running_equilibrium)
     )
     delivered = 784.0 * abs(drive.output_speed)
     losses = sum(friction_powers(drive, 784.0).values())

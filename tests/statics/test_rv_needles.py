@@ -14,7 +14,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import model_for, simulate
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import balance_rv
+from cycloid_mj.statics.rv_sheet import solve_rv_equilibrium
 from cycloid_mj.statics.sheet import shaft_powers
 
 RV80E = COULOMB_RV80E
@@ -28,13 +28,16 @@ def with_needles(**cranks: float) -> RvReducer:
 
 def test_needles_without_clearance_are_as_stiff_as_the_lumped_bearing() -> None:
     """The squared cosines of an even number of needles on any half of the circle sum up to a quarter of it."""
-    lumped, each = balance_rv(RvReducer(RV80E), 784.0, 61), balance_rv(with_needles(), 784.0, 61)
+    lumped, each = solve_rv_equilibrium(RvReducer(RV80E), 784.0, 61), solve_rv_equilibrium(with_needles(), 784.0, 61)
     np.testing.assert_allclose(each.cranks, lumped.cranks, atol=1e-6 * lumped.bearings.max())
     np.testing.assert_allclose(each.carrier_turn, lumped.carrier_turn, rtol=1e-6)
 
 
 def test_an_odd_number_of_needles_is_stiffer_and_softer_in_turn() -> None:
-    lumped, odd = balance_rv(RvReducer(RV80E), 784.0, 61), balance_rv(with_needles(needles=5), 784.0, 61)
+    lumped, odd = (
+        solve_rv_equilibrium(RvReducer(RV80E), 784.0, 61),
+        solve_rv_equilibrium(with_needles(needles=5), 784.0, 61),
+    )
     ratio = odd.carrier_turn / lumped.carrier_turn
     assert ratio.min() < 1.0 - 1e-4
     assert ratio.max() > 1.0 + 1e-4
@@ -65,7 +68,7 @@ def test_crank_forces_are_sums_over_needles_in_a_rolling_cage(clearance: float) 
 def test_a_clearance_counts_more_than_in_the_lumped_bearing() -> None:
     """F = K (d - 4 c/pi) for d >> c: the needles beside the load close later, as their cosines average 2/pi."""
     reducers = RvReducer(RV80E), RvReducer(RV80E.but(cranks=LOOSE)), with_needles(**LOOSE)
-    tight, lumped, each = (balance_rv(reducer, 784.0, 61).carrier_turn.mean() for reducer in reducers)
+    tight, lumped, each = (solve_rv_equilibrium(reducer, 784.0, 61).carrier_turn.mean() for reducer in reducers)
     assert (each - tight) / (lumped - tight) == pytest.approx(4.0 / np.pi, rel=0.03)
 
 

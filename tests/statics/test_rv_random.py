@@ -13,7 +13,13 @@ from cycloid_mj.measure.efficiency_map import run_forward
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.contact import tooth_stiffness
-from cycloid_mj.statics.rv_sheet import balance_running, balance_rv, ideal_rv, rv_powers, torque_on_carrier
+from cycloid_mj.statics.rv_sheet import (
+    ideal_rv,
+    rv_powers,
+    solve_running_equilibrium,
+    solve_rv_equilibrium,
+    torque_on_carrier,
+)
 
 
 def random_rv_reducers(count: int, seed: int) -> Iterator[RvReducer]:
@@ -70,14 +76,14 @@ REDUCERS = list(random_rv_reducers(8, 5))
 def test_forces_balance_discs_and_carrier(reducer: RvReducer, share: float) -> None:
     """The torque that cranks and planets transmit to the carrier is the load; forces of bearings have no net force."""
     torque = share * reducer.design.load.torque
-    loads = balance_rv(reducer, torque, 25)
+    loads = solve_rv_equilibrium(reducer, torque, 25)
     assert np.all(np.isfinite(loads.carrier_turn))
     assert loads.pins.min() >= 0.0
     ideal = ideal_rv(reducer, torque)
     # the force of all pins on a disc has a fixed moment, so its mean is that of ideal sharing up to deflections
     assert loads.pins.sum(axis=1).mean() == pytest.approx(ideal.pins.sum(axis=(1, 2)).mean(), rel=0.5)
     assert np.all(loads.compliance > 0.0)
-    doubled = balance_rv(reducer, 2.0 * torque, 25)
+    doubled = solve_rv_equilibrium(reducer, 2.0 * torque, 25)
     assert np.all(np.abs(doubled.carrier_turn - loads.carrier_turn) > 0.0)
 
 
@@ -87,7 +93,7 @@ def test_power_of_the_sun_covers_output_and_losses(reducer: RvReducer) -> None:
     torque = reducer.design.load.torque
     powers = rv_powers(reducer, torque, 61)
     assert 0.5 < powers.efficiency < 1.0
-    loads = balance_running(reducer, torque, 61)
+    loads = solve_running_equilibrium(reducer, torque, 61)
     flanks = (loads.flanks[:, 0] - loads.flanks[:, 1]).sum(axis=1)
     base = 0.5 * reducer.planet.module * reducer.planet.sun_teeth * np.cos(reducer.planet.pressure_angle)
     ideal = abs(torque_on_carrier(reducer, torque)) / reducer.stage.to_carrier / base
@@ -97,7 +103,7 @@ def test_power_of_the_sun_covers_output_and_losses(reducer: RvReducer) -> None:
 
 @pytest.mark.parametrize("reducer", REDUCERS, ids=lambda reducer: reducer.design.name)
 def test_stiffness_is_near_the_closed_form(reducer: RvReducer) -> None:
-    loads = balance_rv(reducer, 5.0 * reducer.design.load.torque, 25)
+    loads = solve_rv_equilibrium(reducer, 5.0 * reducer.design.load.torque, 25)
     tooth = float(np.mean(tooth_stiffness(reducer.at_rated_load, np.array([1.0 / reducer.design.ring.pin_radius]))))
     closed = closed_form_stiffness(reducer.stage, reducer.bearing_stiffness, tooth)
     assert 1.0 / loads.compliance.mean() == pytest.approx(closed, rel=0.25)

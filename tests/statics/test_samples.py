@@ -99,24 +99,24 @@ def test_a_few_samples_have_the_bits_of_many() -> None:
 
 def test_samples_that_are_lost_are_balanced_again_along_paths(monkeypatch: pytest.MonkeyPatch) -> None:
     """Alone: those that were balanced keep their figures."""
-    balance_samples, balance_few_samples, again = samples.balance_samples, samples.balance_few_samples, []
+    solve_many_samples, solve_few_samples, again = samples.solve_many_samples, samples.solve_few_samples, []
 
     def lost_once(*given: Any) -> None:
         *_, first, last, out, _, _ = given
-        balance_samples(*given)
+        solve_many_samples(*given)
         out[0, first:last, -1] = np.where(np.arange(first, last) == 1, 0.5, out[0, first:last, -1])
 
     def by_all(*given: Any) -> None:
         *_, first, last, _, use_paths, _ = given
         assert use_paths
         again.append((first, last))
-        balance_few_samples(*given)
+        solve_few_samples(*given)
 
     reducer = Reducer(PRESETS["pin"])
     made = scattered(reducer.design, samples.MAX_UNCOMPILED + 1, seed=5)
     (usual,) = solve_samples(reducer, made, [36.0], 12)
-    monkeypatch.setattr(samples, "balance_samples", lost_once)
-    monkeypatch.setattr(samples, "balance_few_samples", by_all)
+    monkeypatch.setattr(samples, "solve_many_samples", lost_once)
+    monkeypatch.setattr(samples, "solve_few_samples", by_all)
     (found,) = solve_samples(reducer, made, [36.0], 12)
     assert again == [(1, 2)]
     np.testing.assert_array_equal(found.output_mean, usual.output_mean)

@@ -19,10 +19,10 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts import body_solids, mass_properties
 from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import Reducer, RvReducer
-from cycloid_mj.statics.rv_sheet import balance_running
+from cycloid_mj.statics.rv_sheet import solve_running_equilibrium
 from cycloid_mj.stress.loads import PartLoads, loads_in_turn, part_names, turn_of
 from cycloid_mj.stress.rv_strength import compute_rv_strength, crank_moments, planet_forces
-from cycloid_mj.stress.static_turn import balance_turn, static_turn
+from cycloid_mj.stress.static_turn import solve_over_turn, static_turn
 from cycloid_mj.stress.turn import select_turn
 
 DRIVE = RvReducer(COULOMB_RV80E.but(load={"torque": 784.0}))
@@ -44,7 +44,7 @@ def test_static_forces_balance_each_free_part(part: str, law: str) -> None:
 
 
 def test_largest_forces_are_those_of_statics() -> None:
-    running = balance_running(DRIVE, 784.0)
+    running = solve_running_equilibrium(DRIVE, 784.0)
     loads = _loads("gear_1")
     force = np.linalg.norm(loads.force, axis=-1)
     assert force[:, -3:].max() == pytest.approx(running.bearings.max(), rel=5e-3)
@@ -76,7 +76,7 @@ def test_an_internal_gear_has_the_same_resultant() -> None:
 
 def test_bending_of_cranks_is_that_of_distributed_forces() -> None:
     """The moment at a section is the sum over 2000 slices of what lies before it, and of the near support."""
-    springs, loads = balance_turn(DRIVE, ANGLES)
+    springs, loads = solve_over_turn(DRIVE, ANGLES)
     gear, along = DRIVE.design.gear, axial_layout(DRIVE)
     first, last = (sum(ends) / 2.0 for ends in along.flanges)
     bending, torsion = crank_moments(DRIVE, springs, loads, np.array([first, 0.001, 0.009, last]))
@@ -101,7 +101,7 @@ def test_bending_of_cranks_is_that_of_distributed_forces() -> None:
 def test_torque_of_a_crank_is_its_share_of_the_ring_torque() -> None:
     """n T_p = T_ring/zb of ideal sharing: 6.49 N m at 784 N m without friction."""
     reducer = DRIVE.but(friction={"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0}, planet={"friction": 0.0})
-    springs, loads = balance_turn(reducer, ANGLES)
+    springs, loads = solve_over_turn(reducer, ANGLES)
     before_discs = [axial_layout(reducer).flanges[0][0]]
     _, torsion = crank_moments(reducer, springs, loads, np.array(before_discs))
     assert torsion.mean() == pytest.approx(6.49, abs=0.01)

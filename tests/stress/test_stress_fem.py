@@ -146,7 +146,9 @@ def test_lame_ring_and_orders_of_convergence() -> None:
         grid = planar_grid(ring_region(inner, outer), settings, 4e-3)
         sizes.append(grid.unknowns**-0.5)
         part = elastic.assemble_body(grid, STEEL)
-        found = elastic.displacements(part, elastic.balance_loads(part, pressure(grid, 1, inside)[:, np.newaxis])[0])
+        found = elastic.displacements(
+            part, elastic.equilibrate_loads(part, pressure(grid, 1, inside)[:, np.newaxis])[0]
+        )
         found = without_rigid_motion(part, found)
         operators = build_recovery(grid)
         hoop = von_mises(stresses(operators, found, STEEL))[grid.loops[1][:, 0], 0]
@@ -328,7 +330,7 @@ def test_torsion_of_the_shaft(shaft: Grid) -> None:
         shaft_loading._cam_unit_loads(shaft, measures, 0),
         shaft_loading._torsion_load(shaft, measures),
     )
-    loads, imbalance = elastic.balance_loads(part, 10.0 * (on_cam - at_end))
+    loads, imbalance = elastic.equilibrate_loads(part, 10.0 * (on_cam - at_end))
     assert np.abs(imbalance).max() < 1e-9
     stress = von_mises(stresses(build_recovery(shaft), elastic.displacements(part, loads), STEEL))[:, 0]
     x, y, z = shaft.points.T
@@ -346,7 +348,7 @@ def test_torsion_of_a_hollow_shaft() -> None:
     springs = shaft_loading.bearing_pads(grid, measures, 1e8).springs
     part = elastic.assemble_body(grid, STEEL, springs=springs, loose=(2, 5))
     on_cam, on_end = shaft_loading._cam_unit_loads(grid, measures, 0)[1], shaft_loading._torsion_load(grid, measures)
-    loads, _ = elastic.balance_loads(part, 10.0 * (on_cam - on_end))
+    loads, _ = elastic.equilibrate_loads(part, 10.0 * (on_cam - on_end))
     stress = von_mises(stresses(build_recovery(grid), elastic.displacements(part, loads), STEEL))[:, 0]
     x, y, z = grid.points.T
     middle = (np.abs(np.hypot(x, y) - measures.radius) < 1e-7) & (z > -0.030) & (z < -0.015)

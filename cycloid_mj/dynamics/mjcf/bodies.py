@@ -135,10 +135,11 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
 
 
 def _add_joints(element: Any, body: Body, reducer: Reducer, tilts: bool) -> None:
-    """Add the joints of a body to its `element` of an editable model: slide joints along x and y, if any, and a hinge.
+    """Add the joints of a body of the `reducer` to its `element`, an ``MjsBody`` of the editable MuJoCo model.
 
-    The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant. If
-    the body `tilts`, there are hinges about x and y, too, before the hinge about its own axis.
+    They are slide joints along x and y if the body moves sideways, and a hinge about its axis. The hinge of the driven
+    shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant. If the body `tilts`, there
+    are hinges about x and y, too, before the hinge about its own axis.
     """
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     *slides, rotation = body.joints or [""]

@@ -598,7 +598,7 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
 
 @njit
 def rolling_speed(contact: Contact, v: Array) -> float:
-    """Compute the tangential speed [m/s] of the centre of a contact's round surface relative to the other surface.
+    """Compute the tangential speed [m/s] of the centre of a round surface, such as a pin, past its mate.
 
     This motion, as a pin rolls or slides along its mate, rotates the contact normal (`geometric_stiffness`). `v` are
     the speeds of all unknowns.

@@ -16,10 +16,10 @@ from cycloid_mj.statics.kernel.samples import (
     Effects,
     SampleDeviations,
     allocate_workspace,
-    balance_few_samples,
-    balance_samples,
+    solve_few_samples,
+    solve_many_samples,
 )
-from cycloid_mj.statics.kernel.search import balance
+from cycloid_mj.statics.kernel.search import solve_equilibria
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
@@ -38,11 +38,11 @@ __all__ = [
     "State",
     "allocate_workspace",
     "assemble_after",
-    "balance",
-    "balance_few_samples",
-    "balance_samples",
     "follow_path",
     "gap",
     "is_open",
+    "solve_equilibria",
+    "solve_few_samples",
+    "solve_many_samples",
     "state",
 ]

@@ -171,9 +171,9 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
-    """Return springs whose clearances are multiplied by `share` [1], except the negative clearance (preload) of a cam.
+    """Return contact springs with clearances multiplied by `share` [1], except the preload (negative) of a cam.
 
-    The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace of the new springs, which
+    The clearances of the n contacts are written to `scaled_clearance` (n,) [m], a workspace of the new springs, which
     share all other arrays with `springs`.
     """
     for i in range(scaled_clearance.size):
@@ -214,7 +214,8 @@ def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Gap:
 def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
     """Return whether a lower bound of the gap of contact `i` is positive, at the crank angle of index `k`.
 
-    `z` (u,) [m] are the displacements. The contact is open if the result is true, and may be open or closed if not.
+    `z` (u,) [m] are the u unknown displacements. The contact is open if the result is true, and may be open or closed
+    if not.
     """
     return bound_width(springs, k, i, curve_offset(springs, k, i, disc_pose(springs, springs.disc[i], z)), FALSE) > 0.0
 
@@ -241,7 +242,7 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
     Parameters
     ----------
     springs
-        Springs at all crank angles.
+        Contact springs at all crank angles.
     k, i
         Indices of the crank angle and of the contact.
     pose
@@ -273,7 +274,7 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     Parameters
     ----------
     springs
-        Springs at all crank angles.
+        Contact springs at all crank angles.
     k, i
         Indices of the crank angle and of the contact.
     pose, offset
@@ -318,7 +319,7 @@ def _curve_distance(
     rotates: bool,
     use_foot_point: bool,
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of the two curves of a contact whose points of ideal contact are offset from each other.
+    """Compute the distance of two curves in contact, whose points of ideal contact are offset from each other.
 
     The distance is expanded to the third order. Where the expansion is not valid, the foot point on the trochoid is
     used. If there is none nearby, as for parts that are far apart, the profile is approximated by its circle of
@@ -466,9 +467,9 @@ def _find_foot_point(
 def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, use_foot_point: bool) -> float:
     """Compute a lower bound of the width of a contact's gap [m]; 0 if the gap may be closed.
 
-    `k` and `i` are the indices of crank angle and contact, and `offset` is the displacement of the contact point from
-    `curve_offset`. If `use_foot_point` is true, the bound is valid for the gap that `gap_at` computes at the foot
-    point.
+    `springs` are the contact springs, `k` and `i` the indices of crank angle and contact, and `offset` is the
+    displacement of the contact point from `curve_offset`. If `use_foot_point` is true, the bound is valid for the gap
+    that `gap_at` computes at the foot point.
     """
     q, p = offset.q, offset.p
     curvature, curvature_rate, trochoid = springs.curvature[k, i], springs.curvature_rate[k, i], springs.trochoid

@@ -87,10 +87,10 @@ class Path(NamedTuple):
 def solve_by_arclength(
     springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, path: Path, system: System
 ) -> float:
-    """Solve for displacements z (u,) [m] by pseudo-arclength continuation in friction and clearance.
+    """Solve for u displacements `z` [m] by pseudo-arclength continuation in friction and clearance.
 
-    `springs` are the springs at all crank angles, `k` is the index of an angle, and `load` (u,) [N] the generalised
-    load. `tolerance` [N] is the residual norm of a solution. `z` is an output array. `path` is a result of
+    `springs` are the contact springs at all crank angles, `k` is the index of an angle, and `load` (u,) [N] the
+    generalised load. `tolerance` [N] is the residual norm of a solution. `z` is an output array. `path` is a result of
     `allocate_path`; `path` and `system` are overwritten. Returns the residual norm [N]: infinity if the path ends
     before full friction and clearance, or if friction wedges parts.
 
@@ -161,9 +161,9 @@ def solve_scaled(
     Parameters
     ----------
     springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
+        Contact springs, index of the crank angle, and generalised load on the u unknown displacements (u,) [N].
     z
-        Start values of the displacements (u,) [m], which are replaced by the solution.
+        Start values of the u unknown displacements [m], which are replaced by the solution.
     tolerance, use_backtracking
         Residual norm of a solution [N], and whether steps are halved until the energy falls.
     system
@@ -171,7 +171,7 @@ def solve_scaled(
     clearance, friction
         Factors on all clearances (`scale_clearances`) and on the friction [1].
     scaled_clearance
-        Workspace for the clearances (n,) [m].
+        Workspace for the clearances of the n contacts (n,) [m].
 
     Notes
     -----
@@ -183,7 +183,7 @@ def solve_scaled(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
-    """Return the factors on friction and clearance [1] at a `parameter` of the path; they exceed 1 beyond its end.
+    """Return the factors on friction and clearance [1] at a `parameter` of the continuation; above 1 beyond its end.
 
     If `order` is 1, friction grows at parameters from 0 to 1, then clearance at parameters from 1 to 2. If it is -1,
     clearance grows first. If it is 0, both grow together at parameters from 0 to 1.
@@ -202,7 +202,7 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
     Parameters
     ----------
     springs
-        Springs at all crank angles.
+        Contact springs at all crank angles.
     unknown_count
         Number of displacements.
     order
@@ -229,9 +229,10 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
     """Write the residual at a point of a continuation path, and its derivatives, to `path`; return its norm [N].
 
-    The `point` (u + 1,) consists of the displacements divided by `path.unit`, and the parameter. The residual is
-    written to ``path.residual``, its derivatives by the entries of the point to ``path.matrix``. `k` is the index of
-    the crank angle, `load` (u,) [N] the generalised load.
+    The `point` (u + 1,) consists of the displacements divided by `path.unit`, and the parameter. The residual forces of
+    equilibrium are written to ``path.residual``, their derivatives by the elements of `point` to ``path.matrix``.
+    `system` is workspace. `springs` are the contact springs, `k` is the index of the crank angle, and `load` (u,) [N]
+    the generalised load on the u unknowns.
     """
     unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.last_solution
     for j in range(unknown_count):
@@ -270,18 +271,21 @@ def _add_clearance_rate(
     rate: Array,
     system: System,
 ) -> None:
-    """Add the derivative of the springs' generalised forces by the factor on all clearances to `rate` [N], shape (u,).
+    """Add the derivative of the contact forces by the clearance to `rate` [N], shape (u,), for a continuation step.
+
+    The continuation multiplies all clearances by a factor from 0 to 1; the derivative of the generalised forces on the
+    u unknown displacements is taken by this factor.
 
     Parameters
     ----------
     springs, scaled_springs
-        Springs with their full clearances, and with clearances multiplied by the present factor.
+        Contact springs with their full clearances, and with clearances multiplied by the factor at this step.
     k, z
-        Index of the crank angle, and displacements (u,) [m].
+        Index of the crank angle, and displacements [m].
     friction
-        Factor on the friction coefficients.
+        Factor on the friction coefficients [1].
     system
-        Result of the assembly at `z`: forces and gradients of the contacts.
+        Forces and gradients of the contacts at `z`.
     """
     unknown_count, has_friction = z.size, springs.friction_per_force.shape[0] > 0
     for i in range(springs.disc.size):
@@ -310,10 +314,10 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the continuation path at a `point`; return the sign of the determinant there.
 
-    The tangent is written to ``path.tangent``. The determinant is that of the derivatives of the residual with the old
-    tangent as last row; if it is 0, the tangent is unchanged. The tangent points forwards along the path, by `sign`,
-    the sign of the determinant at the beginning of the path. `k` is the index of the crank angle, `load`
-    (u,) [N] the generalised load.
+    The tangent is written to ``path.tangent``; `system` is workspace. The determinant is that of the derivatives of the
+    residual with the old tangent as last row; if it is 0, the tangent is unchanged. The tangent points forwards along
+    the path, by `sign`, the sign of the determinant at the beginning of the path. `springs` are the contact springs,
+    `k` is the index of the crank angle, and `load` (u,) [N] the generalised load on the u unknowns.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -342,7 +346,8 @@ def _predict_and_correct(
 ) -> bool:
     """Compute the next point of a continuation path and its tangent; return whether this succeeds.
 
-    `path.next_point` is at the arc length `length` [1] from `path.point` (Euler predictor, Newton corrector).
+    `path.next_point` is at the arc length `length` [1] from `path.point` (Euler predictor, Newton corrector). `system`
+    is workspace.
 
     The step fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of
     the old one along the new tangent. The tangent is then unchanged. `sign` is the sign of the determinant at the
@@ -365,11 +370,12 @@ def _predict_and_correct(
 def _correct(
     springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: Path, system: System
 ) -> bool:
-    """Compute the next point of a continuation path by Newton's method; return whether it converges.
+    """Compute the next point of a continuation path by Newton's method (corrector); return whether it converges.
 
-    `path.next_point` is at the arc length `length` [1] from `path.point`. The predictor is the point at this length
-    along `path.tangent`. The method fails if the residual norm stays above `tolerance` [N], or if the new point is too
-    far from the predictor. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    `system` is workspace. `path.next_point` is at the arc length `length` [1] from `path.point`. The predictor is the
+    point at this length along `path.tangent`. The method fails if the residual norm stays above `tolerance` [N], or if
+    the new point is too far from the predictor. `springs` are the contact springs, `k` is the index of the crank angle,
+    and `load` (u,) [N] the generalised load on the u unknowns.
     """
     unknown_count, point, next_point, tangent, residual = (
         load.size,
@@ -404,12 +410,12 @@ def _correct(
 def _pass_corner(
     springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: Path, system: System
 ) -> float:
-    """Write a point of the path beyond a corner to `path.next_point`; return the length of the step [1], 0 if none.
+    """Write a point of the continuation path beyond a corner to `path.next_point`; return the step length [1], or 0.
 
     At a corner, a contact opens or closes and the path may turn back. Tangents are computed at distances of 1e-7 to
-    1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are tried. `k` is the index of the crank angle, `load`
-    (u,) [N] the generalised load, `sign` the sign of the determinant at the beginning of the path, and
-    `tolerance` [N] the residual norm of a solution.
+    1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are tried. `springs` are the contact springs, `k` is
+    the index of the crank angle, `load` (u,) [N] the generalised load on the u unknowns, `sign` the sign of the
+    determinant at the beginning of the path, `tolerance` [N] the residual norm of a solution, and `system` workspace.
     """
     unknown_count = load.size
     tangent = path.corner_tangent

@@ -150,11 +150,11 @@ def follow_path(
     positions: Array,
     z: Array,
 ) -> tuple[Residual, int]:
-    """Solve for equilibrium along a load path at the first crank angle of the springs, with elastoplastic friction.
+    """Solve for equilibrium along a load path at the first crank angle of `springs`, with elastoplastic friction.
 
     Each step is an equilibrium with the friction forces at its end (backward Euler). A step without solution is halved,
     and then solved by pseudo-transient continuation. A step in which the output jumps, as across the backlash, is
-    halved too, into at most ``MAX_SUBSTEPS`` parts.
+    halved too, into at most ``MAX_SUBSTEPS`` parts. There are u unknown displacements.
 
     Parameters
     ----------
@@ -193,11 +193,12 @@ def _follow_path(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[Residual, int]:
-    """Follow the equilibrium of springs with friction along a `path` of loads (m, u) [N], with a given workspace.
+    """Solve for equilibrium of contact springs with friction along a `path` of loads, with a given workspace.
 
-    `max_motion` [m] is the displacement of the output above which a step is halved. `positions` (rows,) and `z` (rows,
-    u) [m] are output arrays. Residual and number of filled rows are returned, as by `follow_path`. `increment`, `old`
-    and `new` are the workspace, from `_allocate_increment` and `_allocate_state`.
+    `path` (m, u) [N] are m loads on the u unknown displacements, and `friction_elements` are springs that slip at a
+    limit. `max_motion` [m] is the displacement of the output above which a step is halved. `positions` (rows,) and `z`
+    (rows, u) [m] are output arrays. Residual and number of filled rows are returned, as by `follow_path`. `increment`,
+    `old` and `new` are the workspace, from `_allocate_increment` and `_allocate_state`.
     """
     count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
@@ -246,7 +247,7 @@ def _follow_path(
 def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
     """Interpolate a load path: write the load [N] at a `share` [1] of the step from load `m` - 1 to `m` to `load` (u,).
 
-    `path` has the shape (loads, u). The first step, `m` = 0, begins without load.
+    `path` has the shape (loads, u) for u unknowns. The first step, `m` = 0, begins without load.
     """
     for j in range(load.size):
         before = path[m - 1, j] if m else 0.0
@@ -261,12 +262,13 @@ def assemble_after(
     z: Array,
     fixed_limits: bool,
 ) -> State:
-    """Assemble energy, residual and tangent of the second of two steps: from rest to `middle`, then from there to `z`.
+    """Assemble energy, residual and tangent of the second of two load steps, with friction.
 
-    `middle` and `z` (u,) are displacements [m]. The `load` (u,) [N] acts at z. Neither displacement needs to be an
-    equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`. With `fixed_limits` they
-    follow from those at `middle`; then the residual is the negative gradient of the energy, and the tangent is
-    symmetric.
+    The first step leads from rest to the displacements `middle`, the second from there to `z`, (u,) [m] for u unknowns.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. The `load` (u,) [N] acts at z. Neither
+    displacement needs to be an equilibrium. The friction limits follow from the normal forces at z, as in
+    `follow_path`. With `fixed_limits` they follow from those at `middle`; then the residual is the negative gradient of
+    the energy, and the tangent is symmetric.
     """
     unknown_count, element_count = z.size, friction_elements.stiffness.size
     rest, old, new = (_allocate_state(element_count, unknown_count) for _ in range(3))
@@ -286,11 +288,11 @@ def _assemble_two_steps(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Assemble a step from rest to the displacements of `old`, then one to those of `new`; return its energy.
+    """Assemble a load step from rest to the displacements of `old`, then one to those of `new`; return its energy.
 
-    Returned energy [J], and residual and tangent in `increment`, refer to the second step, under ``increment.load``.
-    `rest` is the unloaded state before both steps. With `fixed_limits`, the friction limits follow from the normal
-    forces of `old`.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. Returned energy [J], and residual and
+    tangent in `increment`, refer to the second step, under ``increment.load``. `rest` is the unloaded state before both
+    steps. With `fixed_limits`, the friction limits follow from the normal forces of `old`.
     """
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     _update_slip(springs, friction_elements, rest)
@@ -318,7 +320,10 @@ def _allocate_increment(element_count: int, unknown_count: int) -> _Increment:
 
 
 def _allocate_state(element_count: int, unknown_count: int) -> _ElastoplasticState:
-    """Allocate the state of unloaded parts at rest, with numbers of friction elements and of unknowns."""
+    """Allocate the state of unloaded parts at rest, by the numbers `element_count` and `unknown_count`.
+
+    These are the numbers of friction elements and of unknown displacements.
+    """
     return _ElastoplasticState(
         np.zeros(unknown_count),
         np.zeros(element_count),
@@ -331,10 +336,10 @@ def _allocate_state(element_count: int, unknown_count: int) -> _ElastoplasticSta
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _update_slip(springs: KernelSprings, friction_elements: FrictionElements, state: _ElastoplasticState) -> None:
-    """Overwrite ``state.slip`` (s, u) [1]: derivatives of the sliding distance of each element by the displacements.
+    """Overwrite ``state.slip``: derivatives of the sliding distance of each friction element by the displacements.
 
-    Derivatives of contacts and seals are copied from `friction_elements`; the sliding direction of a cam depends on the
-    displacement of its disc.
+    Its shape is (elements, unknowns). Derivatives of contacts and seals are copied from `friction_elements`; the
+    sliding direction of a cam depends on the displacement of its disc, see `springs`.
     """
     for i in range(len(state.slip)):
         copy(friction_elements.slip[i], state.slip[i])
@@ -355,8 +360,9 @@ def _solve_newton(
 ) -> float:
     """Solve for the equilibrium after a load step by Newton's method with the consistent tangent.
 
-    `old` is the state before the step, `new` the state after it, which is overwritten. Returns the residual norm [N];
-    up to `tolerance` it is a solution. `increment` has the load and the workspace.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old` is the state before the step,
+    `new` the state after it, which is overwritten. Returns the residual norm [N]; up to `tolerance` it is a solution.
+    `increment` has the load and the workspace.
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -382,9 +388,10 @@ def _solve_tresca(
 ) -> float:
     """Solve for the equilibrium after a load step by a fixed-point iteration of the friction limits (Tresca).
 
-    While the limits are fixed, the solution minimizes an energy, and Newton's method with backtracking finds it.
-    `tolerance` is the residual norm of a solution [N], `old` the state before the step and `new` that after it, which
-    is overwritten. Returns the residual norm [N].
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. While the limits are fixed, the
+    solution minimizes an energy, and Newton's method with backtracking finds it. `tolerance` is the residual norm of a
+    solution [N], `old` the state before the step and `new` that after it, which is overwritten. `increment` has the
+    load and the workspace. Returns the residual norm [N].
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -434,8 +441,9 @@ def _solve_pseudo_transient(
 
     If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the work of friction on the
     way to it. With enough viscous drag (a short pseudo time step), the solution of each pseudo time step is unique.
-    `tolerance` is the residual norm of a solution [N]. Both states, `old` before and `new` after the step, are
-    overwritten by the solution.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. `increment` has the load and the
+    workspace. `tolerance` is the residual norm of a solution [N]. Both states, `old` before and `new` after the step,
+    are overwritten by the solution.
     """
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf
@@ -473,7 +481,10 @@ def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> Non
 def _update_limits(
     friction_elements: FrictionElements, increment: _Increment, state: _ElastoplasticState, share: float
 ) -> None:
-    """Move the fixed limits of `increment` by a `share` [1] towards the limits under the forces of `state`."""
+    """Move the fixed slip limits of `friction_elements`, in `increment`, towards those under the forces of `state`.
+
+    `share` [1] is the share of the difference by which they move.
+    """
     for i in range(increment.friction_limit.size):
         spring_force = state.spring_force[i]
         increment.retained_limit[i] += share * (
@@ -495,10 +506,10 @@ def _assemble_step(
 ) -> tuple[float, float]:
     """Assemble residual and tangent of a load step at the displacements of `new`, and write them to `increment`.
 
-    `old` is the state before the step. The forces of springs and friction, and those that the material retains during
-    unloading, are written to `new`. With `fixed_limits`, the limits of friction and of the retained forces are taken
-    from `increment`; the residual is then the negative
-    gradient of the energy, and the tangent is symmetric.
+    Contacts are `springs` without friction; `friction_elements` slip at a limit. `old` is the state before the step.
+    The forces of springs and friction, and those that the material retains during unloading, are written to `new`. With
+    `fixed_limits`, the limits of friction and of the retained forces are taken from `increment`; the residual is then
+    the negative gradient of the energy, and the tangent is symmetric.
 
     Returns
     -------
@@ -542,7 +553,7 @@ def _assemble_step(
 def _add_geometric_stiffness(
     tangent: Array, x: int, gap: Gap, force: float, rotation_stiffness: float, rotates: bool
 ) -> None:
-    """Add the geometric stiffness of a contact under a `force` [N] to the tangent (u, u) [N/m].
+    """Add the geometric stiffness of a contact under a `force` [N] to the tangent stiffness [N/m].
 
     It has two terms, as in `system._add_contact`. Because the contact normal rotates, -`force` ``gap.rate`` times the
     outer product of the gradients ``gap.tangential`` is added. Because the parts rotate, `rotation_stiffness` [N/m]
@@ -581,8 +592,9 @@ def _add_cam(
 ) -> float:
     """Add the contact of a disc and its cam, with friction, to residual and tangent of a step; return its energy [J].
 
-    `disc` is the index of the disc, `old` and `new` are the states before and after the step, and `fixed_limits` is
-    whether the friction limits are taken from `increment`, which also contains residual and tangent.
+    `springs` are the contact springs without friction, `friction_elements` slip at a limit. `disc` is the index of the
+    disc, `old` and `new` are the states before and after the step, and `fixed_limits` is whether the friction limits
+    are taken from `increment`, which also contains residual and tangent.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -613,10 +625,11 @@ def _add_contact(
 ) -> float:
     """Add contact `i`, including friction, to residual and tangent of a step; return its energy [J].
 
-    The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` (u,) must be the gradient
-    of the depth. A further spring along the normal, which slips at a limit, represents the force that the material
-    retains during unloading. `old` is the state before the step; the forces are written to `new`. With `fixed_limits`,
-    the limits of friction and material are taken from `increment`.
+    The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` must be the gradient of
+    the depth by the unknowns. The friction is that of `friction_elements`. A further spring along the normal, which
+    slips at a limit, represents the force that the material retains during unloading. `old` is the state before the
+    step; the forces are written to `new`. With `fixed_limits`, the limits of friction and material are taken from
+    `increment`.
     """
     spring_force = stiffness * depth
     retained_stiffness, share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]
@@ -652,11 +665,11 @@ def _add_friction(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the friction of element `i` to residual and tangent of a step; return its energy [J].
+    """Add the friction of an element of index `i` to residual and tangent of a load step; return its energy [J].
 
-    The elastic trial force is reduced to the `limit` [N] (return mapping). `rate` [N/m] is the derivative of the limit
-    by the deflection of the contact. `old` is the state before the step; the friction force is written to
-    ``new.friction_force``.
+    An element is a spring that slips at a limit. Its elastic trial force is reduced to the `limit` [N] (return
+    mapping). Residual and tangent are in `increment`. `rate` [N/m] is the derivative of the limit by the deflection of
+    the contact. `old` is the state before the step; the friction force is written to ``new.friction_force``.
     """
     slip, stiffness, unknown_count = old.slip[i], friction_elements.stiffness[i], increment.load.size
     new.friction_force[i] = 0.0

@@ -85,9 +85,9 @@ def newton(
     Parameters
     ----------
     springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
+        Contact springs, index of the crank angle, and generalised load on the u unknown displacements (u,) [N].
     z
-        Start values of the displacements (u,) [m], which are replaced by the solution.
+        Start values of the u unknown displacements [m], which are replaced by the solution.
     stiffness_factor, friction
         Factors on all stiffnesses and on the friction [1]: 1 and 1 for the equilibrium, other values on the way to it.
     use_foot_points
@@ -147,7 +147,7 @@ def newton(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
-    """Write the Newton step (u,) [m] to ``system.step``; return False if the tangent is singular, without a step.
+    """Write the Newton step of the u unknowns [m] to ``system.step``; return False if the tangent is singular.
 
     With `use_backtracking`, the step is a descent direction from the modified Hessian, whose eigenvalues are at least a
     small share of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent
@@ -180,11 +180,11 @@ def _quadratic_form(stiffness: Array, step: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> float:
-    """Solve the linear system `matrix` (u, u) x = `right_side` (u,) by Gaussian elimination with pivoting.
+    """Solve the linear system `matrix` x = `right_side` of u equations by Gaussian elimination with pivoting.
 
-    The solution x is written to `solution` (u,), which may be `right_side` itself; the matrix is overwritten.
-    `diagonal` is first added to the diagonal of the matrix (regularization of rigid-body modes). Returns the sign of
-    the determinant, or 0 if the matrix is singular.
+    The matrix has the shape (u, u). The solution x is written to `solution` (u,), which may be `right_side` itself; the
+    matrix is overwritten. `diagonal` is first added to the diagonal of the matrix (regularization of rigid-body modes).
+    Returns the sign of the determinant, or 0 if the matrix is singular.
     """
     unknown_count, sign = right_side.size, 1.0
     for j in range(unknown_count):
@@ -221,7 +221,7 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> bool:
-    """Solve a symmetric linear system by Cholesky factorization; return whether its matrix is positive definite.
+    """Solve a symmetric linear system of u equations by Cholesky factorization; return whether it is positive definite.
 
     Only the lower half of the `matrix` (u, u) is read and overwritten; `diagonal` is added to its diagonal. The
     solution of `matrix` times x = `right_side` (u,) is written to `solution` (u,), which may be `right_side` itself.
@@ -255,11 +255,12 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
-    """Compute a descent direction `step` (u,) from a `residual` (u,) and a symmetric, maybe indefinite `matrix` (u, u).
+    """Compute a descent direction `step` from a `residual` and a symmetric `matrix`, which may be indefinite.
 
-    The eigenvalues of the matrix are replaced by their absolute values, at least `min_eigenvalue`, and the residual is
-    multiplied by the inverse. If all eigenvalues exceed this minimum, a Cholesky factorization suffices. The matrix is
-    overwritten; `vectors` (u, u) is workspace.
+    There are u unknowns: step and residual have the shape (u,), the matrix (u, u). The eigenvalues of the matrix are
+    replaced by their absolute values, at least `min_eigenvalue`, and the residual is multiplied by the inverse. If all
+    eigenvalues exceed this minimum, a Cholesky factorization suffices. The matrix is overwritten; `vectors` (u, u) is
+    workspace.
     """
     unknown_count = residual.size
     for i in range(unknown_count):
@@ -280,7 +281,7 @@ def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenv
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
-    """Compute the eigenvectors of a symmetric matrix (u, u) as columns of `vectors` (u, u), by Jacobi rotations.
+    """Compute the eigenvectors of a symmetric matrix as columns of `vectors`, of the same shape, by Jacobi rotations.
 
     The matrix is overwritten, and its diagonal becomes the eigenvalues (Golub & Van Loan, Matrix Computations, 8.5).
     NumPy's function is not used in compiled code, because it would import SciPy, which takes 0.25 s per command.

@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import FIRST, TRUE, KernelSprings
-from cycloid_mj.statics.kernel.search import balance_briefly, balance_with_paths
+from cycloid_mj.statics.kernel.search import solve_equilibria_briefly, solve_equilibria_with_paths
 from cycloid_mj.statics.kernel.system import System, allocate_system, cam_contact
 
 CARRYING_SHARE = 0.01
@@ -71,7 +71,7 @@ class SampleWorkspace(NamedTuple):
 
 
 def allocate_workspace(ideal: KernelSprings) -> SampleWorkspace:
-    """Allocate the workspace for the samples of a tolerance study; `ideal` are the springs of parts without errors."""
+    """Allocate the workspace for the samples of a tolerance study; `ideal` are contact springs of ideal parts."""
     shape, unknowns = ideal.distance.shape, ideal.slope.shape[2]
     cam_positions = np.empty(ideal.cam_position.shape)
     start_values, z = np.zeros((shape[0], unknowns)), np.empty((shape[0], unknowns))
@@ -80,7 +80,7 @@ def allocate_workspace(ideal: KernelSprings) -> SampleWorkspace:
     )
 
 
-def balance_few_samples(
+def solve_few_samples(
     ideal: KernelSprings,
     effects: Effects,
     deviations: SampleDeviations,
@@ -91,14 +91,14 @@ def balance_few_samples(
     use_paths: bool | None,
     workspace: SampleWorkspace,
 ) -> None:
-    """Solve for the equilibria of samples `first_sample` to `end_sample` - 1 under t loads, at k crank angles in order.
+    """Solve for the equilibria of samples `first_sample` to `end_sample` - 1 under t loads, at k crank angles.
 
     A sample is a drive with random errors within its tolerances. It has u unknowns.
 
     Parameters
     ----------
     ideal
-        Springs of the parts without errors.
+        Contact springs of the parts without errors.
     effects, deviations
         Effects of unit errors on the contacts, and errors of the samples.
     load
@@ -107,8 +107,8 @@ def balance_few_samples(
         Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
         relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
-        True: where Newton's method fails, follow continuation paths (``search.balance_with_paths``). None: do not.
-        Compiled code requires None; False is not allowed.
+        True: where Newton's method fails, follow continuation paths (`search`). None: do not. Compiled code requires
+        None; False is not allowed.
     workspace
         From `allocate_workspace`; overwritten.
     """
@@ -145,9 +145,9 @@ def balance_few_samples(
                 for j in range(z.shape[1]):
                     z[k, j] = workspace.start[k, j]
             if use_paths is None:
-                residual = balance_briefly(springs, load[t], z, force, TRUE, FIRST, system)
+                residual = solve_equilibria_briefly(springs, load[t], z, force, TRUE, FIRST, system)
             else:
-                residual = balance_with_paths(springs, load[t], z, force, TRUE, system)
+                residual = solve_equilibria_with_paths(springs, load[t], z, force, TRUE, system)
             _write_sample_figures(
                 ideal.radius,
                 ideal.rotates,
@@ -161,8 +161,8 @@ def balance_few_samples(
             rows[t, sample, FIGURES - 1] = residual.force
 
 
-balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
-"""`balance_few_samples` compiled for many samples."""
+solve_many_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(solve_few_samples)
+"""`solve_few_samples` compiled for many samples."""
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
@@ -227,7 +227,7 @@ def _write_sample_figures(
     force: Array,
     row: Array,
 ) -> None:
-    """Write means, ranges and maxima of rotations and forces of a sample over its crank angles to a `row`.
+    """Write the quantities of a tolerance sample to a `row`: means, ranges and maxima over its crank angles.
 
     Attributes of the springs are separate arguments, because the conversion of all springs from Python takes long to
     compile. There are k crank angles, n contacts, D discs and u unknowns.

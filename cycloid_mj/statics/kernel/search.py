@@ -83,19 +83,19 @@ PARAMETER_ORDERS = (1.0, -1.0, 0.0)
 """
 
 
-def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
+def solve_equilibria(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
     """Solve for static equilibrium at every crank angle, by Newton's method and, where it fails, by continuation.
 
     Parameters
     ----------
     springs
-        Springs at k crank angles.
+        Contact springs at k crank angles.
     load
         Generalised loads (k, u) [N].
     z
-        Start values of the displacements (k, u) [m], which are replaced by the solutions.
+        Start values of the u unknown displacements at each angle (k, u) [m], which are replaced by the solutions.
     force
-        Output array for the forces of the contacts (k, n) [N].
+        Output array for the forces of the n contacts (k, n) [N].
     extrapolate
         Whether only the first row of z is a start value, and the others are extrapolated from the previous equilibria.
 
@@ -105,21 +105,21 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
         Largest relative residual, at most ``RESIDUAL_RTOL``, and the number of assemblies at all angles. If an angle
         has no equilibrium, its index and its residual; later angles are then not solved.
     """
-    return balance_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
+    return solve_equilibria_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
 
 
-def balance_with_paths(
+def solve_equilibria_with_paths(
     springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool, system: System
 ) -> Residual:
     """Solve for static equilibrium at each crank angle by Newton's method, and where that fails by continuation.
 
-    `springs` are given at k crank angles. `load` (k, u) [N] are generalised loads. `z` (k, u) [m] are start values of
-    the displacements, which are replaced by the solutions. `force` (k, n) [N] is the output array for the forces of the
-    contacts. With `extrapolate`, only the first row of z is a start value. `system` is the workspace. Returned are the
-    largest relative residual and the number of assemblies. If an angle has no equilibrium, its index and residual are
-    returned, and later angles are not solved.
+    `springs` are the contact springs at k crank angles. `load` (k, u) [N] are the loads on the u unknown displacements.
+    `z` (k, u) [m] are start values of the displacements, which are replaced by the solutions. `force` (k, n) [N] is the
+    output array for the forces of the n contacts. With `extrapolate`, only the first row of z is a start value.
+    `system` is the workspace. Returned are the largest relative residual and the number of assemblies. If an angle has
+    no equilibrium, its index and residual are returned, and later angles are not solved.
     """
-    residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
+    residual = solve_equilibria_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
         k, scale = residual.angle, float(np.abs(load[residual.angle]).max()) or 1.0
         norm = _continue_by_arclength(springs, k, load[k], z[k], residual.force * scale, RESIDUAL_RTOL * scale, system)
@@ -127,12 +127,12 @@ def balance_with_paths(
         residual = Residual(norm / scale, k, int(system.assembly_count[0]))
         if not residual.force <= RESIDUAL_RTOL or k + 1 == len(load):
             break
-        residual = balance_briefly(springs, load, z, force, extrapolate, k + 1, system)
+        residual = solve_equilibria_briefly(springs, load, z, force, extrapolate, k + 1, system)
     return residual
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def balance_briefly(
+def solve_equilibria_briefly(
     springs: KernelSprings,
     load: Array,
     z: Array,
@@ -143,10 +143,10 @@ def balance_briefly(
 ) -> Residual:
     """Solve for static equilibrium at each crank angle from index `first_angle` on, without continuation along a path.
 
-    For the other arguments, see `balance`; the workspace `system` counts the assemblies. If there is no solution at an
-    angle, the result has the index of the angle, and `system.path_start` its start values. With `extrapolate` and a
-    `first_angle` above 0, the first solution is warm-started as after a difficult angle (`SearchSettings.short_work`),
-    and the count of assemblies continues.
+    For the other arguments, see `solve_equilibria`; the workspace `system` counts the assemblies. If there is no
+    solution at an angle, the result has the index of the angle, and `system.path_start` its start values. With
+    `extrapolate` and a `first_angle` above 0, the first solution is warm-started as after a difficult angle
+    (`SearchSettings.short_work`), and the count of assemblies continues.
     """
     start, largest_norm = system.path_start, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
@@ -174,7 +174,7 @@ def balance_briefly(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
-    """Replace row `k` of the displacements `z` (angles, u) by their extrapolation from the rows before it.
+    """Replace row `k` of the displacements `z` (angles, unknowns) by their extrapolation from the rows before it.
 
     The extrapolation is linear, or of the second order if `quadratic` and there are three rows before it.
     """
@@ -187,8 +187,9 @@ def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float, play: float) -> bool:
     """Return whether friction wedges a cam, so that its deflection by far exceeds that under the load alone.
 
-    `SearchSettings` has the limits. `k` is the index of the crank angle, `z` (u,) [m] are the displacements, `load` [N]
-    is the largest component of the load, and `play` [m] the largest clearance (`largest_play`).
+    `SearchSettings` has the limits. `springs` are the contact springs, `k` is the index of the crank angle, `z` (u,)
+    [m] are the u unknown displacements, `load` [N] is the largest component of the load, and `play` [m] the largest
+    clearance (`largest_play`).
     """
     valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
     max_deflection = max(min(_SEARCH.wedged_depth * play, valid), _SEARCH.wedged_force * load / springs.cam_stiffness)
@@ -217,10 +218,11 @@ def _solve_with_continuation(
 ) -> float:
     """Solve for equilibrium at the crank angle `k` (index) by Newton's method, or if that fails by continuation.
 
-    `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are the
-    start values of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. With `warm_start`,
-    contacts that carried a force in `system` count as closed in the first step of Newton's method. `system` is
-    overwritten. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
+    `springs` are the contact springs, with u unknown displacements. `z` (u,) [m] contains start values of Newton's
+    method and is overwritten by the solution; `start` (u,) [m] are the start values of the continuation. `scale` [N] is
+    the largest component of the `load` (u,) [N]. With `warm_start`, contacts that carried a force in `system` count as
+    closed in the first step of Newton's method. `system` is overwritten. Returns the smallest residual norm [N]: a
+    solution if at most `RESIDUAL_RTOL` times `scale`.
     """
     has_friction = springs.friction_per_force.shape[0] > 0
     schedules = _SCHEDULES if has_friction else _FRICTIONLESS_SCHEDULES
@@ -269,10 +271,11 @@ def _continue_by_arclength(
 ) -> float:
     """Solve for equilibrium at the crank angle `k` (index) by `solve_by_arclength`, after Newton's method failed.
 
-    `springs` are the springs at all crank angles, `load` (u,) [N] is the generalised load. The solution is written to
-    `z` (u,) [m]. The start values are `system.path_start` (u,). A path is followed for each of `PARAMETER_ORDERS`, the
-    orders in which friction and clearance are increased, until one reaches a residual norm of at most `tolerance` [N].
-    Returns the smallest residual norm [N]; `smallest_norm` is the smallest of the earlier attempts.
+    `springs` are the contact springs at all crank angles, `load` (u,) [N] is the load on the u unknown displacements.
+    The solution is written to `z` (u,) [m]. The start values are `system.path_start` (u,). A path is followed for each
+    of `PARAMETER_ORDERS`, the orders in which friction and clearance are increased, until one reaches a residual norm
+    of at most `tolerance` [N]. Returns the smallest residual norm [N]; `smallest_norm` is the smallest of the earlier
+    attempts.
     """
     has_friction = springs.friction_per_force.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
@@ -294,9 +297,9 @@ def _grow_clearances(
 ) -> float:
     """Solve for equilibrium without friction while clearances increase from none to full; return the residual [N].
 
-    Each step is a descent of the energy until the residual norm is at most `tolerance` [N]. `k` is the index of the
-    crank angle, `load` (u,) [N] the generalised load. `z` (u,) [m] has start values and ends at the solution.
-    `clearance` (n,) [m] and `system` are workspace.
+    Each step is a descent of the energy until the residual norm is at most `tolerance` [N]. `springs` are the contact
+    springs, `k` is the index of the crank angle, and `load` (u,) [N] the generalised load on the u unknowns. `z` (u,)
+    [m] has start values and ends at the solution. `clearance` (n,) [m] and `system` are workspace.
     """
     norm, count = math.inf, _SEARCH.clearance_steps
     for step in range(count + 1):
@@ -306,11 +309,9 @@ def _grow_clearances(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _force_at_deflection(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force [N] that deflects the stiffest spring by `clearance_count` times the largest clearance.
+    """Compute the force [N] that deflects the stiffest of the contact `springs` by a multiple of its largest clearance.
 
-    Divided by this force, the load is the factor on the stiffness at the beginning of a continuation
-    (`_solve_with_continuation`). The force is limited such that no contact deflects beyond the range in which its
-    curves are valid, even if a cam is much stiffer. `k` is the index of the crank angle.
+    The multiple is `clearance_count`.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

@@ -130,17 +130,17 @@ class _Cam(NamedTuple):
 
 
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Compute energy, residual forces and stiffness of the springs without friction, as `State`.
+    """Compute energy, residual forces and stiffness of the contact springs without friction, as `State`.
 
-    The springs are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at displacements `z`
-    (u,) [m].
+    The contact springs are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at the u
+    unknown displacements `z` (u,) [m].
     """
     system = allocate_system(springs)
     return State(_assemble_springs(springs, k, load, z, system), system.residual, system.tangent)
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate a `System`: residual, tangent and workspace for the equilibria of springs at all crank angles.
+    """Allocate a `System`: residual, tangent and workspace for the equilibria of contact springs at all crank angles.
 
     All its arrays are 0 except `arm` (1,) [1]: the largest displacement of a contact, along and across its normal, per
     displacement by rotation of its disc or of the output, at the first crank angle.
@@ -197,9 +197,9 @@ def assemble(
     Parameters
     ----------
     springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
+        Contact springs, index of the crank angle, and generalised load on the u unknown displacements (u,) [N].
     z
-        Displacements (u,) [m], as in `KernelSprings`.
+        The u unknown displacements [m], as in `KernelSprings`.
     stiffness_factor, friction
         Factors on all stiffnesses and on the friction [1].
     use_foot_points
@@ -213,7 +213,7 @@ def assemble(
     Returns
     -------
     float
-        Energy of the springs minus work of the load [J].
+        Energy of the contact springs minus work of the load [J].
     """
     unknown_count, residual, tangent, list_origin = z.size, system.residual, system.tangent, system.list_origin
     has_friction = springs.friction_per_force.shape[0] > 0 and friction > 0.0
@@ -257,12 +257,12 @@ def _sum_contacts(
     energy: float,
     system: System,
 ) -> tuple[_DiscSums, float]:
-    """Sum forces and stiffness of the contacts of a disc, except those with output pins that bend.
+    """Sum the forces and the stiffness of the contacts of a disc, except those with output pins that bend.
 
     Only contacts that may have closed since the neighbour list was built are evaluated. Their forces are written to
     `system.spring_forces`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the
-    sum so far, and `has_friction` whether friction acts. `k` is the index of the crank angle, `z` (u,) [m] are the
-    displacements; `stiffness_factor`, `use_foot_points` and `rebuild_list` are explained in `assemble`.
+    sum so far, and `has_friction` whether friction acts. `k` is the index of the crank angle, `z` (u,) [m] are the u
+    unknown displacements; `stiffness_factor`, `use_foot_points` and `rebuild_list` are explained in `assemble`.
 
     Returns
     -------
@@ -357,8 +357,9 @@ def _add_cam(
 ) -> tuple[_DiscSums, float]:
     """Add the contact of a disc and its cam to the sums of the disc; add its friction to `system`.
 
-    `k` is the index of the crank angle, and `z` (u,) [m] are the displacements; `stiffness_factor` and `friction` are
-    factors on stiffness and friction [1]. `disc` is the index of the disc, `sums` and `energy` [J] are the sums so far.
+    `springs` are the contact springs, `k` is the index of the crank angle, and `z` (u,) [m] are the u unknown
+    displacements; `stiffness_factor` and `friction` are factors on stiffness and friction [1]. `disc` is the index of
+    the disc, `sums` and `energy` [J] are the sums so far.
 
     Returns
     -------
@@ -403,7 +404,11 @@ def _add_cam(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _add_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
-    """Add the sums of the disc of index `disc` to residual (u,) [N] and tangent (u, u) [N/m], which are changed."""
+    """Add the summed contact forces and stiffness of a disc to the residual [N] and the tangent [N/m] of the system.
+
+    `disc` is the index of the disc. The residual has the shape (u,), the tangent (u, u), for u unknowns; both are
+    changed.
+    """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
     residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
@@ -445,12 +450,12 @@ def _add_bent_pins(
     rebuild_list: bool,
     system: System,
 ) -> float:
-    """Add output pins that bend to residual and tangent; return the energy of their contacts and of the pins [J].
+    """Add output pins that bend to residual and tangent of the `system`; return the energy of contacts and pins [J].
 
     The forces f of the discs on a pin solve the linear complementarity problem K^-1 f + B f + w >= 0, f >= 0. K is the
     contact stiffness, w are the gaps of the straight pin, and B is the `bending` of the springs. `k` is the index of
-    the crank angle, `z` (u,) [m] are the displacements, and `stiffness_factor` and `friction` are factors on stiffness
-    and friction [1]; for `rebuild_list` see `assemble`.
+    the crank angle, `z` (u,) [m] are the u unknown displacements, and `stiffness_factor` and `friction` are factors on
+    stiffness and friction [1]; for `rebuild_list` see `assemble`.
     """
     discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
@@ -479,8 +484,9 @@ def _add_bent_pins(
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
     """Return whether any disc may touch an output pin, by the neighbour list; set the forces on the pin to 0.
 
-    `k` and `pin` are the indices of crank angle and pin, `z` (u,) [m] the displacements. With `rebuild_list`, the pin's
-    entries of the list are first rebuilt at these displacements.
+    `springs` are the contact springs, `k` and `pin` the indices of crank angle and pin, `z` (u,) [m] the u unknown
+    displacements. With `rebuild_list`, the part of the list for this pin in `system` is first rebuilt at these
+    displacements.
     """
     may_touch, first_contact = False, _independent_contacts(springs)
     for disc in range(springs.cam_position.shape[1]):
@@ -498,8 +504,8 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
     """Add the solved forces on an output pin, with their tangent stiffness and friction, to residual and tangent.
 
-    The forces are in `system.pin`. `k` and `pin` are the indices of crank angle and pin; `friction` is a factor on the
-    friction coefficients.
+    The forces are in `system.pin`. `springs` are the contact springs, `k` and `pin` the indices of crank angle and pin;
+    `friction` is a factor on the friction coefficients.
     """
     discs, first_contact, output_dof = (
         springs.cam_position.shape[1],
@@ -552,7 +558,7 @@ def _solve_pin(
     Parameters
     ----------
     flexibility, width
-        Flexibility of pin and contacts (D, D) [m/N], and gaps of the straight pin (D,) [m].
+        Flexibility of pin and contacts (D, D) [m/N], and gaps (D,) [m] between the straight pin and D discs.
     kept_closed
         Mask (D,) of contacts that stay closed, even if they pull.
     is_active, forces, stiffness
@@ -583,10 +589,10 @@ def _solve_pin(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -> None:
-    """Write the inverse of the flexibility (D, D) [m/N] of a pin's active contacts to `stiffness` (D, D) [N/m].
+    """Write the inverse of the flexibility of a pin's active contacts with D discs to `stiffness` (D, D) [N/m].
 
-    Rows and columns of other contacts, for which `is_active` (D,) is false, are 0. The method is Gauss-Jordan
-    elimination.
+    `flexibility` has the shape (D, D) [m/N]. Rows and columns of inactive contacts, for which `is_active` (D,) is
+    false, are 0. The method is Gauss-Jordan elimination.
     """
     discs = is_active.size
     for disc in range(discs):
@@ -636,7 +642,8 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
     """Add the Coulomb friction of sliding contacts to residual and tangent of the system.
 
-    `k` is the index of the crank angle, `friction` is a factor on the friction coefficients.
+    `springs` are the contact springs, `k` is the index of the crank angle, `friction` is a factor on the friction
+    coefficients.
     """
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
