@@ -57,10 +57,10 @@ class DriveCycle:
 
 
 def ramp_and_hold(model: Held, reducer: Reducer) -> DriveCycle:
-    """Return the drive cycle of a design: the crank speed ramps up and stays constant, the load rises to its torque.
+    """Return the commands over time of a design: the crank speed ramps up and stays constant, the load rises.
 
-    The crank starts at the angle 0, at rest, or at full speed if there is no ramp. `model` provides the servo's gains
-    and the inertia that it moves.
+    The load is a torque on the output, which rises to that of the design. The crank starts at the angle 0, at rest, or
+    at full speed if there is no ramp. `model` provides the servo's gains and the inertia that it moves.
     """
     design = reducer.design
     crank_law = CrankLaw(design.drive.speed, design.drive.ramp)
@@ -98,7 +98,7 @@ def rising(torque: float, rise: float) -> Signal:
 def initial_state(model: ReducerModel, reducer: Reducer, cycle: DriveCycle | None = None) -> Any:
     """Return a new ``MjData`` with the closed-form positions and speeds of all joints at the start of a drive cycle.
 
-    The default is the cycle of the design, `ramp_and_hold`.
+    `model` is the compiled MuJoCo model. The default is the cycle of the design, `ramp_and_hold`.
     """
     cycle = cycle or ramp_and_hold(model, reducer)
     data = mujoco.MjData(model.model)

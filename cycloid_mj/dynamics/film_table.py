@@ -75,7 +75,7 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the table of friction by the law ``film``, and the row in it and the ring pin of each mating pair.
+    """Return the table of friction by the law ``film``, and its row and the ring pin of each mating pair.
 
     The law is that of lubricated contacts, and the table has friction coefficients [1]. The index of the pin is 0 for
     pairs without a ring pin or lobe. The result is None with the law ``coulomb`` of constant coefficients.
@@ -154,11 +154,11 @@ def phase_cosine(px: float, py: float, x: float, y: float) -> float:
 
 @compiling.njit(inner=True)
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
-    """Interpolate the friction coefficient [1] of a contact in the film table, bilinearly in phase and log force.
+    """Interpolate the friction coefficient [1] of a lubricated contact in a table, bilinearly in phase and log force.
 
-    `table` is the address of the table, and `kind` the row of the contact. `cosine` is the cosine of the phase of the
-    contact's pin, the angle between the directions of the pin and of the disc's centre. `force` is the normal force
-    [N]; outside of the table, the coefficient is that of the nearest force in it.
+    `table` is the memory address of the table (`film_table`), and `kind` the row of the contact. `cosine` is the cosine
+    of the phase of the contact's pin, the angle between the directions of the pin and of the disc's centre. `force` is
+    the normal force [N]; outside of the table, the coefficient is that of the nearest force in it.
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP

@@ -48,7 +48,7 @@ def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
 
 
 def idle_warning(reducer: Reducer) -> tuple[str, ...]:
-    """Return a warning if the load of a run is too small to press massless pins into their seats, else an empty tuple.
+    """Return a warning if the load is too small to press massless pins into their seats, else an empty tuple.
 
     The limit is the output torque that presses as hard as weight and inertia of the discs (`Contacts.own_load`).
     """

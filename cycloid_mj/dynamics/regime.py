@@ -73,7 +73,7 @@ class Compiled(Protocol):
 
 
 def model_warnings(reducer: Reducer, model: Compiled) -> tuple[str, ...]:
-    """Return all warnings about a design and its compiled MuJoCo model: time step, friction, clearances, bending pins.
+    """Return all warnings about the accuracy of a compiled MuJoCo model: time step, friction, clearances, bent pins.
 
     Each is a sentence on a condition in which results are less accurate.
     """
@@ -133,7 +133,7 @@ def lowest_log_rate(reducer: Reducer) -> float:
 
 
 def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
-    """Return the warnings that depend on the design's speed; empty for a crank at rest.
+    """Return the warnings about accuracy that depend on the design's speed; empty for a crank at rest.
 
     They are about too few time steps or samples from tooth to tooth, and about parts that slide too slowly for fully
     developed friction. `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
@@ -244,8 +244,8 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     """Yield a warning if MuJoCo's friction is so far ahead of the sliding velocity that losses are too low.
 
-    Its direction leads that of an orbiting disc's velocity by an angle (`friction_leads`). The warning names the kind
-    of pair with the largest angle.
+    `model` is the compiled model. Its direction leads that of an orbiting disc's velocity by an angle
+    (`friction_leads`). The warning names the kind of pair with the largest angle.
     """
     lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
     kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")
@@ -310,8 +310,8 @@ def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
 
     The added mass is the inverse 1/R [kg] of MuJoCo's regularisation R of a contact: the contact acts as if it had this
     mass. MuJoCo limits its impedance to `MIN_IMPEDANCE`, and so the added mass to a share of the mass of both bodies.
-    The first pair of mating surfaces of each kind is evaluated. Only models with contacts of exact profiles are
-    evaluated, not those with contacts of meshes.
+    The first pair of mating surfaces of each kind is evaluated. `compiled` is the compiled model. Only models with
+    contacts of exact profiles are evaluated, not those with contacts of meshes.
     """
     model = compiled.model
     # only geoms of exact profiles have user data; `pair.on` and `pair.by` are the geoms of a pair

@@ -124,7 +124,7 @@ class Schedule:
 
 
 def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
-    """Return the time steps and samples of a design's run over ramp and hold.
+    """Return the numbers of time steps and samples of a design's run over ramp and hold.
 
     `seconds` is the time step [s] of the model; 0 stands for that of the design. The sample interval is a multiple of
     it, close to that of the design's log rate. Duration and sample interval are at least one step.
@@ -137,7 +137,7 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
 
 
 def log_columns(model: Model, reducer: Reducer) -> Groups:
-    """Return the unit of each column of the log: topic -> name of the column -> unit."""
+    """Return the unit of each column of the log of a `model`: topic -> name of the column -> unit."""
     kinds = sorted(model.laws)
     groups = {topic: dict(columns) for topic, columns in sensors(reducer).items()}
     groups[names.REDUCER] |= {
@@ -403,7 +403,7 @@ def blocks(
 def _advance_block(
     plan: Schedule, cycle: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
-    """Take the time steps up to and including the last of some consecutive samples.
+    """Take the time steps of some consecutive samples of a run, up to and including the last sample.
 
     Parameters
     ----------
@@ -459,7 +459,7 @@ class _Stepping:
     most_iterations: float = math.inf
 
     def late_warnings(self, unconverged_count: int, plan: Schedule) -> tuple[str, ...]:
-        """Return the warnings at the end of a run about time steps whose contact geometry did not converge.
+        """Return the warnings at the end of a run about time steps in which the contact geometry did not converge.
 
         They apply to the planar solver only; `unconverged_count` is the number of these steps, `plan` has that of all
         steps.
@@ -474,7 +474,7 @@ class _Stepping:
 
 
 def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
-    """Return the stepper of a MuJoCo run, with the conditions that end the run.
+    """Return the functions that advance a MuJoCo run, with the conditions that end the run.
 
     It reads the sensors, drags, contact laws and film table of the `compiled` model; `data` is the ``MjData`` to
     advance, `plan` has the number of steps per sample.
@@ -511,7 +511,7 @@ class _Recorder:
         compiled, reducer
             The model, and its reducer.
         stepping, plan
-            Its stepper, and the numbers of steps and samples of the run.
+            Functions that advance the run, and its numbers of steps and samples.
         has_own_cycle
             Whether the drive cycle is that of the design: only then friction is checked for a jam.
         """
@@ -563,7 +563,7 @@ class _Recorder:
         )
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Convert rows of samples to tables of the log by topic, each of shape (samples, columns).
+        """Convert rows of samples to the tables of the log by topic, each of shape (samples, columns).
 
         `log_columns` lists the columns of each topic with their units. Powers are summed over the pairs of each kind,
         and the motion of q, the logged point of the disc, is computed from that of the first disc.
@@ -594,11 +594,11 @@ class _Recorder:
         return tables | {names.FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield for each check a mask (n,) of the samples that fail it, and a function that describes such a failure.
+        """Yield for each check of a run a mask (n,) of the n samples that fail it, and a function for its message.
 
-        The function takes the index of a sample in `rows`, shape (n, values). The checks are for values that are not
-        finite, warnings of MuJoCo, friction power, penetration, iterations of the solver, moving pins outside their
-        sockets, and discs more than a quarter of a tooth pitch from their kinematic angle.
+        The function takes the index of a sample in `rows`, shape (n, values), and returns the message. The checks are
+        for values that are not finite, warnings of MuJoCo, friction power, penetration, iterations of the solver,
+        moving pins outside their sockets, and discs more than a quarter of a tooth pitch from their kinematic angle.
         """
         sensor_values = rows[:, self.steps.copied]
         _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T

@@ -120,7 +120,7 @@ class StepRule:
 
 
 def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
-    """Describe in words which results are accurate at the time step of a design, and how accurate.
+    """Describe in words which results of a run are accurate at the time step of a design, and how accurate.
 
     `accuracy` has these words for the solver of the run.
     """
@@ -226,7 +226,7 @@ def circling_limit(reducer: Reducer) -> float:
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the effective mass [kg] that oscillates on a contact of each kind of pair, by kind.
+    """Compute the effective mass [kg] that oscillates on a contact of each kind of mating pair, by kind.
 
     Half of the ring contacts and of the output contacts of each disc carry load at a time. A free pin, or a sleeve,
     lies between two contacts. The loaded member moves by its rotation: the lever arm of ring forces is at most c N,

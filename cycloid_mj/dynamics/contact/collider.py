@@ -43,7 +43,7 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE, _SUN, _PLANET, _ECCENTRIC = (int(role) for 
 
 
 def _compile_general_collider(layout: Layout) -> Any:
-    """Compile or load MuJoCo's collision function for all pairs with exact contact except teeth on lobes.
+    """Compile or load MuJoCo's collision function for all exact contacts except those of teeth and lobes.
 
     Its pairs are the teeth of a disc and a ring pin, a cylinder or ring pin in a bore or socket, an eccentric in its
     bore, and the sun and a planet. The result is a numba ``cfunc``, which passes all others to MuJoCo's own collider.
@@ -108,9 +108,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return the address of MuJoCo's own collision function for cylinders, and ours for all pairs but lobes.
+    """Return the address of MuJoCo's own collision function for cylinders, and that of the exact one without lobes.
 
-    Ours is a numba ``cfunc``, which has passed its self-test.
+    The exact function is a numba ``cfunc``, which has passed its self-test.
 
     Raises
     ------

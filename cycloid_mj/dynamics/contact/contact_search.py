@@ -154,9 +154,10 @@ class HalfRoot(NamedTuple):
 
 @njit(inline="always")
 def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
-    """Write a contact point at an address: gap [m], position (x, y) [m], stiffness factor [1] and unit normal (nx, ny).
+    """Write a contact point as six numbers at a memory address: gap, position, stiffness factor and unit normal.
 
-    The six numbers are those of a `Touch`.
+    The gap and the position (x, y) are in [m]; `factor` [1] multiplies the stiffness of the contact; the normal is (nx,
+    ny). They are the fields of a `Touch`.
     """
     write_float(address, gap)
     write_float(address + 8, x)
@@ -168,7 +169,7 @@ def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx:
 
 @njit(inline="always")
 def read_touch(address: int) -> Touch:
-    """Read gap, position, stiffness factor and normal of a contact point, six numbers, at an address."""
+    """Read a contact point, six numbers, at a memory address: gap, position, stiffness factor and normal."""
     return Touch(
         read_float(address),
         read_float(address + 8),
@@ -250,13 +251,13 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
-    """Compute the phase [rad] of an edge between two pieces of a half root, which extends from `bottom` to `top` [rad].
+    """Compute the phase [rad] at which a search interval in half a root of the internal gear ends.
 
-    A root of the internal gear connects the arcs of two lobes; its halves are searched in pieces. `fraction` [1] is the
-    number of pieces between `bottom` and the edge, divided by the number of all pieces. The pieces are equally long
-    unless `is_graded`. Graded pieces become shorter towards both ends, most of all towards the junction with the arc of
-    the lobe. The junction is at `bottom` if `is_own` (`HalfRoot.own`), else at `top`; the other end is the middle of
-    the root.
+    The half root extends from the phase `bottom` to `top` [rad] and is searched in intervals. A root connects the arcs
+    of two lobes. `fraction` [1] is the number of intervals between `bottom` and the edge, divided by the number of all
+    intervals. They are equally long unless `is_graded`. Graded intervals become shorter towards both ends, most of all
+    towards the junction with the arc of the lobe. The junction is at `bottom` if `is_own` (`HalfRoot.own`), else at
+    `top`; the other end is the middle of the root.
     """
     if not is_graded:
         return bottom + (top - bottom) * fraction
@@ -318,7 +319,7 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
 
 @njit(inline="always")
 def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
-    """Write the contact on the arc of a lobe at an address, in the world's frame; return the number written, 0 or 1.
+    """Write the contact on the arc of a lobe at a memory address, in the world's frame; return the number, 0 or 1.
 
     `arc` is this contact in the frame of the lobe; nothing is written if it does not exist. `lobe` is the pose of the
     lobe in the world, `arc_radius` the radius of its arc [m].
@@ -347,7 +348,7 @@ def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
 
 @njit(inline="always")
 def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
-    """Compute how far the contacts of the teeth on arc and root of a lobe are apart [1]: 0 for one patch, 1 for two.
+    """Compute how far the contacts on arc and root of a lobe are apart [1]: 0 for one contact patch, 1 for two.
 
     It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
 
@@ -372,13 +373,13 @@ def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, lar
 def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
     """Find and write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots.
 
-    Contacts are written at an address, in the world's frame, `STRIDE` bytes apart, with gap, position, stiffness factor
-    and normal. Their number is returned, at most ``SETTINGS.max_touches``.
+    Contacts are written at a memory address, in the world's frame, `STRIDE` bytes apart, with gap, position, stiffness
+    factor and normal. Their number is returned, at most ``SETTINGS.max_touches``.
 
     Parameters
     ----------
     address
-        Address of the first contact.
+        Memory address of the first contact.
     profile, arc_radius
         Teeth of the disc, and radius of the lobe's arc [m].
     lobe, gear
@@ -442,13 +443,14 @@ def _write_root(
     gear: Pose,
     margin: float,
 ) -> tuple[int, ArcTouch]:
-    """Find and write the contacts of the teeth in half a `root` of the ring, after `count` others at an address.
+    """Find and write the contacts of the teeth in half a `root` of the internal gear, after `count` others.
 
-    The half root is divided into pieces, each of which is searched for a minimum of the gap. If the gap between the
-    contacts on arc and root is below the deflection of the teeth, both share one patch: their stiffness is reduced.
-    `profile` are the teeth of the disc, `arc` is the contact on the arc of the lobe, whose radius is `arc_radius` [m].
-    `lobe` is the pose of the lobe in the world, `gear` that of the teeth in the frame of the lobe, and `margin` [m] the
-    largest gap of a contact. Returns the new number of contacts, and `arc` with its new stiffness.
+    `address` is the memory address of the first contact. The half root is divided into pieces, each of which is
+    searched for a minimum of the gap. If the gap between the contacts on arc and root is below the deflection of the
+    teeth, both share one patch: their stiffness is reduced. `profile` are the teeth of the disc, `arc` is the contact
+    on the arc of the lobe, whose radius is `arc_radius` [m]. `lobe` is the pose of the lobe in the world, `gear` that
+    of the teeth in the frame of the lobe, and `margin` [m] the largest gap of a contact. Returns the new number of
+    contacts, and `arc` with its new stiffness.
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)
@@ -495,7 +497,7 @@ def _write_root(
 def inner_touches(
     address: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
 ) -> int:
-    """Write the contacts of a circle of radius `inner` [m] in another circle at an address; return their number.
+    """Write the contacts of a circle of radius `inner` [m] in another circle at a memory address; return their number.
 
     The centre of the inner circle is at (x, y) [m], displaced by (dx, dy) [m] from that of the outer circle. `outer` is
     a closed circle if its `sine` is 0. Otherwise it is an arc, whose edges may be in contact, too. There are at most
@@ -525,7 +527,7 @@ def inner_touches(
 def _write_inner(
     address: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float
 ) -> int:
-    """Write the contact of a circle with the circle around it at an address; return the number written, 0 or 1.
+    """Write the contact of a circle with the circle around it at a memory address; return the number, 0 or 1.
 
     The inner circle has the centre (x, y) and the `radius` [m]; the unit normal (nx, ny) points outwards. A contact
     with a `gap` of `margin` [m] or more is not written.

@@ -86,7 +86,7 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 
 @njit(inline="always")
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
-    """Compute the gaps [m] of both flanks of a planet on the sun, and their line of action.
+    """Compute the gaps [m] between both flanks of a planet and the sun, and their line of action.
 
     `mesh` has the geometry of the gears, `sun` and `planet` are their poses in a common frame. Backlash, transmission
     error and the change of the centre distance are included.

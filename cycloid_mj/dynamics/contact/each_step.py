@@ -132,7 +132,7 @@ class EachStep:
         every
             Steps per sample.
         sources
-            Addresses in the data of the numbers that each sample copies.
+            Memory addresses, in MuJoCo's data, of the numbers that each sample copies.
         drags
             Constraint rows of the losses by seals and lubricant, see `drag_rows`.
         impacts
@@ -179,7 +179,7 @@ class EachStep:
         return rows
 
     def _state_record(self) -> Any:
-        """Return the addresses and sizes of a run's arrays in memory as a record, for compiled code in each step.
+        """Return the memory addresses and sizes of a run's arrays as a record, for compiled code in each step.
 
         Its fields are those of `STEP_STATE`, such as the number of steps per sample and the address of the forces.
         """
@@ -279,8 +279,8 @@ def _compile_callback() -> Any:
     def during_step(model: int, data: int, stage: int) -> None:
         """Apply the contact laws before the forces, or end a step and take the following steps, depending on `stage`.
 
-        The signature is that of MuJoCo's ``mjfSensor``: `model` and `data` are addresses, `stage` is an ``mjtStage``.
-        The following steps are those that remain in the current call of `EachStep.advance`.
+        The signature is that of MuJoCo's ``mjfSensor``: `model` and `data` are addresses, `stage` is MuJoCo's stage of
+        the step (``mjtStage``). The following steps are those that remain in the current call of `EachStep.advance`.
         """
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
@@ -313,7 +313,7 @@ def _compile_callback() -> Any:
 def _end_step(model: int, data: int, run: StepState) -> None:
     """Update peak forces after a step, write a sample if it is due, and set the commands of the next step.
 
-    `model` and `data` are addresses; the state `run` is updated.
+    `model` and `data` are memory addresses; the state `run` is updated.
     """
     _update_peaks(run)
     run.due -= 1
@@ -372,7 +372,7 @@ def _apply_impact(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction coefficient of each contact by the law of lubricated friction, ``film``; else do nothing.
+    """Set the friction coefficient of each contact by the law ``film`` of lubricated contacts; else do nothing.
 
     The coefficient depends on the normal force, and at ring pins on the phase of the pin: the angle between the
     directions of the pin and of the disc's centre. Contacts of teeth are set before those of seats, because the disc
@@ -397,7 +397,7 @@ def _apply_film(run: StepState) -> None:
 def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> None:
     """Set the friction coefficient of one contact from the table of lubricated friction (law ``film``).
 
-    The table is interpolated at the normal force and the phase of the ring pin. `contact` is the address of the
+    The table is interpolated at the normal force and the phase of the ring pin. `contact` is the memory address of the
     contact, `pair` the index of its mating pair, `row` its first constraint row.
     """
     constants = read_address(run.efc_KBIP) + 32 * row
@@ -426,8 +426,8 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
 def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
     """Compute the cosine of the angle between the directions of a ring pin or lobe and of the disc's centre.
 
-    Both directions are from the reducer's axis. `contact` is the address of their contact, `pair` the index of their
-    mating pair.
+    Both directions are from the reducer's axis. `contact` is the memory address of their contact, `pair` the index of
+    their mating pair.
     """
     first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
     mate = second if read_address(run.teeth + 8 * first) else first
@@ -456,7 +456,7 @@ def _set_command(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
-    """Update the peak of the normal force of each pair [N] with its sum over all contacts of the pair in this step."""
+    """Update the peak of the normal force of each mating pair [N] with the pair's force in this step."""
     contacts_address, force = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
     for k in range(count):
@@ -475,10 +475,10 @@ def _update_peaks(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _write_sample(run: StepState) -> None:
-    """Write a sample at the address `run.rows`, advance this address to the next row, and reset the peak forces.
+    """Write a sample of a run at the memory address `run.rows`, and reset the peak forces.
 
-    A sample has the values at the addresses `run.sources`, solver statistics, forces and powers of all pairs, and the
-    powers of drags; see ``sample_layout``.
+    The address is advanced to the next row. A sample has the values at the addresses `run.sources`, solver statistics,
+    forces and powers of all pairs, and the powers of drags; see ``sample_layout``.
     """
     row = run.rows
     run.rows += run.width

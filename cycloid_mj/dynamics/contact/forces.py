@@ -50,12 +50,13 @@ class PairIndex:
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
-    """Return tables with which compiled code finds the mating pair of two geoms in contact, for a model with `pairs`.
+    """Return lookup tables from two geoms in contact to their mating pair, for compiled code.
 
-    The tables (`PairIndex`) have the surface of each geom, the pair of any two surfaces, and for each pair the body on
-    which its logged force acts: the body of the surface `Pair.on`. A geom named ``<surface>/...`` is a slice of that
-    surface. Surfaces and pairs are counted from 1; 0 stands for none. The number of a pair is negative if the first of
-    the two surfaces is `Pair.on`, because MuJoCo's contact force acts on the second.
+    `model` is the MuJoCo model, `pairs` are its mating pairs. The tables (`PairIndex`) have the surface of each geom,
+    the pair of any two surfaces, and for each pair the body on which its logged force acts: the body of the surface
+    `Pair.on`. A geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0
+    stands for none. The number of a pair is negative if the first of the two surfaces is `Pair.on`, because MuJoCo's
+    contact force acts on the second.
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
@@ -70,16 +71,16 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return the radii and addresses from which the geometric penetration of teeth is computed, shape (geoms,) each.
+    """Return radii and data addresses from which the geometric penetration of teeth is computed, per MuJoCo geom.
 
-    All are 0 in a model without exact teeth.
+    Both have the shape (geoms,), and are 0 in a model without exact teeth.
 
     Returns
     -------
     radius
         Radius of a ring pin or lobe, less the clearance of a massless pin [m]; 0 for other geoms.
     address
-        Address of the user data of a geom that represents the teeth of a disc; 0 for other geoms.
+        Memory address of the user data of a geom that represents the teeth of a disc; 0 for other geoms.
     """
     priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
@@ -108,11 +109,11 @@ def pair_of(state: StepState, contact: int) -> int:
 def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     """Sum the forces and powers of the contacts of the current step of a run by mating pair.
 
-    Three values are written at the address `summary`: the number of contacts that carry a force, the deepest geometric
-    penetration [m], and the largest force of one contact [N]. At the address `pair_table`, force x and y [N], moment [N
-    m], peak force [N] and powers of friction and normal force [W] of every pair are written (``PAIR_COLUMNS``); all
-    numbers there but the peak forces must be zero before. Force and moment act on the body of the surface `Pair.on`,
-    the moment about its origin. `state` is the state of the run.
+    Three values are written at the memory address `summary`: the number of contacts that carry a force, the deepest
+    geometric penetration [m], and the largest force of one contact [N]. At the address `pair_table`, force x and y [N],
+    moment [N m], peak force [N] and powers of friction and normal force [W] of every pair are written
+    (``PAIR_COLUMNS``); all numbers there but the peak forces must be zero before. Force and moment act on the body of
+    the surface `Pair.on`, the moment about its origin. `state` is the state of the run.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, max_depth, peak = 0, 0.0, 0.0
@@ -157,10 +158,10 @@ def _add(address: int, value: float) -> None:
 
 @compiling.njit(inner=True)
 def _penetration(state: StepState, contact: int) -> float:
-    """Compute the penetration [m] of the contact at an address; it is negative where the surfaces do not touch.
+    """Compute the penetration [m] of a contact; it is negative where the surfaces do not touch.
 
-    At exact teeth it is the geometric penetration, because MuJoCo's distance there is scaled by the stiffness factor of
-    the local curvature (``mating``).
+    `contact` is the memory address of the contact, `state` the state of the run. At exact teeth it is the geometric
+    penetration, because MuJoCo's distance there is scaled by the stiffness factor of the local curvature (``mating``).
     """
     overlap = -read_float(contact)
     first_geom, second_geom = read_int(contact + state.geom), read_int(contact + state.geom + 4)

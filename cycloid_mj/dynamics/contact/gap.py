@@ -120,12 +120,12 @@ def trochoid_foot(
     curve
         The trochoid.
     start, st, ct
-        Parameter at which the iteration starts [rad], its sine and cosine.
+        Parameter of the trochoid at which the iteration starts [rad], its sine and cosine.
 
     Returns
     -------
     t
-        Parameter of the foot point [rad].
+        Parameter of the trochoid at the foot point [rad].
     distance
         Signed distance from the trochoid [m], positive outside.
     normal_x, normal_y

@@ -71,7 +71,7 @@ def _rotate_small(sine: float, cosine: float, angle: float) -> tuple[float, floa
 def local_distance(
     x: float, y: float, curve: Trochoid, start: Start, max_distance: float
 ) -> tuple[float, float, float, float]:
-    """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`, from a start near the foot point.
+    """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`, from a start near its foot point.
 
     Returns distance [m], outward unit normal (x, y) and curvature [1/m] at the foot point. A distance that exceeds
     `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
@@ -134,7 +134,7 @@ def local_distance(
 def pin_distance(
     x: float, y: float, flank: Flank, start: Start, max_distance: float
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of a point (x, y) [m] from a gear's flanks, from a start near the foot point.
+    """Compute the distance of a point (x, y) [m] from the flanks of a disc, from a start near the foot point.
 
     A full search, `flank_distance`, replaces `local_distance` if the flanks are rotated or have waves, or if there is
     no start. A distance that exceeds `max_distance` [m] may be returned as any larger value.

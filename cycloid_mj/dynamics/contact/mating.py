@@ -26,7 +26,7 @@ from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
 
 @njit(inline="always")
 def write_contact(address: int, gap: float, x: float, y: float, z: float, nx: float, ny: float) -> None:
-    """Write one ``mjPreContact`` at an address: dist, pos[3], normal[3], tangent[3].
+    """Write one contact as MuJoCo's ``mjPreContact`` at a memory address: dist, pos[3], normal[3], tangent[3].
 
     `gap` [m] is negative in contact, the point is (x, y, z) [m], the unit normal (nx, ny) in the plane.
     """
@@ -99,11 +99,11 @@ def _write_touch(out: int, touch: Touch, z: float, sign: float) -> None:
 def write_pin_contact(
     layout: Layout, model: int, data: int, address: int, teeth: int, pin: int, sign: float, margin: float
 ) -> int:
-    """Write the contact of a ring pin and the teeth at an address, and return the number of contacts, 0 or 1.
+    """Write the contact of a ring pin and the teeth at a memory address, and return the number of contacts, 0 or 1.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `address` are addresses, `teeth` and `pin` indices
-    of geoms. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps below
-    `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `address` are memory addresses, `teeth` and `pin`
+    indices of geoms. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps
+    below `margin` [m].
     """
     user = _user(model, layout, pin)
     ring_pin = RingPin(
@@ -129,7 +129,7 @@ def write_lobe_contacts(
 ) -> int:
     """Write the contacts of the teeth with a lobe of the internal gear and its roots; return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `teeth` and `geom`
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, `teeth` and `geom`
     indices of geoms, the latter that of the lobe. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the
     normal; contacts have gaps below `margin` [m].
     """
@@ -144,12 +144,12 @@ def write_lobe_contacts(
 def write_round_contacts(
     layout: Layout, model: int, data: int, contacts: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of a circle in the circle or arc around it at an address, and return their number.
+    """Write the contacts of a circle in the circle or arc around it for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `inner` and `outer`
-    indices of geoms. `sign` is 1 if `inner` is the first geom, else -1, which reverses the normal; contacts have gaps
-    below `margin` [m]. They are in the middle plane of the outer geom, or in two planes on both sides of it if one of
-    the geoms is a tilting pin.
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
+    written at the latter; `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the first geom, else -1,
+    which reverses the normal; contacts have gaps below `margin` [m]. They are in the middle plane of the outer geom, or
+    in two planes on both sides of it if one of the geoms is a tilting pin.
     """
     middle = _position(data, layout, outer)[2]
     user, seat = _user(model, layout, outer), _pose(data, layout, outer)
@@ -173,12 +173,12 @@ def write_round_contacts(
 def write_bearing_contacts(
     layout: Layout, model: int, data: int, contacts: int, eccentric: int, bore: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of an eccentric in its bore at an address, and return their number.
+    """Write the contacts of an eccentric in its bore for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `eccentric` and `bore`
-    indices of geoms. `sign` is 1 if `eccentric` is the first geom, else -1, which reverses the normal; contacts have
-    gaps below `margin` [m]. With a preload the bore is smaller than the eccentric, and needles on the opposite side
-    have a contact, too, until their gap opens.
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
+    written at the latter; `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is the first geom, else
+    -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload the bore is smaller than the
+    eccentric, and needles on the opposite side have a contact, too, until their gap opens.
     """
     (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
     inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
@@ -197,11 +197,11 @@ def write_bearing_contacts(
 def write_planet_contacts(
     layout: Layout, model: int, data: int, contacts: int, sun: int, planet: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of both flanks of sun and planet at an address, and return their number.
+    """Write the contacts of both flanks of sun and planet for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are addresses, `sun` and `planet`
-    indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which reverses the normal; contacts have gaps
-    below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
+    written at the latter; `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which
+    reverses the normal; contacts have gaps below `margin` [m].
     """
     mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
     flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]

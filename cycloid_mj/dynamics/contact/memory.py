@@ -7,7 +7,7 @@ from numba.extending import intrinsic
 
 
 def _make_reader(number: types.Number, name: str) -> Any:
-    """Return a compiled function, called `name`, that reads a number of the type `number` at an address."""
+    """Return a compiled function, called `name`, that reads a number of the type `number` at a memory address."""
 
     def read(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -26,7 +26,7 @@ read_address = _make_reader(types.intp, "read_address")
 
 
 def make_pointer_cast(kind: types.Type) -> Any:
-    """Return a compiled function that casts an address to a pointer to values of the numba type `kind`."""
+    """Return a compiled function that casts a memory address to a pointer to values of the numba type `kind`."""
 
     def pointer(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -47,7 +47,7 @@ def array_at(address: int, rows: int, columns: int) -> Any:
 
 
 def _make_writer(number: types.Number, name: str) -> Any:
-    """Return a compiled function, called `name`, that writes a number of the type `number` at an address."""
+    """Return a compiled function, called `name`, that writes a number of the type `number` at a memory address."""
 
     def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

@@ -69,7 +69,8 @@ def compile_control_callback(layout: StepLayout) -> Any:
 def correct_references(layout: StepLayout, model: int, data: int) -> None:
     """Correct the reference accelerations of all contacts of a step; do nothing for models without exact contact.
 
-    `model` and `data` are addresses. ``efc_force``, which the solver computes later, serves as working memory.
+    `model` and `data` are memory addresses, and `layout` has the offsets of MuJoCo's arrays there. ``efc_force``, which
+    the solver computes later, serves as working memory.
     """
     if read_int(model + layout.nuserdata) != 1 or read_int(model + layout.nuser_geom) < USER_DATA:
         return
@@ -83,13 +84,14 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 
 @compiling.njit(inner=True)
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
-    """Correct the normal reference accelerations of all contacts for the circular orbit of the discs.
+    """Correct MuJoCo's normal reference accelerations of all contacts for the circular orbit of the discs.
 
-    MuJoCo neglects the change of the Jacobian along the orbit; the module describes both corrections. In the following,
-    b is the damping of a contact, the second of the four numbers of a row of ``efc_KBIP``, and dt the time step. The
-    first pass adds the centripetal acceleration of the orbit along the normal, times 1 - b dt/2. MuJoCo's damping acts
-    on the mean of the velocities half a step before and after, which is too small on a circle. The second pass
-    therefore subtracts b times this error along the normal.
+    `model` and `data` are the memory addresses of MuJoCo's structures, `layout` the offsets of their arrays. MuJoCo
+    neglects the change of the Jacobian along the orbit; the module describes both corrections. In the following, b is
+    the damping of a contact, the second of the four numbers of a row of ``efc_KBIP``, and dt the time step. The first
+    pass adds the centripetal acceleration of the orbit along the normal, times 1 - b dt/2. MuJoCo's damping acts on the
+    mean of the velocities half a step before and after, which is too small on a circle. The second pass therefore
+    subtracts b times this error along the normal.
     """
     _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
@@ -141,10 +143,10 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, b
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone.
 
-    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). The lift is
-    mu |t - b| - m^2 (n - a), or 0 if this is negative. n and a are the reference and the actual acceleration along the
-    normal, t and b those along the tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts
-    without friction are not changed.
+    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). `model` and `data` are the
+    memory addresses of its structures, `layout` the offsets of their arrays. The lift is mu |t - b| - m^2 (n - a), or 0
+    if this is negative. n and a are the reference and the actual acceleration along the normal, t and b those along the
+    tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts without friction are not changed.
     """
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)

@@ -158,11 +158,11 @@ def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
 
 @njit
 def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
-    """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
+    """Find the minimum of the gap inside a root of the internal gear, from a `start` phase [rad] close to it.
 
-    `ring` has the shape of the root, `flank` that of the gear, and `gear` is the pose of the gear in the frame of the
-    root. The gap must fall at the first phase and rise at the last. The method is Newton's on the slope of the gap,
-    with bisection.
+    The range is from `min_phase` to `max_phase` [rad]. `ring` has the shape of the root, `flank` that of the gear, and
+    `gear` is the pose of the gear in the frame of the root. The gap must fall at the first phase and rise at the last.
+    The method is Newton's on the slope of the gap, with bisection.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
 
 @njit
 def root_start_phase(crank: float, min_phase: float, ring: Trochoid, is_modified: bool) -> float:
-    """Compute the phase [rad] from which the search of a root starts; 0 where the root can have no contact.
+    """Compute the phase [rad] from which a root is searched for a contact; 0 where it can have no contact.
 
     The ideal mesh has contact for -B0 < `crank` < B0 - 2 pi/N, where B0 is `min_phase`. A margin beyond this range
     allows for clearances; it is larger for a gear that is not conjugate to the ring.

@@ -216,9 +216,10 @@ def describe_difference(forces: dict[Any, float], weights: dict[Any, float]) -> 
 
 
 def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Return the element of `values` that belongs to each contact, by the mass [kg] of the moving body in contact.
+    """Return the element of `values` that belongs to each contact in MuJoCo's data, by the mass of the body [kg].
 
-    The result is empty if the number of `values` is not the number of contacts.
+    It is the mass of the moving body in contact. The result is empty if the number of `values` is not the number of
+    contacts.
     """
     if len(values) != data.ncon:
         return {}

@@ -15,7 +15,7 @@ class Shared:
 
     @contextmanager
     def apply(self) -> Iterator[None]:
-        """Apply a change of MuJoCo's global state in this block; the last nested or parallel block reverts it."""
+        """Apply a change of MuJoCo's global state in this ``with`` block; the last open block reverts it."""
         with self._lock:
             if not self._users:
                 self._make()

@@ -65,7 +65,7 @@ def _number(user: int, index: int) -> float:
 
 @njit(inline="always")
 def read_teeth(address: int, numbers: int) -> Teeth:
-    """Read the tooth geometry of a disc from the address of its geom's user data, which has `numbers` values."""
+    """Read the tooth geometry of a disc from the user data of its geom, `numbers` values at a memory address."""
     eccentricity, number = _number(address, 1), _number(address, 2)
     flank = Flank(
         Trochoid(_number(address, 0), eccentricity, number),

@@ -30,7 +30,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # unit vectors
 
 
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties], tilting_pins: bool = False) -> None:
-    """Add every body of the mechanism with its joints to an editable model, and its inertia if it moves.
+    """Add every body of the mechanism with its joints to the editable MuJoCo model `spec`, and its inertia if it moves.
 
     `masses` are the mass properties by part, `tilting_pins` is whether moving pins tilt.
     """
@@ -45,7 +45,10 @@ def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]
 
 
 def add_shapes(spec: Any, reducer: Reducer) -> None:
-    """Add the visual meshes of all parts, and the cylinders that the exact collider handles, to the bodies."""
+    """Add the meshes of all parts, for viewers, and the cylinders of the exact contacts to the bodies of a model.
+
+    `spec` is the editable MuJoCo model (``MjSpec``).
+    """
     planes = {body.name: body.plane for body in reducer.mechanism.bodies}
     for body in reducer.mechanism.bodies:
         for part, position in list_visible_parts(reducer, body):
@@ -161,7 +164,7 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Return the attributes ``quat`` and ``userdata`` of the geom of surface `i`, which the collision function reads.
+    """Return MuJoCo attributes ``quat`` and ``userdata`` of the geom of surface `i`, for the collision function.
 
     `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; seats of
     moving pins those of `_seat_numbers`; planets the numbers of their mesh. Ring pins have their outward direction, for
@@ -193,10 +196,10 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
 
 
 def _seat_numbers(reducer: Reducer, surfaces: Surfaces) -> list[float]:
-    """Return the numbers that the collider reads of the seats of moving pins; empty for bores, holes and closed seats.
+    """Return the numbers that the collision function reads of the seats of moving pins, a group of `surfaces`.
 
     They are the cosine and sine of half the arc of a socket, 0 for a closed circle. Seats of tilting pins add the
-    distance of their two planes of contact from their middle [m].
+    distance of their two planes of contact from their middle [m]. The list is empty for bores, holes and closed seats.
     """
     half_angle, design = surfaces.half_angle, reducer.design
     arc = [np.cos(half_angle), np.sin(half_angle)] if half_angle < np.pi else []

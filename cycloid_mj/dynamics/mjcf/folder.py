@@ -64,10 +64,11 @@ _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
 def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
-    """Return every file of a model folder by its path in it; convex decomposition by CoACD takes about 10 s.
+    """Return every file of a MuJoCo model folder, by its path in the folder.
 
-    The model differs from that of ``build_mesh``: the crank has a speed servo, whose ``ctrl`` is the speed [rad/s];
-    there are keyframes; and, except in an RV reducer, convex pieces behind the teeth collide with other objects.
+    `settings` are those of the convex meshes. Convex decomposition by CoACD takes about 10 s. The model differs from
+    that of ``build_mesh``: the crank has a speed servo, whose ``ctrl`` is the speed [rad/s]; there are keyframes; and,
+    except in an RV reducer, convex pieces behind the teeth collide with other objects.
 
     Raises
     ------
@@ -171,7 +172,7 @@ def _manifest(
     remainders: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
-    """Return the manifest of a model folder as JSON: versions, hashes, settings, masses and measured mesh errors.
+    """Return the manifest of a MuJoCo model folder as JSON text: versions, hashes, settings, masses and mesh errors.
 
     `surface_errors` are the errors of the sliced surfaces by name, `remainders` the convex pieces behind them, `files`
     the other files of the folder.
@@ -207,9 +208,10 @@ def _manifest(
 
 
 def quality_um(quality: Quality) -> dict[str, float]:
-    """Return the errors of a convex decomposition, rounded: lengths in micrometres, the volume error as a share [1].
+    """Return the errors of the convex decomposition of a part, rounded: lengths [um], and a share of the volume [1].
 
-    ``parts`` is the number of convex parts, ``normals`` that of the sampled points.
+    `quality` has the errors in SI units. ``parts`` is the number of convex parts, ``normals`` that of the sampled
+    points.
     """
     return {
         "parts": quality.parts,

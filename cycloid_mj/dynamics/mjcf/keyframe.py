@@ -25,7 +25,7 @@ def keyframe_name(angle: int, speed: float) -> str:
 
 
 def add_keyframes(spec: Any, reducer: Reducer) -> None:
-    """Add keyframes at the four crank angles `QUARTERS` [deg] to an editable model, without load.
+    """Add keyframes at the four crank angles `QUARTERS` [deg] to the editable model `spec` (``MjSpec``), without load.
 
     Each angle has a keyframe at rest, and another at the design's speed if that is not 0.
     """

@@ -92,7 +92,7 @@ class MeshSpec:
 
 
 def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
-    """Build the model of a design for MuJoCo's own collision detection, with convex slices.
+    """Build the MuJoCo model of a design with convex slices of its surfaces, for MuJoCo's own collision detection.
 
     Returns
     -------
@@ -138,10 +138,11 @@ def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) 
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
-    """Build an editable mesh model: bodies with visual and collision geoms, without actuators and sensors.
+    """Build an editable MuJoCo model with convex meshes: bodies and geoms, without actuators and sensors.
 
-    The result also has the sliced surfaces, the contact laws and the inertia of the crank. The convex pieces behind the
-    working surfaces are not included. Slices have the stiffness of `Reducer.for_slices`.
+    `settings` are those of the convex slices. There are geoms for viewers and for collisions. The result also has the
+    sliced surfaces, the contact laws and the inertia of the crank. The convex pieces behind the working surfaces are
+    not included. Slices have the stiffness of `Reducer.for_slices`.
 
     Raises
     ------
@@ -187,7 +188,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 
 
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
-    """Add the convex pieces of a part that lie behind its working surfaces to an editable model.
+    """Add the convex pieces of a part that lie behind its working surfaces to the editable model `spec` (``MjSpec``).
 
     They collide with objects outside the reducer only. `remainder` has the pieces of one sector, which are repeated
     around the part, those of a disc on every disc. `number` is the number of the remainder in the names of its meshes.
@@ -226,7 +227,7 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
 
 
 def _add_visuals(spec: Any, reducer: Reducer) -> None:
-    """Add meshes and materials of all parts for viewers, and their geoms at every position of each part."""
+    """Add meshes and materials of all parts to the editable model `spec`, for viewers, at all their positions."""
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
@@ -279,7 +280,7 @@ def _add_surface(
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a working surface's convex slices, and their geoms on each disc, to an editable model.
+    """Add the meshes of a surface's convex slices, and their geoms on each disc, to the editable model `spec`.
 
     `discs` are the indices of the discs; for surfaces of the ring, it has the index 0 only. `laws` are the contact laws
     by disc, `weights` MuJoCo's inverse weights by body [1/kg], and `settings` those of the slices.
@@ -295,10 +296,11 @@ def _add_surface(
 def _add_slices(
     spec: Any, reducer: Reducer, surface: ConvexSurface, disc: int, laws: Sequence[Laws], weights: Mapping[str, float]
 ) -> None:
-    """Add a default class for each slice of a surface on a disc, with the parameters of its contact, and its geoms.
+    """Add a default class for each convex slice of a `surface` on a disc to the model `spec`, and the slices' geoms.
 
-    Slices of surfaces with friction, except teeth, collide by explicit pairs, all others by the bits of contype and
-    conaffinity. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by body [1/kg].
+    The class has the contact parameters of the slice. Slices of surfaces with friction, except teeth, collide by
+    explicit pairs, all others by the bits of contype and conaffinity. `laws` are the contact laws by disc, `weights`
+    MuJoCo's inverse weights by body [1/kg].
     """
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
     reducer = reducer_of(design)
@@ -377,7 +379,7 @@ def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
 
 
 def _add_round_parts(spec: Any, reducer: Reducer) -> None:
-    """Add cams, output pins, and ring pins or the arcs of an internal gear's lobes, as capsules."""
+    """Add cams, output pins, and ring pins or the arcs of lobes to the editable model `spec`, as capsules."""
     design, collision = reducer.design, spec.find_default(COLLISION)
     kinds = [(design.tooth_pair, TEETH | SOCKETS, 0)]
     if not isinstance(reducer, RvReducer):

@@ -183,7 +183,7 @@ def visible_solids(reducer: Reducer) -> dict[str, Solid]:
 def add_actuators(
     spec: Any, inertia: float, held: Held = "crank", driven: str = names.CRANK_JOINT
 ) -> tuple[float, float]:
-    """Add the actuators of crank and output to an editable model: a position servo and a torque.
+    """Add the actuators of crank and output to the editable MuJoCo model `spec`: a position servo and a torque.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def servo_gains(inertia: float) -> tuple[float, float]:
 
 
 def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
-    """Add the explicit contact pairs of all mating pairs with the law of each; return the compiled model.
+    """Add the contacts of all mating `pairs` with the law of each to the editable model `spec`; return it compiled.
 
     `laws` are the contact laws by disc and kind. The attributes of a pair depend on MuJoCo's inverse weights of its
     bodies, which are known after compilation. They are set in both the editable and the compiled model, which is faster

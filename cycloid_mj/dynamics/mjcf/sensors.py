@@ -36,14 +36,14 @@ def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
 
 
 def add_sensors(spec: Any, reducer: Reducer) -> None:
-    """Add the sensors to an editable model."""
+    """Add the sensors to the editable model `spec` (``MjSpec``)."""
     for sensor in _sensors(reducer):
         sensor_type, object_type = _KINDS[sensor.reads]
         spec.add_sensor(name=sensor.column, type=sensor_type, objtype=object_type, objname=sensor.of)
 
 
 def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
-    """Return the addresses in ``MjData`` of the values that the sensors read, in the order of the log's columns."""
+    """Return the memory addresses in ``MjData`` of all sensor values, in the order of the log's columns."""
     getters = {
         "position": lambda name: data.joint(name).qpos,
         "speed": lambda name: data.joint(name).qvel,
@@ -53,7 +53,7 @@ def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
 
 
 def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
-    """Yield the sensors of all bodies that move: positions and speeds of joints, torques of actuators.
+    """Yield the sensors of all bodies that move in MuJoCo: positions and speeds of joints, torques of actuators.
 
     The driven shaft, if it is a floating sun, also has sensors along x and y. A crank of an RV reducer only rotates;
     its angle is relative to the carrier.
@@ -77,7 +77,7 @@ def _shaft_sensors(stem: str, joint: str, torque: str, actuator: str) -> Iterato
 
 
 def _planar_sensors(body: Body, selected: slice = slice(0, 3)) -> Iterator[_Sensor]:
-    """Yield the sensors of a body in the plane for the `selected` components of (x, y, rotation), named after the body.
+    """Yield the sensors of a `body` in the plane for `selected` components of (x, y, rotation), named after the body.
 
     Positions come first, then speeds; pins have only the speed of their rotation.
     """

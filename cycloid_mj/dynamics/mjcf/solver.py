@@ -14,7 +14,7 @@ MAX_CG_STIFFNESS_RATIO = 0.3
 
 
 def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -> None:
-    """Choose constraint solver, Jacobian and islands of an editable model with moving pins.
+    """Choose constraint solver, Jacobian and islands of the editable MuJoCo model `spec`, which has moving pins.
 
     `laws` are the contact laws by kind of pair. The solver is that of conjugate gradients if K dt^2/m of every contact
     is at most `MAX_CG_STIFFNESS_RATIO`, otherwise Newton's method. Matrices are sparse, because each contact affects

@@ -24,7 +24,7 @@ I.1.4), and the damping, explicit too, takes a part of this."""
 
 
 def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParameters]) -> None:
-    """Add the springs of all crank bearings and planet meshes of an RV reducer to an editable model.
+    """Add springs for all crank bearings and planet meshes of an RV reducer to the editable MuJoCo model `spec`.
 
     `laws` are the contact laws by kind of pair. Springs are slack within the clearance or backlash; a preloaded
     bearing, whose needles carry on both sides, is twice as stiff.

@@ -9,7 +9,7 @@ import mujoco
 
 @contextmanager
 def disable_unused(model: Any) -> Iterator[None]:
-    """Disable the stages of a step that a model does not use inside this ``with`` block; results do not change.
+    """Disable the stages of a MuJoCo step that `model` does not use in this ``with`` block; results do not change.
 
     Each of these stages visits every degree of freedom; together they take 3 % of a step with moving pins. Outside of
     runs they stay enabled, so that springs or limits added by a user work.

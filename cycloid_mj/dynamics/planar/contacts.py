@@ -126,7 +126,7 @@ def find_contacts(
     Parameters
     ----------
     system
-        The reducer.
+        The reducer as arrays for the planar solver.
     lobes
         Radii of the lobes of an internal gear [m], shape (N,); None for ring pins (nothing is compiled for lobes then).
     q, v
@@ -192,8 +192,8 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
 
-    `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the cam, `q` and `v` are positions and
-    speeds of all unknowns, and `half_step` is half of the time step [s].
+    `system` has the arrays of the reducer. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the
+    cam, `q` and `v` are positions and speeds of all unknowns, and `half_step` is half of the time step [s].
     """
     dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
     turn = q[mating.disc + 2]
@@ -249,8 +249,9 @@ def _find_lobe_contacts(
 ) -> int:
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
-    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of the working
-    memory. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `system` has the arrays of the reducer, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and
+    the first lobe, `ring` the pose of the ring, `address` that of the working memory. `q` and `v` are positions and
+    speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
@@ -278,8 +279,8 @@ def _find_pin_contacts(
 ) -> int:
     """Write the contacts of a disc and all ring pins to `contacts` after `count` others; return the new number.
 
-    `mating` is the pair of the disc and the first pin, `ring` the pose of the ring. `q` and `v` are positions and
-    speeds of all unknowns, `half_step` is half of the time step [s].
+    `system` has the arrays of the reducer. `mating` is the pair of the disc and the first pin, `ring` the pose of the
+    ring. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
     gear, teeth, pin_values = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
@@ -326,9 +327,9 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `pair` is the index of the first pin's pair, `plane` that of the disc in whose plane the contacts are, `ring` the
-    pose of the ring, `address` that of the working memory. `q` and `v` are positions and speeds of all unknowns,
-    `half_step` is half of the time step [s].
+    `system` has the arrays of the reducer. `pair` is the index of the first pin's pair, `plane` that of the disc in
+    whose plane the contacts are, `ring` the pose of the ring, `address` that of the working memory. `q` and `v` are
+    positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for i in range(len(system.place)):
@@ -368,10 +369,11 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int, shift: int) ->
 
 @njit
 def set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
-    """Set friction coefficient and state (sticking, sliding) of a contact by the law of lubricated friction, ``film``.
+    """Set friction coefficient and state (sticking, sliding) of a contact by the friction law ``film`` (lubricated).
 
-    Nothing is changed with the law ``coulomb``. `kind` is the row of the contact in the film table, `cosine` the cosine
-    of the phase of its pin (`phase_cosine`), and `v` are the speeds of all unknowns.
+    Nothing is changed with the law ``coulomb``. `system` has the arrays of the reducer. `kind` is the row of the
+    contact in the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`), and `v` are the speeds of
+    all unknowns.
     """
     if system.film.size == 0:
         return
@@ -406,7 +408,10 @@ def disc_pose(q: Array, body: int, angle: float) -> Pose:
 
 @njit
 def _disc_teeth(system: System, disc: int) -> Teeth:
-    """Return the tooth geometry of the disc with an index: that of all discs, with the flank offset of this disc."""
+    """Return the tooth geometry of a disc: that of all discs in `system`, with the flank offset of this disc.
+
+    `disc` is the index of the disc.
+    """
     common, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
     flank_of_disc = Flank(
@@ -487,7 +492,7 @@ def _find_round_contacts(
 def _fill_contact(
     contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q: Array, v: Array, half_step: float
 ) -> None:
-    """Fill a contact with normal, lever arms, linearised force and friction state at the pose q and speeds v.
+    """Fill a contact with normal, lever arms, linearised force and friction state at positions q and speeds v.
 
     `mating` is its mating pair, `touch` the result of the contact search, `half_step` half of the time step [s]. `sign`
     is 1 if the contact pushes its first body along the normal of the touch, and -1 if it pushes it in the opposite
@@ -533,12 +538,12 @@ def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float
 
 @njit
 def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step: float) -> float:
-    """Compute the error of the normal speed [m/s] of a disc that circles about the axis: positive if it is too large.
+    """Compute the error of the normal speed [m/s] of a disc at positions `q` that circles about the axis.
 
     A step moves a disc, which circles with the angular speed w, along a chord of its path. The speed of the step,
     length of the chord over time, is v tan(w h)/(w h), with half a time step h and the speed v of circling in the
-    middle of the chord. It is too large by (w h)^2/3 v. (`nx`, `ny`) is the normal of the contact, `half_step` is h
-    [s].
+    middle of the chord. It is too large by (w h)^2/3 v, the result. (`nx`, `ny`) is the normal of the contact,
+    `half_step` is h [s].
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
     angle = half_step * (x * vy - y * vx) / (x * x + y * y)

@@ -80,7 +80,7 @@ class CrankTrain(NamedTuple):
 def find_crank_contacts(
     system: System, train: CrankTrain, contacts: Contacts, count: int, q: Array, v: Array, half_step: float
 ) -> int:
-    """Write the contacts of all cranks after `count` others, and return the new number of contacts.
+    """Write the contacts of all cranks of an RV reducer after `count` others; return the new number of contacts.
 
     `train` are the cranks of the reducer `system`. `q` and `v` are positions [m], [rad] and speeds [m/s], [rad/s] of
     all unknowns, and `half_step` is half of the time step [s]. The array `contacts` is filled from the index `count`.
@@ -227,9 +227,10 @@ def _find_planet_contacts(
 ) -> int:
     """Write the contacts of both flanks of a planet on the sun after `count` others; return the new number of contacts.
 
-    `crank` is the index of the planet's rotation in q, `planet_index` that of the planet, `mating` its pair with the
-    sun. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s]. The normals are
-    directions of the force on the sun, opposite to those of ``PlanetMesh``.
+    `train` are the cranks of the reducer `system`, `contacts` is the output array. `crank` is the index of the planet's
+    rotation in q, `planet_index` that of the planet, `mating` its pair with the sun. `q` and `v` are positions and
+    speeds of all unknowns, `half_step` is half of the time step [s]. The normals are directions of the force on the
+    sun, opposite to those of ``PlanetMesh``.
     """
     sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)

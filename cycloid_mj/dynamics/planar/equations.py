@@ -72,7 +72,7 @@ class Equations(NamedTuple):
 
 
 def allocate_equations(system: System) -> Equations:
-    """Allocate the matrices and vectors of a step of the planar solver for a reducer."""
+    """Allocate the matrices and vectors of a step of the planar solver, for the reducer with the arrays `system`."""
     size, pins, width = len(system.inertia), len(system.place) * system.free, 2 * len(system.pin_mass) + 1
     return Equations(
         matrix=np.zeros((size, size)),
@@ -163,13 +163,13 @@ def _assemble(
     pin_span: float,
     coupled_friction: bool,
 ) -> None:
-    """Assemble the linear equations of an iteration in `equations`: inertia, gravity, servos, drags and contacts.
+    """Assemble the linear equations of a Newton iteration: inertia, gravity, servos, drags and contacts.
 
-    `count` is the number of `contacts`. `q0` and `v0` are positions and speeds of all unknowns at the beginning of the
-    step, `predicted` are the midpoint speeds at which the contacts were linearised. `command` (2,) are the commands of
-    output and crank, `timestep` is in [s], and `pin_span` is the time [s] in which forces accelerate pins, see
-    `solve_step`. Sliding friction is in proportion to the normal force of this iteration if `coupled_friction`, else of
-    the previous iteration.
+    They are written to `equations`; `system` has the arrays of the reducer. `count` is the number of `contacts`. `q0`
+    and `v0` are positions and speeds of all unknowns at the beginning of the step, `predicted` are the midpoint speeds
+    at which the contacts were linearised. `command` (2,) are the commands of output and crank, `timestep` is in [s],
+    and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`. Sliding friction is in proportion
+    to the normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
@@ -237,8 +237,9 @@ def _add_pin_inertia(
 ) -> None:
     """Add inertia and gravity of a pin to its block of the equations, whose first row is `row`.
 
-    `pin_unknown` is the index of its first unknown, `v0` are the speeds of all unknowns at the beginning of the step,
-    and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`.
+    `system` has the arrays of the reducer. `pin_unknown` is the index of its first unknown, `v0` are the speeds of all
+    unknowns at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate pins, see
+    `solve_step`.
     """
     pins, pins_right, gx, gy = equations.pins, equations.pins_right, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
@@ -298,10 +299,10 @@ class Tangent(NamedTuple):
 def _lever_arms(
     contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
-    """Return the `LeverArms` of one of the two bodies of a contact, by its unknowns x, y and rotation.
+    """Return the factors that convert a contact force to forces on one body and its speeds to those of the contact.
 
-    They convert the contact force to generalised forces on the body, and the speeds of the body to speeds of the
-    contact: along the normal (nx, ny) and along the tangent (-ny, nx).
+    They are `LeverArms` by the unknowns of the body: x, y and rotation. Speeds of the contact are those along the
+    normal (nx, ny) and along the tangent (-ny, nx).
 
     Parameters
     ----------
@@ -436,7 +437,7 @@ def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent
 
 @njit
 def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
-    """Add the force at the predicted speeds to the right side of a body's equations.
+    """Add the contact force at the predicted speeds to the right side of a body's equations of motion.
 
     `side` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
     speeds. `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the
@@ -459,7 +460,7 @@ def _add_force_derivative(
     row_shift: int,
     column_shift: int,
 ) -> None:
-    """Add the derivative of a contact's force on one body with respect to the speeds of a body to a matrix, `target`.
+    """Add the derivative of a contact's force on one body with respect to the speeds of another to the matrix `target`.
 
     It is a block of shape (3, 3) whose first element is at `row` and `column`. `loaded_body` and `moving_body` are the
     lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
@@ -492,7 +493,7 @@ def _couple_shaft(
     first_column: int,
     shift: int,
 ) -> None:
-    """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of the equations.
+    """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of equations.
 
     The derivative of the body's force with respect to the shaft's speed is added to `columns`, from `row` on at
     `column`. That of the shaft's torque with respect to the body's speeds is added to `rows`, at `shaft_row` from
@@ -514,8 +515,8 @@ def _couple_shaft(
 def _condense_pins(system: System, equations: Equations) -> None:
     """Eliminate the unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
 
-    For `_recover_pins`, `pins_right` and `pin_rows` of the equations are multiplied by the inverse of each pin's own
-    block.
+    `system` has the arrays of the reducer. For `_recover_pins`, `pins_right` and `pin_rows` of the equations are
+    multiplied by the inverse of each pin's own block.
     """
     if equations.pins.shape[1] > 3:
         _condense_tilting_pins(system, equations)
@@ -548,9 +549,10 @@ def _condense_pins(system: System, equations: Equations) -> None:
 
 @njit
 def _condense_tilting_pins(system: System, equations: Equations) -> None:
-    """Apply `_condense_pins` to pins with unknowns in several planes, by Gauss-Jordan elimination without pivoting.
+    """Eliminate the unknowns of pins in several planes from the `equations` by Gauss-Jordan elimination, in place.
 
-    The block of a pin is its positive definite mass matrix with the slopes of its contacts.
+    This is `_condense_pins` for tilting pins; there is no pivoting. The block of a pin is its positive definite mass
+    matrix with the slopes of its contacts. `system` has the arrays of the reducer.
     """
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
@@ -658,10 +660,11 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    At most one contact of each moving pin changes its state per call, the first that has to. Of all other contacts and
-    the shafts with drag, only one changes its state, or with `change_all` every one that has to. Without
-    `coupled_friction`, the result is also True as long as friction does not agree with the normal force. `predicted`
-    are the midpoint speeds at which the `count` contacts were linearised, `half_step` is half of the time step [s].
+    `system` and `equations` are the arrays of reducer and step. At most one contact of each moving pin changes its
+    state per call, the first that has to. Of all other contacts and the shafts with drag, only one changes its state,
+    or with `change_all` every one that has to. Without `coupled_friction`, the result is also True as long as friction
+    does not agree with the normal force. `predicted` are the midpoint speeds at which the `count` contacts were
+    linearised, `half_step` is half of the time step [s].
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, width, no_change = len(equations.right), equations.pins.shape[1], equations.settled

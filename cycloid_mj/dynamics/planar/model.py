@@ -72,7 +72,7 @@ class PlanarModel:
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:
-    """Return a reducer prepared for the planar solver: arrays, contact laws, servo gains, warnings and time step [s].
+    """Return a reducer prepared for the planar solver: arrays, contact laws, servo gains, warnings, time step [s].
 
     The default `timestep` of 0 stands for an automatic choice. `held` is the shaft with a position servo, "crank" or
     "output"; a torque acts on the other shaft.

@@ -12,7 +12,8 @@ from cycloid_mj.reducer import Reducer, RvReducer
 def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
     """Compute positions and speeds of all unknowns at a crank angle [rad] and speed [rad/s], by closed-form kinematics.
 
-    In an RV reducer, angle and speed are those of the sun. Parts with errors are in their best fit.
+    In an RV reducer, angle and speed are those of the sun. Parts with errors have the pose with the largest minimum
+    gap.
 
     Returns
     -------

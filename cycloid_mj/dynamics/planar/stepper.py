@@ -162,13 +162,14 @@ def _compile_steps() -> Any:
         stride: int,
         rows: Array,
     ) -> None:
-        """Take a step for each row of `commands`; update `motion`, and write samples to `rows`, (samples, columns).
+        """Take a time step for each row of `commands`; update `motion`, and write samples to `rows`.
 
-        A row of `commands`, shape (steps, 2), has the commands of output and crank: the angle [rad] of a shaft with a
-        servo, else its torque [N m]. There is a sample every `stride` steps from step `next_sample` on, counted from 1.
-        In each step, contact search and solution are repeated until both agree (fixed-point iteration). `contacts` and
-        `equations` are working memory. `lobes` [m] are radii, None without an internal gear; `train` is None without
-        cranks. Forces accelerate moving pins to their midpoint speeds in `pin_span`: half a `timestep`, or one [s].
+        `rows` has the shape (samples, columns). `system` has the arrays of the reducer. A row of `commands`, shape
+        (steps, 2), has the commands of output and crank: the angle [rad] of a shaft with a servo, else its torque
+        [N m]. There is a sample every `stride` steps from step `next_sample` on, counted from 1. In each step, contact
+        search and solution are repeated until both agree (fixed-point iteration). `contacts` and `equations` are
+        working memory. `lobes` [m] are radii, None without an internal gear; `train` is None without cranks. Forces
+        accelerate moving pins to their midpoint speeds in `pin_span`: half a `timestep`, or one [s].
         """
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
@@ -250,10 +251,10 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether a disc or a moving pin is so far from the pose of the contact search that it has to be repeated.
 
-    The search is at the pose that follows from the `predicted` midpoint speeds, which is compared with that by the
-    speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s]. `half_step` is half of the time step [s];
-    all but the first `size` unknowns are those of pins. A rotation of a disc is converted to a path at the radius of
-    the pin circle.
+    `system` has the arrays of the reducer. The search is at the pose that follows from the `predicted` midpoint speeds,
+    which is compared with that by the speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s].
+    `half_step` is half of the time step [s]; all but the first `size` unknowns are those of pins. A rotation of a disc
+    is converted to a path at the radius of the pin circle.
     """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
@@ -274,7 +275,7 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
 
 @njit
 def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
-    """Update the peak of the normal force of each pair [N] with its sum over all contacts of the pair in this step.
+    """Update the peak of the normal force of each mating pair [N] with the pair's force in this step.
 
     `count` is the number of contacts. `sums` (pairs,) is working memory, zero before and after.
     """
@@ -301,11 +302,11 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    The first `count` of the `contacts` are written, and the peak forces in `motion`, which are set to 0. `q` and `v`
-    are positions and speeds of all unknowns (`Motion`) at the midpoint of the step, `command` (2,) the commands of
-    output and input. `iterations` is the largest number of Newton iterations in the steps since the last sample; only
-    the last contact search of a step counts. `unconverged` is the number of these steps whose contact geometry did not
-    converge.
+    `system` has the arrays of the reducer. The first `count` of the `contacts` are written, and the peak forces in
+    `motion`, which are set to 0. `q` and `v` are positions and speeds of all unknowns (`Motion`) at the midpoint of the
+    step, `command` (2,) the commands of output and input. `iterations` is the largest number of Newton iterations in
+    the steps since the last sample; only the last contact search of a step counts. `unconverged` is the number of these
+    steps whose contact geometry did not converge.
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
@@ -331,10 +332,10 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
-    `q` and `v` are positions and speeds of all unknowns (`Motion`), `command` (2,) the commands of output and input.
-    The columns of a floating sun's position and velocity come after those of its rotation, which is the input. Angles
-    of cranks are relative to the carrier, positions of pins to the seats in the ring. The position of a tilting pin is
-    that of its middle.
+    `system` has the arrays of the reducer. `q` and `v` are positions and speeds of all unknowns (`Motion`), `command`
+    (2,) the commands of output and input. The columns of a floating sun's position and velocity come after those of its
+    rotation, which is the input. Angles of cranks are relative to the carrier, positions of pins to the seats in the
+    ring. The position of a tilting pin is that of its middle.
     """
     size, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
@@ -369,7 +370,7 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
 @njit
 def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: int, pairs_column: int) -> None:
-    """Write number, depth, forces and powers of the first `count` contacts to a row.
+    """Write number, depth, forces and powers of the first `count` contacts to a `row` of samples.
 
     The values for all contacts start at `solver_column`, those of each pair at `pairs_column`, where the row must be
     zero before; see `sample_layout`.
@@ -407,10 +408,11 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: i
 def _write_shaft(
     system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, column: int
 ) -> int:
-    """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft from a column on; return the next column.
+    """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft to a `row`; return the next column.
 
-    `q` and `v` are positions and speeds of all unknowns (`Motion`), `command` (2,) the commands of output and input.
-    `shaft` is the index of the shaft in `command`, `unknown` that of its rotation in `q` and `v`.
+    They are written from `column` on. `system` has the arrays of the reducer. `q` and `v` are positions and speeds of
+    all unknowns (`Motion`), `command` (2,) the commands of output and input. `shaft` is the index of the shaft in
+    `command`, `unknown` that of its rotation in `q` and `v`.
     """
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
     torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]

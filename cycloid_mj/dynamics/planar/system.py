@@ -187,7 +187,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
 
 
 def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
-    """Return the attributes of a `System` that describe discs, ring and gravity, by name.
+    """Return the attributes of a planar `System` that describe discs, ring and gravity, by name.
 
     `output_unknown` is the index of the output's rotation among the unknowns.
     """
@@ -253,8 +253,8 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
     -------
     tuple
         Surfaces: the seats of moving pins, or without moving pins `ring`. `System.inner` and `System.outer`: radii of
-        the inner and outer circle of each seat [m], shape (N,), empty without moving pins. `System.arc`: cosine and
-        sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
+        the inner and outer circle of each of N seats [m], shape (N,), empty without moving pins. `System.arc`: cosine
+        and sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
@@ -266,7 +266,7 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
 
 
 def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
-    """Return the data of ring pins or lobes for the contact search, one row each, shape (N, 6).
+    """Return the data of N ring pins or lobes for the contact search, one row each, shape (N, 6).
 
     The columns are the fields of `contact_search.RingPin`: radius [m], outward direction, and play, compliance ratio
     and opening of the seat of a massless pin. Lobes have only the radius; other values are 0.
@@ -280,7 +280,7 @@ def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
 
 
 def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
-    """Return the contact laws as records of `LAW`, shape (D, 4): rows are discs, columns TEETH, SEAT, CAM and OUTPUT.
+    """Return the contact laws as records of `LAW`, shape (D, 4): D discs, and columns TEETH, SEAT, CAM and OUTPUT.
 
     The record of a kind that the drive lacks is zero.
     """
