@@ -37,7 +37,7 @@ def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
 
 
 def measure_quantity(reducer: Reducer, measure: str, quantity: str) -> float:
-    """Run a simulated measurement of a design at its default conditions, and return one of its quantities.
+    """Run a simulated measurement of a design under its default conditions, and return one of its quantities.
 
     The result is in the unit of the quantity. The errors of the measurement are raised.
 

@@ -104,7 +104,7 @@ class BreakAway:
 
     @property
     def note(self) -> str:
-        """Sentence for users on the break-away torque: its range over the starts, or why it is missing or uncertain."""
+        """Return a sentence on the break-away torque: its range over the starts, or why it is uncertain or missing."""
         if self.spread is None:
             largest = max(start.max_torque for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
@@ -122,7 +122,7 @@ class BreakAway:
 
     @property
     def _over_starts(self) -> str:
-        """Phrase with the range of the break-away torque, and the numbers of starts with and without motion."""
+        """Return a phrase with the range of the break-away torque and the numbers of starts with without motion."""
         count, turning = len(self.starts), len(self.turning)
         if count == 1:
             return "one start, as there is no gravity"
@@ -148,6 +148,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     is zero. It contains only the friction that weight and inertia of the parts cause; friction in proportion to the
     load is part of the back-driving efficiency. Contact stiffnesses are valid at the rated load. The result has the
     torque and its error [N m] at each starting position, their mean and range, and whether the drive is self-locking.
+    `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(reducer_of(start), solver), independent_starts(reducer)))
@@ -155,10 +156,11 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 
 
 def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
-    """Find the break-away torque and its error [N m] from one position at rest.
+    """Find the output torque at which the crank starts to turn, and its error [N m], from one position at rest.
 
     The torque is NaN if the crank stays at rest. In the first run, the output torque rises to the smaller share of the
     rated torque in `START.growths`. If the crank does not turn clearly, a second run rises to the larger share.
+    `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     for growth in START.growths:
         start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)
@@ -172,7 +174,8 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
 
     The break-away torque is the torque at which the fitted acceleration is zero. It is NaN if the crank turns by less
     than a share of the rotation of a crank without friction, or in too few samples. Its error is the largest change if
-    only the first quarter, or only the second half, of the motion is fitted.
+    only the first quarter, or only the second half, of the motion is fitted. `solver` is the solver of the runs, MuJoCo
+    or the planar solver.
     """
     forward = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")

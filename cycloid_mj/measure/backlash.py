@@ -160,7 +160,7 @@ def _run_presses(
     """Simulate the output pressed to its stops at each crank angle [rad], with different clearances.
 
     The cases are "all", for all clearances together, and the kinds of mating pairs, for the clearance of one kind
-    alone.
+    alone. `solver` is the solver of the runs, MuJoCo or the planar solver.
 
     Returns
     -------
@@ -227,7 +227,7 @@ def press_to_stops(
 
     A large torque seats the parts, then two smaller torques follow (`PRESS.levels`); the line through the angles at
     these two is extrapolated to zero torque. The same follows in the other direction. The design has no friction and no
-    weight.
+    weight. `solver` is the solver of the runs, MuJoCo or the planar solver.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
 def _compute_static_backlash(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
     """Compute the backlash of an RV reducer [rad] by statics, at `crank_angles` [rad] and over the turn.
 
-    The key of the single entry is "all": all clearances together.
+    The result has the single key "all", for all clearances together.
     """
     cases = {_ALL: reducer} | {kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)}
     turn_angles, torque = rigid_backlash.full_turn_angles(reducer), PRESS.share * reducer.design.rated_torque
@@ -353,10 +353,10 @@ def _quantities(
 def _curves(
     reducer: Reducer, stops_by_case: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> tuple[Curve, ...]:
-    """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form.
+    """Return curves of the backlash [arcmin] over the crank angle [deg], simulated and by closed form.
 
-    A case is "all" clearances, or the clearance of one kind of mating pair alone. `stops_by_case` are the simulated
-    stops by case, from `_run_presses`; `closed_forms` have the same keys.
+    There are two curves for each case. A case is "all" clearances, or the clearance of one kind of mating pair alone.
+    `stops_by_case` are the simulated stops by case, from `_run_presses`; `closed_forms` have the same keys.
     """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
@@ -372,10 +372,10 @@ def _curves(
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of the backlash by simulation as sentences.
+    """Return the assumptions of a backlash measurement by simulation, a sentence each.
 
     They are about torques, friction, contact stiffness, time steps and errors. `runs` are all runs of the measure, for
-    their time steps.
+    their time steps. `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     torque = PRESS.share * reducer.design.rated_torque
     return (

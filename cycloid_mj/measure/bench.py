@@ -98,7 +98,8 @@ def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -
 
     With MuJoCo and moving pins, the longest time step is proportional to the stability limit 2 sqrt(m/k) of the pin
     with the largest ideal force F under the output `torque` [N m]. The pin has the mass m. Its seat has the secant
-    stiffness k = F/d, where d is the clearance of the pin plus the deflection of the contact under F.
+    stiffness k = F/d, where d is the clearance of the pin plus the deflection of the contact under F. `solver` is the
+    solver of the runs, MuJoCo or the planar solver.
     """
     design = reducer.design
     if design.settings.timestep:
@@ -170,7 +171,11 @@ def prepare_bench(
 
 
 def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Solver = "planar") -> Run:
-    """Simulate a design from `prepare_bench` at a locked crank angle [rad] with an output `torque` [N m] over time."""
+    """Simulate a design at a locked crank angle [rad] with an output `torque` [N m] over time.
+
+    The design is from `prepare_bench`, which sets time step and duration. `solver` is the solver of the runs, MuJoCo or
+    the planar solver.
+    """
     timestep, driven_angle = reducer.design.settings.timestep, float(reducer.member.driven_angle(crank_angle))
     if solver == "planar":
         model = _build_planar_model(
@@ -273,7 +278,7 @@ def _max_friction_force(reducer: Reducer) -> float:
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:
-    """Compute how far the disc's centre leads its ideal position along the eccentric's circle [m], shape (n,).
+    """Compute how far the disc's centre leads its ideal position on the eccentric's circle [m] in n samples, (n,).
 
     Positive is counter-clockwise; with several discs it is their mean.
     """

@@ -29,7 +29,7 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
 
     The returned run covers `periods` mesh periods after the oscillation has decayed. Contact stiffnesses are valid at
     the output torque without losses, `torque` times the ratio. With a torque of 0 the crank is free, and the output
-    drives it.
+    drives it. `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed

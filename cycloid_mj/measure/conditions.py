@@ -38,7 +38,7 @@ STEADY = SteadySettings()
 
 
 def require_motion(reducer: Reducer) -> None:
-    """Require that the crank of a design turns.
+    """Raise DesignError if the crank of a design does not turn.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def require_motion(reducer: Reducer) -> None:
 
 
 def drag_assumption(reducer: Reducer) -> str:
-    """Return a phrase for the assumptions: drag torques of seals and lubricant on the shafts [N m], or "neglected"."""
+    """Return a phrase on the assumed drag torques of seals and lubricant on the shafts [N m], or "neglected"."""
     if reducer.design.has_film:
         crank, output = drag_torques(reducer)
         return f"seals, and idle friction of the cams: {crank:.3g} N m on the crank, {output:.3g} N m on the output"

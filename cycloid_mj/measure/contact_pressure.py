@@ -78,10 +78,10 @@ class ContactPressures:
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
 
-    The arrays have a row for each sample and a column for each mating pair. The crank angles are shifted by full turns,
-    so that the first is between 0 and 2 pi. Forces are the total forces of the mating pairs. Pressures occur at the
-    most loaded contact line of each pair; in a rolling cam bearing this is the line of one roller. Crank bearings and
-    planets of an RV reducer have no pressure: the attribute `holds` is false for them.
+    The arrays have a row for each sample and a column for each mating pair, such as pin 3 and the disc. The crank
+    angles are shifted by full turns, so that the first is between 0 and 2 pi. Forces are the total forces of the mating
+    pairs. Pressures occur at the most loaded contact line of each pair; in a rolling cam bearing this is the line of
+    one roller. Crank bearings and planets of an RV reducer have no pressure: the attribute `holds` is false for them.
     """
     driven_angle = run[f"{run.driven_shaft}_angle"]
     crank_angle = reducer.member.crank_angle(driven_angle)
@@ -101,9 +101,10 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
 
 
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
-    """Compute the relative curvature [1/m] of the contacts of one kind, shape (n, contacts), or (1,) if it is constant.
+    """Compute the relative curvature [1/m] of the contacts of one kind at n crank angles, (n, contacts) or (1,).
 
-    `crank_angle` [rad], shape (n,), is relative to the ring. Teeth have the relative curvature of the ideal mesh.
+    The latter is for a constant curvature. `crank_angle` [rad], shape (n,), is relative to the ring. Teeth have the
+    relative curvature of the ideal mesh. `kind` is the kind of contact, such as "pin_gear".
     """
     if kind == reducer.design.tooth_pair:
         profile = reducer.tooth_profile

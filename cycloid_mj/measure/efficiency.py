@@ -113,6 +113,7 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
     """Return losses by kind of pair and by part, effects of assumed inputs, and break-away torques as JSON values.
 
     Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
+    `efficiency_map` has the simulated operating points.
     """
     rated = efficiency_map.rated.powers
     return {
@@ -193,7 +194,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%].
 
     The torques are NaN, with a note, where the reducer is self-locking. The back-driving torque from rest is also NaN
-    if it does not exceed its error.
+    if it does not exceed its error. `efficiency_map` has the simulated operating points.
     """
     design, driven = reducer.design, reducer.INPUT
     ratio, start_from_rest = design.reduction, efficiency_map.rest
@@ -244,7 +245,10 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Return a table with a row per operating point: efficiency, error, and losses by kind of pair [% of the input]."""
+    """Return a table with a row per operating point: efficiency, error, and losses by kind of mating pair [%].
+
+    `efficiency_map` has the simulated operating points.
+    """
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers
@@ -313,7 +317,7 @@ def _curve_over_torque(
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of the efficiency as sentences.
+    """Return the assumptions of an efficiency measurement by simulation, a sentence each.
 
     They are about friction, contact stiffness, averaging and numerical errors of the runs. `periods` is the number of
     mesh periods of the averages.

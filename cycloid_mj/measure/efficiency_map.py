@@ -196,7 +196,8 @@ def _named_tasks(
 def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> OperatingPoint:
     """Simulate a steady run with an output torque [N m] against the motion, at a constant crank speed [rad/s].
 
-    `periods` is the smallest number of mesh periods of the average.
+    `periods` is the smallest number of mesh periods of the average. `solver` is the solver of the runs, MuJoCo or the
+    planar solver.
     """
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
     with suppress_warnings(tuple(creep_warning(loaded))):
@@ -211,7 +212,7 @@ def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) 
     second run the output torque is divided by this efficiency. If the drive is self-locking, the first run is the
     result. In both runs the crank turns at constant speed, so that it need not first be accelerated across the
     clearance. Only with a `torque` of 0 is the crank free. `periods` is the smallest number of mesh periods of the
-    average.
+    average. `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     if not torque:
         with suppress_warnings(tuple(creep_warning(reducer))):

@@ -93,7 +93,7 @@ class HysteresisLoop:
         sign
             Sign of the torque, +1 or -1.
         values
-            Values over the loop, shape (n,); by default the turn of the output [rad].
+            Values at the n samples of the loop, shape (n,); by default the rotation of the output [rad].
 
         Returns
         -------
@@ -148,7 +148,7 @@ class HysteresisLoop:
         return float(np.trapezoid(torque, turn))
 
     def compliance(self, values: Array | None = None) -> float:
-        """Compute the compliance of a torque loop: output rotation [rad/(N m)], or `values` (n,), per torque.
+        """Compute the compliance of a torque loop: output rotation [rad/(N m)], or n `values` (n,), per torque.
 
         It is the slope of the mean of the loading and the unloading branch, between the two shares of the nominal
         torque in `STRAIGHT` (1 and 0.5). The result is the mean over both signs of the torque.
@@ -173,7 +173,7 @@ class HysteresisLoop:
         loading, sign
             Whether the branch is the loading branch, and the sign of its torque.
         values
-            Values over the loop, shape (n,); by default the rotation of the output [rad].
+            Values at the n samples of the loop, shape (n,); by default the rotation of the output [rad].
 
         Returns
         -------
@@ -206,6 +206,8 @@ def run_loop(
     solver: Solver = "planar",
 ) -> HysteresisLoop:
     """Simulate the torque loop at a locked crank angle [rad]; return torque and motion over its last period.
+
+    `solver` is the solver of the runs, MuJoCo or the planar solver.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ Kinds = Mapping[str, ContactPressures]
 
 
 def _require_torque(design: Design, torque: float) -> float:
-    """Return the output `torque` [N m] of a measurement; raise a `UsageError` if it is not positive."""
+    """Return the output `torque` [N m] of a measurement; raise UsageError if it is not positive."""
     if not torque > 0.0:
         raise UsageError(
             f"the output torque of {design.name} is {torque:g} N m, which is out of range: choose a torque greater "
@@ -247,7 +247,8 @@ def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error:
     """Compute the torque at which a kind of contact reaches first yield or shakedown, by fixed-point iteration.
 
     Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load, or if a run fails:
-    the crank bearings of an RV reducer may deflect too far before its teeth reach the pressure.
+    the crank bearings of an RV reducer may deflect too far before its teeth reach the pressure. `solver` is the solver
+    of the runs, MuJoCo or the planar solver.
 
     Parameters
     ----------
@@ -293,8 +294,8 @@ def _kind_quantities(
 ) -> Iterator[Quantity]:
     """Yield the quantities of one kind of contact: forces [N], number of loaded contacts, Hertz pressure [MPa], margin.
 
-    The margin compares the pressure with the pressure at first yield. All quantities have numerical errors. Springs,
-    such as the crank bearings of an RV reducer, have neither pressure nor margin.
+    The margin compares the pressure with the pressure at first yield. All quantities have numerical errors. Contacts
+    that are modelled as springs, such as the crank bearings of an RV reducer, have neither pressure nor margin.
 
     Parameters
     ----------
@@ -384,7 +385,7 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    """Return curves of contact forces by kind, of each cam's force on its disc, and of tooth forces along the ring."""
+    """Return curves of contact forces by kind of contact, of each cam's force on its disc, and of tooth forces."""
     single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
     cams = [
         curve
@@ -458,7 +459,7 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
 
 def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
-    """Share the load torque of the design ideally among the teeth; return their forces [N], shape (n, contacts).
+    """Compute the ideal forces [N] of all teeth under the load torque of the design at n crank angles, (n, contacts).
 
     `crank_angle` are the crank angles [rad], shape (n,). The columns are the ring pins or lobes on the first disc, then
     those on the next disc. With a ring in two halves, each disc has all columns of the first half, followed by the
@@ -476,7 +477,7 @@ def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
 
 
 def _describe_cam_bearing(design: Design) -> str:
-    """Return a clause on how the pressure in the cam's bearing is computed: by its most loaded roller or as a line."""
+    """Return a phrase on how the pressure in the cam's bearing is computed: by its most loaded roller, or as a line."""
     if design.gear.bearing == "rolling":
         return (
             f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
@@ -496,7 +497,7 @@ BEARING_SENTENCES: Mapping[Layout, Callable[[Design], str]] = {
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of contact forces as sentences.
+    """Return the assumptions of a measurement of contact forces by simulation, a sentence each.
 
     They are about contact stiffness, Hertz pressure, ideal sharing, yield limits and numerical errors.
     """

@@ -28,11 +28,11 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 
 
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
-    """Return a table of the losses in percent of the input power, part by part, followed by the published output rates.
+    """Return a table of the losses of a torque test in percent of the input power, and of published output rates.
 
-    `powers` are the mean powers of the run [W]. The output rate is the output torque over that without losses. Each
-    published rate comes with the friction coefficient at which the model has the same rate; it is NaN outside of the
-    range of the runs. `error` is the numerical error of the efficiency [1].
+    `powers` are the mean powers of the run [W]. The output rate is the output torque over that without losses. It has a
+    row per part. Each published rate comes with the friction coefficient at which the model has the same rate; it is
+    NaN outside of the range of the runs. `error` is the numerical error of the efficiency [1].
     """
     remaining, rows = 1.0, []
     for part, share in loss_shares(powers).items():
@@ -55,7 +55,7 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
 
 
 def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
-    """Convert the losses to JSON values under the key ``build_up``.
+    """Convert the losses of a torque test to JSON values under the key ``build_up``.
 
     `powers` are the mean powers of the run [W]. ``losses`` are shares of the input power by part, ``efficiency`` is the
     efficiency of the run [1]. ``paper`` has the published output rates [1], and the friction coefficient of the teeth

@@ -88,7 +88,8 @@ def _run_loops(
     """Simulate the torque loops at several crank angles, and solve for the static wind-up at the same angles.
 
     There are loops of the drive as designed, and loops without friction and weight. For the numerical error, both are
-    repeated at the first angle, once with a shorter time step and once with a longer period.
+    repeated at the first angle, once with a shorter time step and once with a longer period. `solver` is the solver of
+    the runs, MuJoCo or the planar solver.
 
     Parameters
     ----------
@@ -122,10 +123,10 @@ def _solve_statics(reducer: Reducer, crank_angles: list[float], rated: float) ->
 
 
 def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of the lost motion by simulation as sentences.
+    """Return the assumptions of a lost motion measurement by simulation, a sentence each.
 
     They are about torque loop, time steps, friction, structure and contact stiffness. `data` are the loops, `period` is
-    the period of the torque [s].
+    the period of the torque [s]. `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]

@@ -71,7 +71,7 @@ def _mean_quantity(
     note: str = "",
     closed_form: ClosedForm | None = None,
 ) -> Quantity:
-    """Return the mean over the crank angles of a value that is read from each loop, with its errors and its reference.
+    """Return the mean over the crank angles of a value read from each torque loop, with errors and reference.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def _extreme_quantities(
     unit: str,
     closed_form: ClosedForm | None = None,
 ) -> list[Quantity]:
-    """Return the smallest and the largest value over the crank angles that is read from the loops, with their errors.
+    """Return the smallest and the largest value over the crank angles read from the torque loops, with errors.
 
     `read_value` reads the value from a loop, in `unit`; `loops` are one per crank angle, `check_loops` those at the
     first angle with other settings, for the numerical error. The keys and names of both quantities begin with `key` and
@@ -138,7 +138,8 @@ def stiffness(loop: HysteresisLoop) -> float:
 def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield lost motion and backlash [arcmin] that are read from the simulated torque loops of a drive.
 
-    Both are evaluated for the drive as designed, and again without friction and weight.
+    Both are evaluated for the drive as designed, and again without friction and weight. `data` are the simulated torque
+    loops.
     """
     static_values = [windup.lost_motion / ARCMINUTE for windup in data.statics]
     rigid_form = BACKLASH[data.reducer.LAYOUT](data)
@@ -172,9 +173,10 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
 
 
 def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
-    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; it approximates lost motion.
+    """Return the backlash of rigid parts [arcmin], at the crank angles and over the turn; it approximates lost motion.
 
-    None where the linear programme is not valid: a preloaded ring, or modified flanks.
+    None where the linear programme is not valid: a preloaded ring, or modified flanks. `data` are the simulated torque
+    loops.
     """
     if data.reducer.design.ring.preload or not rigid_backlash.has_linear_gaps(data.reducer):
         return None
@@ -190,7 +192,7 @@ def _static_backlash(data: LostMotionLoops) -> ClosedForm | None:
     """Return the backlash of an RV reducer by statics [arcmin], at the crank angles of the loops and over the turn.
 
     It is extrapolated to zero torque; the smaller of its two torques is the smallest at which the unloading branch of
-    the torque loop is evaluated (`LOOP.unloading`).
+    the torque loop is evaluated (`LOOP.unloading`). `data` are the simulated torque loops.
     """
     assert isinstance(data.reducer, RvReducer)
     torque = LOOP.unloading[0] * data.service[0].rated
@@ -215,7 +217,8 @@ def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness [N m/arcmin], and the compliances of output, cam and mesh in series [arcmin/(N m)].
 
     The stiffness is evaluated for the drive as designed, and again without friction and weight; the compliances only
-    without friction and weight. An RV reducer, whose parts are not in series, has none.
+    without friction and weight. An RV reducer, whose parts are not in series, has none. `data` are the simulated torque
+    loops.
     """
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
@@ -246,11 +249,11 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 
 
 def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
-    """Return the quantities of the loops that friction causes: width, work, and shift.
+    """Return the quantities of the torque loops that friction causes: width, work, and shift.
 
     The width of the loop [arcmin] is taken at half the nominal torque. Width and work [mJ], the area inside a loop, are
     means over the crank angles. The shift [arcmin] is the distance between the middles of the loops with and without
-    weight and friction, the largest over the crank angles.
+    weight and friction, the largest over the crank angles. `data` are the simulated torque loops.
     """
     service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
@@ -291,7 +294,7 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
 
 
 def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
-    """Return curves of the loop at the first crank angle, and of lost motion and stiffness over the crank angle.
+    """Return curves of the torque loop at the first crank angle, and of lost motion and stiffness over the angle.
 
     The loop is drawn as a whole, and its part near zero torque once more. Curves of statics and of the backlash of
     rigid parts are omitted if `data` lacks them.
@@ -338,10 +341,11 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
 
 
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
-    """Return a JSON object for each crank angle, with the values that are read from its loops.
+    """Return a JSON object for each crank angle, with the values that are read from its torque loops.
 
     Its keys are ``service`` (loop of the drive as designed) and ``ideal`` (loop without friction and weight), each with
-    lost motion, stiffness, backlash and hysteresis, and ``statics``, with lost motion and stiffness.
+    lost motion, stiffness, backlash and hysteresis, and ``statics``, with lost motion and stiffness. `data` are the
+    simulated torque loops.
     """
     rows: list[dict[str, Any]] = []
     for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):

@@ -75,8 +75,8 @@ class Measurement(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the measurement to JSON values.
 
-        ``quantities`` are by their keys, ``figures`` by the keys of the figure catalogue, each with value and unit.
-        ``condition`` is load and speed in words. The `details` are included under their own keys.
+        ``quantities`` are by their keys, ``figures`` the same by the keys of the catalogue (`cycloid-mj figures`), each
+        with value and unit. ``condition`` is load and speed in words. The `details` are included under their own keys.
         """
         return {
             "measure": self.measure,

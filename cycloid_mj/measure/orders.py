@@ -115,7 +115,7 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
 
 
 def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """Return the causes of transmission error with a central crank: mesh, ring, holes with output pins, eccentricity.
+    """Return the causes of transmission error with a central crank: mesh, ring, output pins and holes, eccentricity.
 
     Each has the orders that it excites, in cycles per crank turn.
     """

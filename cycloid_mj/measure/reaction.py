@@ -114,7 +114,7 @@ def _rv_unbalance(reducer: RvReducer) -> Unbalance:
 
 
 def carrier_tilting(run: Run, reducer: Reducer) -> Array:
-    """Compute the tilting moment of the discs on the carrier of an RV reducer [N m], shape (n, 2): about x, about y.
+    """Compute the tilting moment of the discs on the carrier of an RV reducer [N m] in n samples, (n, 2): x, y.
 
     The forces of the cranks act in the plane of each disc; the moment is about the middle of all discs.
     """
@@ -176,7 +176,7 @@ def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
 
 
 def inertia_force(run: Run, reducer: Reducer, disc_accelerations: Sequence[Array]) -> Array:
-    """Compute the force of discs and driven shaft on the housing by their accelerations alone [N], shape (m, 2).
+    """Compute the force of discs and driven shaft on the housing due to their accelerations alone [N], shape (m, 2).
 
     `disc_accelerations` are the accelerations of the centre of each disc [m/s2], shape (m, 2) each. They are means from
     one sample to the next, so m is one less than the number of samples.
@@ -199,7 +199,7 @@ def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
 
 
 def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
-    """Compute a force on the housing [N], shape (n, 2), as it would be without the counterweight.
+    """Compute a force on the housing [N], in n samples (n, 2), as it would be without the counterweight.
 
     The crank's bearing is rigid, so that only the unbalance that the counterweight compensates is added.
     """

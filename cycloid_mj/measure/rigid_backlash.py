@@ -30,7 +30,7 @@ def has_linear_gaps(reducer: Reducer) -> bool:
 
 
 def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> dict[str, Array]:
-    """Compute the backlash of the output [rad] by each clearance alone in closed form, at crank angles [rad] (k,).
+    """Compute the backlash of the output [rad] due to each clearance alone in closed form, at k crank angles [rad].
 
     It is delta (1/a_max - 1/a_min), with the clearance delta and the extreme lever arms a of the contacts of a kind.
 

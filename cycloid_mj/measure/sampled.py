@@ -26,11 +26,11 @@ class ClosedForm:
 
 
 def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the sampling error of the mean over the turn, in the unit of the values.
+    """Estimate the sampling error of the mean over the turn of a quantity that is known at k angles.
 
-    It is the sum of two parts. The sampling error of the closed form is computed exactly, because the closed form is
-    known over the full turn. For the remainder (values minus closed form), it is the standard error of the mean by
-    Student's t.
+    It has the unit of the quantity and is the sum of two parts. The sampling error of the closed form is computed
+    exactly, because the closed form is known over the full turn. For the remainder (values minus closed form), it is
+    the standard error of the mean by Student's t.
 
     Parameters
     ----------
@@ -53,11 +53,12 @@ def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) 
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the sampling error of the largest (or smallest) value over the turn, in the unit of the values.
+    """Estimate the sampling error of the largest (or smallest) value of a quantity over the turn, known at k angles.
 
-    It is the sum of two parts. The sampling error of the closed form is computed exactly, because the closed form is
-    known over the full turn. For the remainder (values minus closed form), it is the range of the remainder divided by
-    the number of values, an upper bound for a sine that is sampled k times per period.
+    It has the unit of the quantity and is the sum of two parts. The sampling error of the closed form is computed
+    exactly, because the closed form is known over the full turn. For the remainder (values minus closed form), it is
+    the range of the remainder divided by the number of values, an upper bound for a sine that is sampled k times per
+    period.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Separate `values` at some crank angles, shape (k,), into a closed form that approximates them and a remainder.
+    """Separate `values` at k crank angles, shape (k,), into a closed form that approximates them and a remainder.
 
     Returns
     -------

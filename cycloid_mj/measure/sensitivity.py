@@ -45,7 +45,7 @@ class FrictionVariant:
 
     @property
     def name(self) -> str:
-        """Name of the run with this variant: friction as designed, or the changed pair and its coefficient."""
+        """Return the name of the run with this friction: as designed, or the changed pair and its coefficient."""
         support_text = "" if self.pins == NONE else f", {self.pins} pins"
         return (
             f"friction as designed{support_text}"
@@ -55,7 +55,7 @@ class FrictionVariant:
 
 
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """Return the designs of the friction table, which differ in friction, support of the ring's pins and bearings.
+    """Return variants of the design for the friction table: other friction, support of the ring's pins, bearings.
 
     For each support there are the design's friction, the friction of one kind of sliding pair changed at a time, and
     equal friction of all kinds. For the design's support, there are also variants with another bearing of cam or
@@ -81,7 +81,7 @@ def pins_of(reducer: Reducer) -> str:
 
 
 def sliding_pairs(reducer: Reducer) -> list[str]:
-    """List the keys of those kinds of mating pairs of a design that slide, such as "pin_gear" and "output"."""
+    """List the kinds of mating pairs of a design that slide, by keys such as "pin_gear" and "output"."""
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
@@ -134,7 +134,7 @@ def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) ->
 
 
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
-    """Return a table of the output rate of each friction variant, in percent and as a torque, and its change.
+    """Return a table of the output rate of each variant of friction, in percent and as a torque, and its change.
 
     The output rate is the output torque over that without losses. `rate_by_variant` are the rates [1]. The change, in
     percentage points, is relative to the design's friction with the same support of the ring's pins.
@@ -152,7 +152,7 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
 
 
 def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
-    """Return curves of the output rate [%] over the common friction, by support of the pins, with the published rates.
+    """Return curves of the output rate [%] over the common friction, by support of the pins, with published rates.
 
     The output rate is the output torque over that without losses. `rate_by_variant` are the rates [1] of the designs.
     Published rates outside of the range that was run are omitted.

@@ -182,7 +182,7 @@ def plain_roller(reducer: Reducer) -> float:
 
 
 def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Table:
-    """Return a table of a rate [%], such as the efficiency, at both ends of the range of each assumed input.
+    """Return a table of a rate [%], such as the efficiency, at both ends of the plausible range of each input.
 
     `rate` is the name of the rate, `design_rate` is its value for the design [1], and `effects` are the effects of the
     inputs on it.
@@ -230,14 +230,14 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
 def _equal_input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an assumed input that sets several keys in a table of the design to the same value.
+    """Return an assumed input that sets several values in a table of the design file to the same value.
 
     Parameters
     ----------
     name, unit
         Name of the input, and the unit of its value in tables.
     table, keys
-        Table of the design, and the keys in it.
+        Table of the design file, and the keys in it.
     limits
         Both ends of the range [SI].
     scale

@@ -135,9 +135,10 @@ def _run_traces(
     check_step: bool,
     solver: Solver,
 ) -> Mapping[tuple[TraceCondition, float], Trace]:
-    """Simulate the conditions in threads, each over some crank `turns`.
+    """Simulate the runs of a transmission error measurement in threads, each over some crank `turns`.
 
-    With `check_step`, the first mesh periods of forward runs are simulated again with half the time step.
+    `conditions` are load, speed and direction of each run. With `check_step`, the first mesh periods of forward runs
+    are simulated again with half the time step. `solver` is the solver of the runs.
 
     Returns
     -------
@@ -164,7 +165,10 @@ def _run_traces(
 
 
 def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> ErrorCurves:
-    """Compute the transmission errors of disc and output [arcsec] of a condition by statics, over some crank turns."""
+    """Compute the transmission errors of disc and output [arcsec] under a load by statics, over some crank turns.
+
+    `condition` has load and direction.
+    """
     design = reducer.design
     # eight in a mesh period
     points = 8 * design.ring.teeth * turns + 1
@@ -179,7 +183,7 @@ def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> E
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of the transmission error over some crank turns, as sentences.
+    """Return the assumptions of a transmission error measurement by simulation, a sentence each.
 
     They are about bearings, drag, statics, contact stiffness, numerical errors and orders.
     """

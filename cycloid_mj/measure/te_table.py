@@ -227,10 +227,10 @@ def _cause_quantities(
 
 
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """Return the twelve strongest orders (cycles per crank turn) of disc and output in a trace, as JSON objects.
+    """Return the twelve strongest orders (cycles per crank turn) of a transmission error, as JSON objects.
 
-    Each has its amplitude [arcsec] and its cause. Orders that no cause excites, which are due to leakage from other
-    orders, have the cause "between".
+    `trace` has the errors of disc and output, which have twelve orders each. Each has its amplitude [arcsec] and its
+    cause. Orders that no cause excites, which are due to leakage from other orders, have the cause "between".
     """
     rows = []
     for signal, cycles_per_turn in _bases(reducer):

@@ -218,7 +218,8 @@ def explain_published(
     The coefficient is common to all sliding pairs. It is interpolated in the output rates [1] of the friction variants,
     `rate_by_variant`, and NaN outside of their range. `error` is the numerical error of a rate [1]. Unless it is None,
     each torque is also simulated with its coefficient. The error of the coefficient is then the sum of `error` and the
-    deviation of the simulated rate, divided by the slope of the rate over the coefficient.
+    deviation of the simulated rate, divided by the slope of the rate over the coefficient. `solver` is the solver of
+    the runs, MuJoCo or the planar solver.
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
@@ -254,7 +255,7 @@ def _quantities(
     held_crank_efficiency: float,
     by_input: Sequence[InputEffect],
 ) -> list[Quantity]:
-    """Return the quantities of the rated test: torques, output rate, ripple, efficiency and energy balance.
+    """Return the quantities of a torque test at rated input: torques, output rate, ripple, efficiency, energy balance.
 
     Errors are the largest changes with half the time step and with half the averaging time. Half the averaging time is
     the second half of the run for the ripple, and otherwise the first half.
@@ -340,7 +341,7 @@ def _tables(
 
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
-    """Return curves of a test's output torque [N m] over the crank angle, and of the amplitudes of its crank orders."""
+    """Return curves of the output torque [N m] over the crank angle, and of the amplitudes of its crank orders."""
     torque, angle = test.run["load_torque"], reducer.member.crank_angle(test.run[f"{test.run.driven_shaft}_angle"])
     swept = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
@@ -357,7 +358,7 @@ def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
 
 
 def _friction_text(reducer: Reducer) -> str:
-    """Return a phrase with the friction coefficients of sliding pairs and bearings, or the film law's lubricant."""
+    """Return a phrase with the friction coefficients of sliding pairs and bearings, or the lubricant (law ``film``)."""
     design = reducer.design
     if design.has_film:
         return film_text(reducer)
@@ -367,7 +368,7 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the assumptions of a brake test in simulation as sentences.
+    """Return the assumptions of a brake test in simulation, a sentence each.
 
     They are about friction, contact stiffness, averaging, motor and numerical errors. `periods` is the number of mesh
     periods of the averages.

@@ -88,11 +88,11 @@ def copy_model(compiled: Model) -> Model:
 
 
 def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
-    """Return a drive cycle at constant speed whose load begins with a pulse that presses the flanks together.
+    """Return a drive cycle (commands over time) at constant speed that begins with a pulse of the load.
 
-    With a light load, the disc oscillates in its clearance for about 30 ms. The pulse, a squared sine with a peak of up
-    to the nominal torque, shortens this to a few milliseconds. `start` is the initial angle of the driven shaft [rad].
-    `model` is the compiled model of the design.
+    The pulse presses the flanks together. With a light load, the disc oscillates in its clearance for about 30 ms. The
+    pulse, a squared sine with a peak of up to the nominal torque, shortens this to a few milliseconds. `start` is the
+    initial angle of the driven shaft [rad]. `model` is the compiled model of the design.
     """
     design = reducer.design
     law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)
@@ -108,10 +108,11 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
 
 
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
-    """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
+    """Simulate a design over some crank turns; return the transmission errors of disc and output over the crank angle.
 
-    A run with increasing crank angle starts at the angle 0, one with decreasing angle at the number of turns, rounded
-    up. Over an integer number of turns, both directions therefore cover the same angles.
+    `condition` has load, speed and direction, `model` is the compiled model of the design. A run with increasing crank
+    angle starts at the angle 0, one with decreasing angle at the number of turns, rounded up. Over an integer number of
+    turns, both directions therefore cover the same angles.
     """
     crank_speed = float(reducer.member.crank_angle(condition.speed))
     direction = float(np.sign(crank_speed))

@@ -124,7 +124,7 @@ def _run_sweep(
     """Simulate every load at every speed of the driven shaft [rad/s], each over some crank `turns`.
 
     With `check_step`, runs at the design's speed with half the time step follow. `torques` maps the name of a load to
-    the torque on the output [N m].
+    the torque on the output [N m]. `solver` is the solver of the runs, MuJoCo or the planar solver.
     """
     points = [(reducer, model_for(solver, reducer), speed) for speed in speeds]
     if check_step:
@@ -241,9 +241,10 @@ def _mean_force(run: VibrationRun) -> float:
 
 
 def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield a curve of each signal and load: the rms level over the magnitude of the speed of crank or sun [rpm].
+    """Yield a curve of each signal and load: its rms level over the speed of crank or sun [rpm].
 
-    The force on the housing without counterweight also has a curve of its closed form, m c omega^2 of the discs.
+    The force on the housing without counterweight also has a curve of its closed form, m c omega^2 of the discs. `runs`
+    are the simulated runs.
     """
     static_unbalance, speed_label = unbalance(reducer).bare, f"{reducer.INPUT} speed [rpm]"
     for key, (name, unit) in _signals(reducer).items():
@@ -279,7 +280,7 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
 
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
-    """Return the assumptions of a measurement of the vibration as sentences.
+    """Return the assumptions of a vibration measurement by simulation, a sentence each.
 
     They are about bearings, references, sampling, load and numerical errors of the runs.
     """

@@ -143,7 +143,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
 
 
 def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
-    """Return the signals of a run with several discs: tilting moments and bearing forces by name, shape (n, 2) each.
+    """Return tilting moments and bearing forces of a run with several discs by name, in n samples (n, 2) each.
 
     The discs' forces on shaft and output cause the moments [N m]; the forces [N] act on both shaft bearings. An RV
     reducer has only the moment on the carrier.
@@ -165,7 +165,7 @@ def _remove_mean(key: str, signal: Array) -> Array:
 
 
 def _decimate_run(run: Run, stride: int) -> Run:
-    """Return a run with every `stride`-th sample; peaks of contact forces are the largest since the sample before."""
+    """Return a run with every `stride`-th sample; contact force peaks are the largest since the sample before."""
     decimated_run = run.select(slice(None, None, stride))
     starts = np.maximum(np.arange(len(decimated_run)) * stride - stride + 1, 0)
     peaks = {

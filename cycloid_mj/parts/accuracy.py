@@ -20,7 +20,7 @@ MASS_CHORD_ERROR = 5e-7
 
 
 def mass_chord_error(reducer: Reducer) -> float:
-    """Return the chord error [m] of polygons for mass properties: the smallest radius times `MASS_CHORD_ERROR`.
+    """Return the chord error [m] of polygons for mass properties: `MASS_CHORD_ERROR` times the smallest radius.
 
     The smallest radius is that of a ring pin, of an output pin or of the shaft. A polygon with the chord error s has an
     area that is smaller than that of its circle of radius r by the fraction 4/3 s/r. Volumes are therefore accurate to

@@ -37,7 +37,7 @@ def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
 
 
 def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float) -> Iterator[Arc | LineSegment]:
-    """Yield arcs and lines within a tolerance [m] of a spline between two of its parameters.
+    """Yield arcs and lines that approximate a spline between two of its parameters within a tolerance [m].
 
     A biarc replaces the spline; if it deviates by more than the tolerance, the interval is halved.
 

@@ -63,7 +63,7 @@ def _turning_inertia(reducer: Reducer) -> float:
 
 
 def play_inertia(reducer: Reducer) -> float:
-    """Compute the inertia [kg m2], at the output, of all parts that move when the output turns within its backlash.
+    """Compute the inertia [kg m2], at the output, of all parts that move as the output crosses its backlash.
 
     The driven shaft is locked. These parts are the output alone (`turning_inertia`), except in an RV reducer, whose
     output also rotates the cranks with their planets and moves the discs on their orbit; these are the larger part.

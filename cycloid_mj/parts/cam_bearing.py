@@ -41,7 +41,7 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
 
 
 def cam_seat(reducer: Reducer) -> float:
-    """Return the bore radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides there.
+    """Return the inner radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides.
 
     If no stock bearing fits, ``contact.cam_rollers`` rollers that touch each other run directly in the bore of the
     disc, and the result is the radius inside the rollers. This radius must exceed eccentricity plus shaft radius, so

@@ -111,7 +111,7 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Compute flank parameters (spans + 1,) [rad] of spline knots that spread the interpolation error evenly.
+    """Compute parameters [rad] of `spans` + 1 spline knots on a flank that spread the interpolation error evenly.
 
     The first is `low`, the last `high`.
     """

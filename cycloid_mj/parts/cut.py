@@ -8,7 +8,7 @@ from cycloid_mj.parts.prism import Prism
 
 
 def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """Cut a prism by the plane x = 0; return the intervals of y [m] inside its material, (start, end), in order.
+    """Cut a prism by the plane x = 0; return the intervals of y [m] inside its material: (start, end), in order.
 
     `centre` is the position (x, y) [m] of the prism's origin. The plane is shifted by `SAME_LENGTH`, so that a vertex
     or an edge on it counts once.

@@ -109,7 +109,7 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the outline of a disc as a polygon (n, 2) [m], clockwise from the valley on +y.
+    """Compute the outline of a disc as a polygon of n points (n, 2) [m], clockwise from the valley on +y.
 
     It has the clearance and the modification of the design; its chords deviate by `chord_error` [m].
 

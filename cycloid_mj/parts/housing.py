@@ -156,7 +156,7 @@ class PinwheelContour:
     teeth: int
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the bore of a ring with sockets as a polygon (n, 2) [m], socket by socket, with a chord error [m]."""
+        """Return the bore of a ring with sockets as a polygon of n points (n, 2) [m] with a chord error [m]."""
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
         edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
         wall_arc = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]

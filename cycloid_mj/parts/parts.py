@@ -39,11 +39,12 @@ COLOURS: Mapping[str, Colour] = {
 
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Return housing, shaft, discs, a pin (if the ring has pins) and output as solids by name, each in its own frame.
+    """Return the parts of the mechanism as solids by name: housing, shaft, discs, a ring pin, and output.
 
-    The pin of a sleeved ring is the sleeve; the pressed-in pins belong to the housing. With D > 1 discs there are
-    ``gear_1`` to ``gear_D`` in the frames of the discs, and ``cam_1`` to ``cam_D`` in the frame of the shaft. Equal
-    parts occur once: ``spacer`` for all gaps between discs, and ``output_roller`` for all separate rollers.
+    Each is in its own frame. The ring pin exists if the ring has pins; that of a sleeved ring is the sleeve, whose
+    pressed-in pins belong to the housing. With D > 1 discs there are ``gear_1`` to ``gear_D`` in the frames of the
+    discs, and ``cam_1`` to ``cam_D`` in the frame of the shaft. Equal parts occur once: ``spacer`` for all gaps between
+    discs, and ``output_roller`` for all separate rollers.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
 
 
 def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
-    """Return the sections of all parts by name, as curves for CAD with `splines` splines per lobe or root.
+    """Return the cross-sections of all parts by name, as curves for CAD with `splines` splines per lobe or root.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def lay_out_parts(reducer: Reducer, chord_error: float | None = None) -> dict[st
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
-    """Return one solid per moving body by the name of its main part; parts of `parts` that move together are joined.
+    """Return one solid per moving body, by the name of its main part; parts that move together are joined.
 
     The solid of the shaft is the entire crank. The solid of the output includes its rollers, after its own prisms. The
     bodies of an RV reducer are those of `rv_body_parts`.
@@ -144,7 +145,7 @@ def _crank_solid(reducer: Reducer) -> Solid:
 
 @once
 def _output_with_rollers(reducer: Reducer) -> Solid:
-    """Return the output and the rollers on its pins as one solid."""
+    """Return the output disc with its pins and the rollers on them as one solid."""
     parts = _parts(reducer, None)
     (tube,) = parts[names.ROLLER].prisms
     rollers = [
@@ -165,7 +166,8 @@ def _segments(reducer: Reducer) -> Mapping[str, Segment]:
 def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     """Return all parts of the mechanism as exact outlines, by name.
 
-    `chord_error` [m] is that of the polygons for the balance of the crank, None for that of mass properties.
+    `chord_error` [m] is that of the polygons by which the counterweight of the crank is sized; None: that of mass
+    properties.
     """
     discs = reducer.design.gear.discs
     is_one_piece = reducer.design.has_one_piece_crank

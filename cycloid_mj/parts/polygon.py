@@ -46,7 +46,7 @@ def signed_area(polygon: Array) -> float:
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Compute points (n, 2) [m] on an arc about the origin, including both ends.
+    """Compute n points (n, 2) [m] on an arc about the origin, including both ends.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def rotate_clockwise(points: Array, angle: float) -> Array:
 
 
 def within(points: Array, loop: Array) -> Mask:
-    """Return which points (n, 2) are inside a closed polygon, the `loop` (m, 2), by ray casting along x; shape (n,)."""
+    """Return a mask of n points (n, 2): true inside a closed polygon, the `loop` of m points (m, 2), by ray casting."""
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
     crosses_level = (ay > y) != (by > y)
@@ -100,7 +100,7 @@ def within(points: Array, loop: Array) -> Mask:
 
 
 def _sums(values: Array) -> Array:
-    """Compute the sum (k,) of each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
+    """Compute the sums (k,) of the k rows of values (k, n) in about twice the working precision (Knuth's two-sum)."""
     rounding_error = np.zeros(len(values))
     while (half_count := values.shape[1] // 2) > 0:
         first_half, second_half, odd_column = (

@@ -56,7 +56,7 @@ class Solid:
 
 
 def _read_only(polygon: Array) -> Array:
-    """Return a read-only copy of a polygon (n, 2) [m]; raise DesignError unless it is counter-clockwise."""
+    """Return a read-only copy of a polygon of n points (n, 2) [m]; raise DesignError unless it is counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
         raise DesignError(

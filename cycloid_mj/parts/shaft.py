@@ -133,7 +133,7 @@ class CounterweightContour:
 def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
     """Return the segments of the crank of one disc, with the counterweight that balances the disc.
 
-    `chord_error` [m] is that of the polygons for the balance.
+    `chord_error` [m] is that of the polygons by which the counterweight is sized.
     """
     design = reducer.design
     shaft, half_width = design.shaft, design.gear.face_width / 2
@@ -232,7 +232,7 @@ def bearing_seats(
 
 
 def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Segment]:
-    """Return the journal beyond the discs, for the bearing in the hub, as a list; empty for an overhung shaft.
+    """Return the journal of the shaft beyond the discs, for the bearing in the hub; empty for an overhung shaft.
 
     `outline` is its cross-section. `journal` [m] is the length of the journal before the discs, which limits the width
     of the bearing.

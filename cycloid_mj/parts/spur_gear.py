@@ -46,7 +46,7 @@ class SpurGearContour:
         return tuple(rotate_curve(curve, -number * pitch) for number in range(gear.teeth) for curve in tooth)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the outline of a spur gear as a polygon (n, 2) [m] with a chord error [m], vertices on it."""
+        """Return the outline of a spur gear as a polygon of n points (n, 2) [m] on it, with a chord error [m]."""
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
         chords = _count_chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
         corner = np.linspace(0.0, gear.last_corner, chords + 1)

@@ -42,9 +42,10 @@ def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Slice the walls of the output holes of a disc, as manufactured, into flat convex facets in the frame of the disc.
+    """Approximate the output holes of a disc by flat convex slices with the clearances of the design.
 
-    `disc` is its index. Facets are placed hole by hole: hole 1 is on +y, the others follow clockwise.
+    The slices are in the frame of the disc, and `disc` is its index. They are placed hole by hole: hole 1 is on +y, the
+    others follow clockwise. `settings` are those of the convex slices.
     """
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
@@ -55,9 +56,10 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Slice the walls of the sockets of free ring pins, as manufactured, into flat facets in the frame of the reducer.
+    """Approximate the sockets of free ring pins by flat convex slices with the clearances of the design.
 
-    Facets are placed pin by pin: pin 1 is on +y, the others follow clockwise.
+    The slices are in the frame of the reducer. They are placed pin by pin: pin 1 is on +y, the others follow clockwise.
+    `settings` are those of the convex slices.
     """
     design = reducer.design
     ring = design.ring
@@ -76,10 +78,11 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
 
 
 def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Approximate the wall of equal round holes by flat convex facets.
+    """Approximate the walls of equal round holes by flat convex slices.
 
-    The result has one slice and a placement for each facet of each hole. The facets are `depth` [m] thick. The middle
-    and the corners of a facet deviate equally from the circle.
+    `hole` has the radius and the positions of the holes. The result has one slice, and its position on each facet of
+    each hole. The slices are `depth` [m] thick. The middle and the corners of a facet deviate equally from the circle.
+    `settings` are those of the convex slices.
     """
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)

@@ -24,7 +24,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     pieces
         Its pieces.
     points, normals
-        Points (k, 2) [m] of its true walls and unit normals out of the material.
+        The k points (k, 2) [m] on its true walls, and unit normals out of the material.
     """
     mid_height = 0.5 * (region.z0 + region.z1)
     points_3d, normals_3d = np.insert(points, 2, mid_height, axis=1), np.insert(normals, 2, 0.0, axis=1)
@@ -45,7 +45,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
-    """Compute evenly spaced points on the walls of a prism, outline and holes, and the normals there.
+    """Compute k evenly spaced points on the walls of a prism, outline and holes, and the normals there.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the distance (k,) [m] from points on the walls of a prism, along the normals there, to the opposite wall.
+    """Compute the distance [m] from k points on the walls of a prism, along the normals, to the opposite wall, (k,).
 
     It is at most `METHOD.reach`, also where there is no opposite wall. `region` is the prism; `points` (k, 2) [m] are
     on its walls, and the unit `normals` (k, 2) point out of the material.
@@ -79,8 +79,8 @@ def free_distance(region: Prism, points: Array, normals: Array) -> Array:
 def _first_crossing(corners: Array, edges: Array, normal: Array) -> float:
     """Compute the distance [m] along a unit normal (2,) from the origin to the nearest edge, at most `METHOD.reach`.
 
-    Edge i extends from `corners[i]` by the vector `edges[i]`, (m, 2) [m] each. Crossings nearer than `METHOD.depth` do
-    not count.
+    Edge i extends from `corners[i]` by the vector `edges[i]`; there are m edges, and both arrays have the shape (m, 2)
+    [m]. Crossings nearer than `METHOD.depth` do not count.
     """
     determinant = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
     determinant = np.where(determinant == 0.0, np.inf, determinant)

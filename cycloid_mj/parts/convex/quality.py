@@ -62,7 +62,7 @@ def polygon_body(outline: Array) -> ConvexRegion:
 
 
 def hull_body(vertices: Array) -> ConvexRegion:
-    """Return the convex hull of points `vertices` (n, 3) [m] as an intersection of half spaces."""
+    """Return the convex hull of n points `vertices` (n, 3) [m] as an intersection of half spaces."""
     from scipy.spatial import ConvexHull
 
     scale = np.ptp(vertices, axis=0)
@@ -85,7 +85,7 @@ def union_heights(
     Parameters
     ----------
     points, normals
-        Points of the true surface (k, d) [m] and unit normals out of the material.
+        The k points of the true surface in d dimensions (k, d) [m], and unit normals out of the material.
     bodies
         Convex bodies, of the same dimension.
     start
@@ -126,10 +126,10 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 
 
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
-    """Return maximum and RMS of the heights (k,) [m] at which convex pieces end above (+) or below (-) a surface.
+    """Return maximum and RMS of the deviations of convex pieces from a surface, with number and volume error.
 
-    The result also contains the number of pieces, `parts`, and `volume_error`: the sum of their volumes over the true
-    volume, minus 1.
+    `heights` (k,) [m] are the deviations at k points, positive above the surface. `parts` is the number of pieces.
+    `volume_error` is the sum of their volumes over the true volume, minus 1.
     """
     overfill, underfill = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(
@@ -146,7 +146,8 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
     """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m].
 
-    `name` is that of the surface, for the message; `overfill` and `underfill` are the bounds.
+    `name` is that of the surface, for the message; `overfill` and `underfill` are the bounds. `quality` has the
+    deviations.
     """
     sides = (
         ("extend beyond its outline", quality.max_overfill, overfill),
@@ -168,7 +169,7 @@ def _intervals(
     Parameters
     ----------
     points, normals
-        Points (k, d) [m], and unit normals (k, d).
+        The k points in d dimensions (k, d) [m], and unit normals (k, d).
     bodies
         Convex bodies, of the same dimension.
     max_distance

@@ -46,10 +46,11 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return sectors of disc, housing, shaft and output that, repeated around the axis, fill the parts with material.
+    """Return sectors of disc, housing, shaft and output that fill the parts if they are repeated around the axis.
 
-    They adjoin the convex slices of the working surfaces (`surfaces`), which are not part of them. Spacers and output
-    pins are not included. A bore through the shaft is filled, because nothing touches it.
+    `settings` are those of the convex slices. They adjoin the convex slices of the working surfaces (`surfaces`), which
+    are not part of them. Spacers and output pins are not included. A bore through the shaft is filled, because nothing
+    touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
@@ -70,7 +71,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     """Decompose a sector of a part into convex pieces by CoACD; return the pieces and their deviations.
 
     CoACD's threshold is halved as long as the pieces protrude by more than the bound of the sector, at most
-    `METHOD.decompositions` - 1 times.
+    `METHOD.decompositions` - 1 times. `settings` are those of the convex slices.
 
     Raises
     ------
@@ -89,7 +90,9 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the two sectors that, repeated around the axis, fill a disc between the slices of its working surfaces.
+    """Return two sectors that fill a disc between the slices of its surfaces if they are repeated around the axis.
+
+    `settings` are those of the convex slices.
 
     Returns
     -------
@@ -126,7 +129,10 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
 
 
 def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
-    """Return the sector of the housing that is behind the convex slices of one lobe, or around one pin."""
+    """Return the sector of the housing that is behind the convex slices of one lobe, or around one pin.
+
+    `settings` are those of the convex slices.
+    """
     design = reducer.design
     ring, error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth

@@ -106,7 +106,7 @@ def placed_outline(surface: ConvexSurface, placement: SlicePlacement) -> Array:
 def convex_slice(
     name: str, outline: Array, width: float, curvature: float, radius: float = 0.0, play: float = 0.0
 ) -> Slice:
-    """Return a slice of a working surface with a convex outline, whose corners are put in counter-clockwise order.
+    """Return a slice of a contact surface with a convex outline, its corners sorted counter-clockwise.
 
     Parameters
     ----------

@@ -22,10 +22,10 @@ from cycloid_mj.reducer import Reducer
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Slice the flanks of a disc, as manufactured, into convex pieces in its frame, valley 1 on +y.
+    """Slice the flanks of a disc, with its clearances, into convex pieces in its frame, valley 1 on +y.
 
     `SlicePlacement.member` is the number of the pitch to which a slice belongs. Pitch i extends from one lobe tip to
-    the next, with valley i in the middle.
+    the next, with valley i in the middle. `settings` are those of the convex slices.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Slice the flanks of the internal gear into convex pieces in its frame, lobe 1 on +y.
 
-    `SlicePlacement.member` is the number of the lobe.
+    `SlicePlacement.member` is the number of the lobe. `settings` are those of the convex slices.
     """
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
@@ -98,21 +98,22 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
-    """Compute the inner ends of the convex slices behind the flanks of a disc, over one pitch, clockwise, (n, 2) [m].
+    """Compute the inner ends of the convex slices behind the flanks of a disc, over one pitch: n points (n, 2) [m].
 
-    Valley 1 is in the middle. The ends are `depth` [m] below the flank. Chords of the flank between them deviate by at
-    most `chord_error` [m].
+    Valley 1 is in the middle, and the order is clockwise. The ends are `depth` [m] below the flank. Chords of the flank
+    between them deviate by at most `chord_error` [m].
     """
     gear, offset = reducer.gear_profile, reducer.profile_offset
     return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Compute the outer ends of the convex slices behind the flanks of an internal gear, over one pitch, (n, 2) [m].
+    """Compute the outer ends of the convex slices behind the flanks of an internal gear, over one pitch: n points [m].
 
-    Lobe 1 is in the middle, and the order is clockwise. The ends are `depth` [m] below the flank. `nodes` are their
-    phases [rad] on the second envelope (`envelope.Sigma`), from its junction with the arc of the lobe to pi, the middle
-    of the root. By default these are phases at which chords deviate by at most `chord_error` [m] from the flank.
+    The shape is (n, 2). Lobe 1 is in the middle, and the order is clockwise. The ends are `depth` [m] below the flank.
+    `nodes` are their phases [rad] on the second envelope (`envelope.Sigma`), from its junction with the arc of the lobe
+    to pi, the middle of the root. By default these are phases at which chords deviate by at most `chord_error` [m] from
+    the flank.
     """
     gear = reducer.tooth_profile
     left_points = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
@@ -126,9 +127,9 @@ def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
 
 
 def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
-    """Compute flank parameters (n,) [rad] from `low` to `high` with chords within `chord_error` [m] of the flank.
+    """Compute n flank parameters [rad] from `low` to `high` with chords within `chord_error` [m] of the flank, (n,).
 
-    The flank is offset by `offset` [m]; see `profile.sagitta_nodes`.
+    The flank is offset by `offset` [m]; see `profile.sagitta_nodes`. `gear` is the profile of the disc.
     """
     profile.require_no_undercut(gear, offset)
     flank = SmoothArc(
@@ -154,7 +155,7 @@ def _quads(name: str, face: Array, base_points: Array, curvature: Array, setting
     name
         Name of the surface, for errors.
     face, base_points
-        Points of the flank, and back ends of the slices (n, 2) [m].
+        The n points of the flank, and back ends of the slices (n, 2) [m].
     curvature
         Relative curvature of the contacts on each slice (n - 1,) [1/m].
     settings
@@ -179,9 +180,10 @@ def _extend_ends(points: Array, overlap: float) -> Array:
 
 
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
-    """Slice the convex half of the lobe after valley 1, from inflection to tip, into `settings.hulls` polygons.
+    """Slice the convex half of the lobe after valley 1, from inflection point to tip, into `settings.hulls` polygons.
 
-    `offset` [m] is that of the flank from the trochoid, `depth` [m] the thickness of the slices.
+    `offset` [m] is that of the flank from the trochoid, `depth` [m] the thickness of the slices. `gear` is the profile
+    of the disc.
     """
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
@@ -208,6 +210,7 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
     `phases` (start, end) [rad] are the crank phases between which the pin touches this piece, and `offset` [m] is that
     of the flank along its outward normal. The mean is geometric, because the compliance of a contact depends on the
     logarithm of its curvature. It is weighted by the square of the moment arm, because the stiffness of the mesh is.
+    `gear` is the profile of the disc.
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
@@ -218,7 +221,8 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
     """Return half of the arc of lobe 1 of the internal gear as one convex slice, `depth` [m] thick.
 
-    It only represents the shape of the lobe: contacts use a cylinder instead.
+    It only represents the shape of the lobe: contacts use a cylinder instead. `settings` are those of the convex
+    slices.
     """
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)

@@ -243,7 +243,10 @@ def _encode_drive_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -
 
 
 def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:
-    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF."""
+    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF.
+
+    `sizes` is the casing of the drive.
+    """
     for joint in drive_joints(reducer, sizes):
         for thread in joint.threads:
             radius = core_radius(reducer, thread.thread)
@@ -295,9 +298,9 @@ class _Encoding:
 
 
 def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts of a drive; a ring in two halves becomes two files, with ring pins as long as a half.
+    """Encode all parts of a drive as files; a ring in two halves becomes two files, with ring pins as long as a half.
 
-    `sizes` is the casing of the drive; None: the mechanism only.
+    `sizes` is the casing of the drive; None: the mechanism only. `encoding` has the file format and its settings.
     """
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
@@ -344,7 +347,8 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
 def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
     """Encode all parts of a drive as meshes or polylines, and measure the clearances between the polygons.
 
-    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
+    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore. `encoding` has the file format
+    and its settings.
     """
     chord_error = encoding.chord_error
     shaft = bored_shaft(reducer, sizes, chord_error)

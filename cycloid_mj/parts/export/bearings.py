@@ -55,7 +55,7 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
 
 @once
 def roller_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Return the drawn-cup needle bearings in each roller of the output pins, and how many are side by side.
+    """Return the drawn-cup needle bearing in each roller of the output pins, and how many are side by side.
 
     None for sliding sleeves, or if no needle bearing on the core pin leaves a wall of the roller. Of several, it is the
     one with the load rating that the design states, or else the one that fills the roller best.
@@ -209,7 +209,7 @@ def cup_fit(reducer: Reducer, part: str) -> str:
 
 
 def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
-    """Return the fit, such as ``H7 outside, k5 on the crank``, of a bearing in stock whose outer ring is in `part`.
+    """Return the fits of a bearing in stock whose outer ring is in `part`, such as "H7 outside, k5 on the crank".
 
     Needles run on the crank itself. The inner ring of a ball bearing has a tight fit, because it turns relative to the
     direction of the load.
@@ -232,7 +232,7 @@ def shaft_bearing_fit(reducer: Reducer) -> str:
 
 
 def shaft_seal(reducer: Reducer) -> str:
-    """Return which ball bearings of the crank are sealed, as a clause; empty for drawn cups, which have no seals.
+    """Return which ball bearings of the crank are sealed, as a phrase; empty for drawn cups, which have no seals.
 
     These are the seals that the losses include: one of a solid shaft, two of a hollow one.
     """

@@ -107,8 +107,8 @@ def bill(
 ) -> tuple[BillLine, ...]:
     """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
 
-    The motor and the `consumables` are not included. Where no stock bearing fits, the line has the dimensions of the
-    bearing's seats.
+    The motor and the `consumables` are not included. A `BillLine` is a row of this table. Where no stock bearing fits,
+    the row has the dimensions of the bearing's seats.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def bill(
     sizes
         Casing of the drive; None: the mechanism only.
     torques
-        Tightening torques [N m] by item of the bill. The fit in the line of such an item is replaced by its torque.
+        Tightening torques [N m] by the name of the screws in the bill. They replace the fit in the row of these screws.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def bill(
 
 
 def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield the grease (a third of the free space), adhesive and sealant that a drive needs, with their volumes.
+    """Yield bill rows of grease (a third of the free space), adhesive and sealant that a drive needs, with volumes.
 
     `sizes` is the casing of the drive. Sealant is for the metal faces of ring and covers; plastics keep grease in
     without it.
@@ -187,7 +187,7 @@ def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
     """Compute the volume [m3] that a part occupies in the space of the grease.
 
     This space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
-    the height of the origin of the part in the drive.
+    the height of the origin of the part in the drive. `sizes` is the casing of the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
     low, high = sizes.floor - z, sizes.hub_floor - z
@@ -213,7 +213,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the bill for the manufactured parts: size, material, threads and fits, and mass.
+    """Yield the rows of the bill of materials for the manufactured parts: size, material, threads and fits, and mass.
 
     Parameters
     ----------
@@ -246,7 +246,10 @@ def _drilled_volume(reducer: Reducer, part: str) -> float:
 
 
 def _describe_machining(joints: Iterable[Joint], part: str) -> str:
-    """Describe the threads of a part, and its seats with their fits, for its line of the bill."""
+    """Describe the threads of a part, and its seats with their fits, for its row in the bill of materials.
+
+    `joints` are those of the drive.
+    """
     threads, seats = [], []
     for joint in joints:
         threads += [_thread(thread) for thread in joint.threads if thread.part == part]
@@ -264,7 +267,7 @@ def _thread(tapped: TappedHole) -> str:
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the bill for all bought parts: pins, rollers and bearings, then those of the casing.
+    """Yield the rows of the bill of materials for bought parts: pins, rollers and bearings, then those of the casing.
 
     Parameters
     ----------
@@ -288,7 +291,10 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
 
 
 def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield the lines of the bill for the bought parts of all joints: output bearings, then screws, inserts, dowels."""
+    """Yield the rows of the bill of materials for the bought parts of all joints: bearings, screws, inserts, dowels.
+
+    `sizes` is the casing of the drive.
+    """
     counts: Counter[str] = Counter()
     parts = {}
     for part in bought_parts(drive_joints(reducer, sizes)):
@@ -304,7 +310,10 @@ def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
 
 
 def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the bill for bought round bars: ring pins, output pins and the shaft of several discs."""
+    """Yield the rows of the bill of materials for bought round bars: ring pins, output pins, shaft of several discs.
+
+    `sizes` is the casing of the drive; None: the mechanism only.
+    """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
@@ -328,7 +337,10 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
 
 
 def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
-    """Return the line of the bill for the shaft of several discs: a ground bar with its bore and keyway."""
+    """Return the row of the bill of materials for the shaft of several discs: a ground bar with bore and keyway.
+
+    `sizes` is the casing of the drive; None: the mechanism only.
+    """
     diameter = 2.0 * reducer.design.shaft.radius
     shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
     length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
@@ -346,7 +358,10 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
 
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
-    """Format diameter and depth of the bore for the motor shaft, or that of a hollow shaft; empty without a bore."""
+    """Format diameter and depth of the bore for the motor shaft, or of that in a hollow shaft; "" without a bore.
+
+    `sizes` is the casing of the drive; None: the mechanism only.
+    """
     bore, through_radius = sizes.motor_bore if sizes else None, reducer.design.shaft.bore_radius
     if through_radius:
         return f", bored through {in_mm(2.0 * through_radius)} mm"
@@ -366,12 +381,12 @@ def _pressed_pin_line(item: str, count: int, radius: float, length: float, mater
 def _pin_line(
     item: str, count: int, pin: stock.Dowel | None, size: tuple[float, float], material: Material, fit: str
 ) -> BillLine:
-    """Return the line of the bill for `count` round pins, cut from a pin in stock, or made to size.
+    """Return the row of the bill of materials for `count` round pins, cut from a pin in stock, or made to size.
 
     Parameters
     ----------
     item
-        Name of the line.
+        Name of the pins.
     count
         Number of pins.
     pin
@@ -392,7 +407,7 @@ def _pin_line(
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
-    """Return the line of the bill for free or glued ring pins: needle rollers, pin gauges, or pins ground to size."""
+    """Return the row of the bill of materials for ring pins: needle rollers, pin gauges, or pins ground to size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
     seat = FREE_FIT if ring.has_sockets else RETAINED_FIT
     diameter = (("diameter", ring.pin_radius),)
@@ -411,7 +426,7 @@ def _format_limits(limits: tuple[float, float]) -> str:
 
 
 def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the rollers of the output pins and of their needle bearings, if any.
+    """Yield the rows of the bill of materials for the rollers of the output pins and their needle bearings, if any.
 
     Rollers on a core are turned, or cut from a tube in stock for discs of plastic. Others are bought, and have no
     material in the bill. `sizes` None: the mechanism only, whose rollers are drawn without bearings.
@@ -438,10 +453,10 @@ def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """Yield the lines of the bill for the bearings of cams and shaft.
+    """Yield the rows of the bill of materials for the bearings of cams and shaft.
 
-    Where no stock bearing fits, the line has the dimensions of the bearing's seats. `cam_seat` is the bore radius of
-    the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
+    Where no stock bearing fits, the row has the dimensions of the bearing's seats. `cam_seat` is the bore radius of the
+    chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
     """
     gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":
@@ -479,12 +494,12 @@ def _round_line(
     material: Material | None = None,
     cut_length: float = 0.0,
 ) -> BillLine:
-    """Return the line of the bill for `count` round bought parts, with their mass.
+    """Return the row of the bill of materials for `count` round bought parts, with their mass.
 
     Parameters
     ----------
     item
-        Name of the line.
+        Name of the parts.
     count
         Number of parts.
     radii

@@ -87,7 +87,7 @@ class CamClamp:
         return self.engaged_length + RULES.min_wall
 
     def removed_volume(self, reducer: Reducer) -> float:
-        """Compute the volume [m3] of the holes of a screw in its cam: counterbore, clearance hole and thread's core."""
+        """Compute the volume [m3] of the holes of a clamping screw in its cam: counterbore, clearance hole, core."""
         thread, half_slot = self.bolt.thread, 0.5 * CLAMP.slot
         outward = self.distance - reducer.design.gear.eccentricity
         edge = math.sqrt(cam_radius(reducer) ** 2 - outward**2)
@@ -105,7 +105,7 @@ class CamClamp:
 
 @once
 def cam_clamp(reducer: Reducer) -> CamClamp | None:
-    """Choose the clamping screws of the cams, those that clamp hardest; None if cams are not clamped.
+    """Choose the screws that clamp slotted cams on the shaft, those that clamp hardest; None if cams are not clamped.
 
     Raises
     ------
@@ -153,7 +153,10 @@ def cam_screws(reducer: Reducer, clamp: CamClamp) -> BoughtPart:
 
 
 def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossHole]]:
-    """Yield the holes of the screws across each cam with its name: counterbore, clearance hole and core of thread."""
+    """Yield the holes of the clamping screws across each cam, with the name of the cam.
+
+    They are counterbore, clearance hole and core of thread.
+    """
     design, thread = reducer.design, clamp.bolt.thread
     core, hole, half_slot = 0.5 * stock.thread_core(thread), 0.5 * stock.bolt_hole(thread), 0.5 * CLAMP.slot
     length_outwards = 2.0 * cam_radius(reducer) - clamp.head_face  # beyond the outside of the cam
@@ -167,7 +170,7 @@ def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossH
 
 
 def _find_problem(reducer: Reducer) -> str:
-    """Return why cams cannot be clamped whatever their screws, with the remedy; empty if they can."""
+    """Return why cams cannot be clamped on the shaft by any screws, with the remedy; empty if they can."""
     design, bearing = reducer.design, cam_bearing(reducer)
     if design.gear.discs != CLAMPED_DISCS:
         return f"the cams of {design.gear.discs} discs cannot be clamped: set gear.discs = 2, or choose another joint"
@@ -182,7 +185,10 @@ def _find_problem(reducer: Reducer) -> str:
 
 
 def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
-    """Return the clamp with screws of a size, as close to the shaft as they fit; None if they do not fit."""
+    """Return the clamp with screws of one size, as close to the shaft as they fit; None if they do not fit.
+
+    `bolt` is the size of the screw in stock.
+    """
     design, radius, wall = reducer.design, cam_radius(reducer), RULES.min_wall
     gear, shaft, head = design.gear, design.shaft.radius, counterbore(bolt)
     hinge = radius - gear.eccentricity - shaft
@@ -207,7 +213,7 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
 
 
 def _lying_screw(clamp: CamClamp) -> RoundPart:
-    """Return a screw along x as slices along the axis of the crank.
+    """Return the shape of a clamping screw along x, as slices along the axis of the crank.
 
     Its head is on the side of +x, and the face under the head is at x = 0.
     """

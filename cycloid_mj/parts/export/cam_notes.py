@@ -14,7 +14,10 @@ from cycloid_mj.reducer import Reducer
 
 
 def describe_cam_joint(reducer: Reducer, sizes: Casing, name: str) -> Iterator[str]:
-    """Yield the notes on the joint of cams and shaft for the drawing of the part `name`; none for other parts."""
+    """Yield the notes on the joint of cams and shaft for the drawing of the part `name`; none for other parts.
+
+    `sizes` is the casing of the drive.
+    """
     family = names.family(name)
     if family not in (names.SHAFT, names.CAM, names.SPACER):
         return

@@ -246,7 +246,7 @@ class Casing(MotorSide, OutputSide):
 
 @once
 def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> Casing:
-    """Choose the sizes of covers, bearings, screws and flanges around a mechanism, for a motor.
+    """Choose the dimensions of the casing of a drive for a motor: covers, bearings, screws and flanges.
 
     `cover_material` is the name of a metal of the library. With ``auto``, the covers are of `LIGHT_METAL` if the ring
     is of a metal more than twice as dense, and otherwise of the material of the ring.
@@ -291,7 +291,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
 
 
 def _require_cam_joint(reducer: Reducer) -> None:
-    """Raise DesignError if the joint of the cams that a design requests is not possible."""
+    """Raise DesignError if the joint of cams and shaft that a design requests is not possible."""
     design = reducer.design
     if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
         raise DesignError(
@@ -421,7 +421,7 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return the stock bearings that can be at the output, of the kind that the design requires, the best choice last.
+    """Return stock bearings that fit at the output, of the kind that the design requires, the best choice last.
 
     The larger of two is the better choice. `max_radius` [m] is the largest outer radius of the bearing: two minimum
     walls, `wall` [m] each, inside of the heads of the cover screws. Crossed roller bearings leave room for their
@@ -443,7 +443,7 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
 def _input_side(
     reducer: Reducer, motor: MotorFlange, bearing_start: float, crank_end: CrankEnd, wall: float, max_face: float
 ) -> tuple[float, float]:
-    """Return the position of the motor's flange face, and that of the motor-side end of the crank, along z [m].
+    """Return the positions of the motor's flange face and of the motor-side end of the crank along z [m].
 
     A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank starts where the journal of
     the design does; the journal of a hollow crank protrudes from the face, for a belt pulley or the rotor of a

@@ -54,7 +54,7 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     """Return the parts of the casing, such as covers and flange, as cylinders with holes and pockets, by name.
 
     The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
-    adds to them.
+    adds to them. `sizes` is the casing of the drive.
     """
     joints = drive_joints(reducer, sizes)
     bodies = {
@@ -79,7 +79,10 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
 
 
 def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
-    """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
+    """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them.
+
+    `sizes` is the casing of the drive.
+    """
     for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *((names.RETAINER,) if sizes.retainer else ())):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPosition(names.FLANGE, names.FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
@@ -111,7 +114,7 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
     between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into
-    the discs, and rollers turn on their pins.
+    the discs, and rollers turn on their pins. `sizes` is the casing of the drive.
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
@@ -154,6 +157,7 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
     """Adapt the segments of a shaft, cam or spacer to a drive: keyways, axial clearances, and the start of a shaft.
 
     Yields the segments along z. `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
+    `sizes` is the casing of the drive.
     """
     if family == names.SHAFT:
         segments = (*_cut_groove(sizes, replace(segments[0], z0=sizes.journal)), *segments[1:])
@@ -197,7 +201,8 @@ def _phase(cam: Segment) -> float:
 def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], spline: SplineContour) -> Iterator[Segment]:
     """Yield the pieces of a shaft, cam or spacer with the splines that join cams and shaft.
 
-    On the shaft, the splines extend from the first to the last cam.
+    `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``. On the shaft, the splines
+    extend from the first to the last cam.
     """
     if family != names.SHAFT:
         yield from (replace(piece, holes=(spline,)) for piece in pieces)
@@ -213,7 +218,10 @@ def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], splin
 
 
 def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a one-piece crank for two discs: the collar between them gets a neck at both sides."""
+    """Yield the segments of a one-piece crank for two discs: the collar between them gets a neck at both sides.
+
+    `sizes` is the casing of the drive.
+    """
     neck = CircleContour(reducer.design.shaft.radius)
     length = disc_collar_neck(reducer, sizes)
     for segment in segments:
@@ -227,7 +235,10 @@ def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segmen
 
 
 def _cut_groove(sizes: Casing, journal: Segment) -> Iterator[Segment]:
-    """Split the journal of a crank at the groove of its retaining ring; yield the pieces along z."""
+    """Split the journal of a crank at the groove of its retaining ring; yield the pieces along z.
+
+    `sizes` is the casing of the drive.
+    """
     ring = sizes.crank_end.shaft_ring
     if ring is None:
         yield journal
@@ -261,10 +272,11 @@ def _split_spacer(reducer: Reducer, sizes: Casing, segments: Sequence[Segment]) 
 
 
 def _motor_cover_rounds(sizes: Casing) -> tuple[Round, ...]:
-    """Return the cylinders of the motor cover along z: a slimmer one next to the motor, if possible, then the wide one.
+    """Return the cylinders of the motor cover along z: a narrow one next to the motor, if possible, then the wide one.
 
     The wide cylinder ends at the ring, or, with screws outside of the ring, continues around it as a rim. The rim ends
-    below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim.
+    below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim. `sizes`
+    is the casing of the drive.
     """
     top = sizes.end - sizes.play if sizes.screws.outside else -sizes.end
     if sizes.step - sizes.face > 2.0 * sizes.wall and sizes.slim + sizes.wall < sizes.outer:
@@ -302,9 +314,10 @@ def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
 
 
 def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
-    """Return the cylinders that the casing adds on the disc of the output: floor, shoulder of the bearings, and hub.
+    """Return the cylinders that the casing adds to the disc of the output: floor, shoulder of the bearings, and hub.
 
-    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.
+    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange. `sizes` is
+    the casing of the drive.
     """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     if reducer.design.output.main_bearing_seat == "disc":

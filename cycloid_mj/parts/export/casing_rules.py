@@ -143,6 +143,8 @@ def hole_depth(reducer: Reducer, thread: float, reach: float) -> float:
 def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
     """Return the shortest length in stock [m] of a screw that is at least `min_length` [m] long.
 
+    `bolt` is the size of the screw in stock.
+
     Raises
     ------
     DesignError

@@ -39,7 +39,10 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Compute the distance (n,) [m] of points (n, 2) [m] from the path of pin centres (trochoid), positive inside."""
+    """Compute the distance [m] of n points from the path of pin centres around a disc (trochoid), positive inside.
+
+    `points` has the shape (n, 2) [m], the result (n,). `gear` is the profile of the disc.
+    """
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
@@ -70,16 +73,16 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
 def measure_disc(
     reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0
 ) -> tuple[OutlineClearance, ...]:
-    """Measure the smallest and largest clearance of the teeth, the bore and the holes of a disc, and of any sockets.
+    """Measure the smallest and largest clearance of teeth, bore and holes of an exported disc, and of any sockets.
 
     Parameters
     ----------
     reducer
         The reducer with the clearances of the design.
     gear_loops
-        Points (n, 2) [m] of outline, bore and holes of the disc; holes in the order of ``output_centres``.
+        For outline, bore and each hole of the disc n points (n, 2) [m]; holes in the order of ``output_centres``.
     ring_loop
-        Points (n, 2) [m] of the inner outline of the housing.
+        The n points (n, 2) [m] of the inner outline of the housing.
     disc
         Index of the disc.
 
@@ -108,7 +111,7 @@ def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) ->
 
 
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
-    """Measure the clearance between a disc and the ring, and between sockets and pins if there are any.
+    """Measure the clearance of an exported disc in the ring, and of pins in sockets if there are any.
 
     A DesignError is raised if a clearance deviates from that of the design.
 
@@ -117,7 +120,7 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
     reducer
         The reducer.
     outline, ring_loop
-        Points (n, 2) [m] of the outline of the disc and of the inner outline of the housing.
+        The n points (n, 2) [m] of the outline of the disc, and those of the inner outline of the housing.
     disc
         Index of the disc.
     """
@@ -131,7 +134,7 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
 
 
 def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
-    """Return the smallest and the largest clearance of a pair on exported outlines; raise if they are not the design's.
+    """Return the smallest and largest clearance on exported outlines; raise if they are not the design's.
 
     Parameters
     ----------
@@ -140,7 +143,7 @@ def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineCle
     pair
         Kind of the pair, such as "pin_gear".
     values
-        Measured clearance (n,) [m].
+        Measured clearance at n points (n,) [m].
 
     Raises
     ------
@@ -165,7 +168,7 @@ def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[Outli
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Compute the clearance (n,) [m] between the teeth and an ideal pin, at points `outline` (n, 2) [m] of a disc.
+    """Compute the clearance [m] between the teeth and an ideal pin at n points `outline` (n, 2) [m] of a disc, (n,).
 
     The equidistant modification of the profile is subtracted, so that the design's clearance remains. With rotated
     flanks the disc is the intersection of two rotated profiles.
@@ -179,7 +182,8 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
 def _socket_distances(reducer: Reducer, ring_loop: Array) -> Array:
     """Compute the distances (k,) [m] of the k points of all sockets from the nearest pin centre.
 
-    `ring_loop` (n, 2) [m] is the inner outline of the housing; points of the wall between sockets are left out.
+    `ring_loop` (n, 2) [m], n points, is the inner outline of the housing; points of the wall between sockets are left
+    out.
     """
     from scipy.spatial import cKDTree
 

@@ -77,7 +77,7 @@ def choose_crank_end(reducer: Reducer, bearing: stock.StockBearing | None, seat:
 
 
 def _describe_seal_problem(reducer: Reducer, is_ringed: bool) -> str:
-    """Return why a seal ring that is requested does not fit, with the remedy, as a clause.
+    """Return the reason why a requested seal ring does not fit, with the remedy, as a clause.
 
     `is_ringed` is whether the bearings of the crank are in stock and have inner rings.
     """

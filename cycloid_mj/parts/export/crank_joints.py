@@ -87,7 +87,7 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     The result is None if no key fits, or if the cams are joined to the shaft in another way. The keyways fix the phases
     of the cams. The key is at the angle at which the walls of the cams over it are thickest. It must leave a wall in
     the cams, and in the shaft over the motor's bore, and stay within the faces of the spacer, which touch the cams but
-    not their bearings.
+    not their bearings. `sizes` is the casing of the drive.
     """
     design = reducer.design
     if design.cam_joint != "key":
@@ -117,7 +117,7 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
     """Return the shrink fit of cams on the shaft; None if the cams have another joint.
 
     It is the tightest of `SHRINK_FITS` that can be joined and at which neither part yields, or the last. The hub is a
-    ring as thick as the thinnest wall of the cam (conservative).
+    ring as thick as the thinnest wall of the cam (conservative). `sizes` is the casing of the drive.
     """
     design = reducer.design
     if design.cam_joint != "shrink":
@@ -138,7 +138,10 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
 
 
 def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits."""
+    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits.
+
+    `sizes` is the casing of the drive.
+    """
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if reducer.design.has_one_piece_crank:
         return
@@ -185,7 +188,10 @@ def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
 
 
 def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear."""
+    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear.
+
+    `sizes` is the casing of the drive.
+    """
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.kind != "pin":
         return

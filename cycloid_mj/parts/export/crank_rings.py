@@ -50,7 +50,7 @@ def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     """Return the outer and the inner spacer ring between the two bearings of an overhung crank.
 
     The result is empty for a straddled crank, for bearings without a gap between them, and for needle bearings (drawn
-    cups).
+    cups). `sizes` is the casing of the drive.
     """
     far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
     if sizes.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
@@ -78,10 +78,10 @@ def counterweight_shift(reducer: Reducer) -> float:
 
 
 def disc_collar_neck(reducer: Reducer, sizes: Casing) -> float:
-    """Compute the length [m] of the necks between the cams and the collar of a crank in one piece for two discs.
+    """Compute the length [m] of the necks between cams and collar of a crank in one piece for two discs.
 
     There is room for the fillets at both ends of a neck, if this leaves a collar; otherwise, a neck is as long as the
-    axial play.
+    axial play. `sizes` is the casing of the drive.
     """
     length = max(sizes.play, FILLETED_NECK * reducer.design.shaft.shoulder_fillet)
     return length if reducer.design.gear.disc_gap - 2.0 * length >= RULES.min_wall else sizes.play
@@ -93,9 +93,9 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
-    """Yield the rings or collars of a crank, from the motor on; rings that would be too thin are left out.
+    """Yield the spacer rings and collars of a crank, from the motor on, except those that would be too thin.
 
-    `segments` are those of the crank by name.
+    `segments` are those of the crank by name. `sizes` is the casing of the drive.
     """
     shaft = reducer.design.shaft
     radius = min(shoulder_radius(shaft.radius, sizes.seat), sizes.crank_end.max_collar - sizes.play)

@@ -96,6 +96,8 @@ class PartDrawing:
 def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
     """Return the drawings of all manufactured parts of a drive.
 
+    `sizes` is the casing of the drive.
+
     Raises
     ------
     DesignError
@@ -220,9 +222,10 @@ def _deviations(zone: str, size: float) -> str:
 
 
 def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
-    """Yield a note for each group of holes of the part `name` off its axis, from the joints that need them.
+    """Yield a note for the drawing for each group of holes of a part off its axis, from the joints that need them.
 
-    A note has number, diameter or thread, depth, circle and first angle.
+    `name` is that of the part, `joints` are those of the drive. A note has number, diameter or thread, depth, circle
+    and first angle.
     """
     for joint in joints:
         threads = [item.thread for item in joint.threads if item.part == name]
@@ -241,7 +244,7 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
 
 
 def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
-    """Yield the notes on datums, run-out of the seats, and position and profile of teeth and pin holes of a part.
+    """Yield the notes of a drawing on datums, run-out of seats, and position and profile of teeth and pin holes.
 
     `name` is that of the part, and `diameters` are the dimensions of its section.
     """
@@ -283,9 +286,9 @@ def describe_ring_teeth(design: Design, datum: str) -> str:
 
 
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
-    """Yield the notes on roughness, edges and general tolerances of the part `name`, by its material and process.
+    """Yield the notes of a drawing on roughness, edges and general tolerances, by material and process.
 
-    `is_printed_part` is whether it is printed from a plastic.
+    `name` is that of the part. `is_printed_part` is whether it is printed from a plastic.
     """
     if is_printed_part:
         yield PRINTED
@@ -299,7 +302,7 @@ def describe_surface(name: str, material: Material, is_printed_part: bool) -> It
 
 
 def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:
-    """Yield a note for each size of the chamfers of the seats of a part, and of the fillets of its shoulders."""
+    """Yield a note for each size of chamfers and fillets among the broken `edges` of a part."""
     for is_fillet, size in sorted({(edge.is_fillet, edge.size) for edge in edges}):
         radii = {edge.radius for edge in edges if (edge.is_fillet, edge.size) == (is_fillet, size)}
         diameters = ", ".join(f"⌀{in_mm(2.0 * radius)}" for radius in sorted(radii))

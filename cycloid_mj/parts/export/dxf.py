@@ -104,7 +104,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
 
 
 def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Join intervals (start, end) along z [m] that touch or overlap; return the result in ascending order."""
+    """Join intervals (start, end) along z [m] that touch or overlap; return them in ascending order."""
     joined_intervals: list[tuple[float, float]] = []
     for low, high in sorted(ends):
         if joined_intervals and low - joined_intervals[-1][1] < SAME_LENGTH:
@@ -115,7 +115,7 @@ def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]
 
 
 def _loop_key(loop: Loop) -> object:
-    """Return a hashable value that is equal for equal outlines."""
+    """Return a hashable value for an outline, `loop`; it is equal for equal outlines."""
     if isinstance(loop, np.ndarray):
         return loop.tobytes()
     curves = (loop,) if isinstance(loop, Circle) else loop
@@ -141,7 +141,9 @@ def _split_loop(loop: Loop, arcs: float | None) -> Iterator[Curve | Array]:
 
 
 def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> bytes:
-    """Encode curves and closed polygons (n, 2) [m] on named layers as DXF [mm], without time stamps and random numbers.
+    """Encode curves and closed polygons on named layers as DXF [mm], without time stamps and random numbers.
+
+    `layers` are pairs of the name and the curves of a layer; a polygon has n points (n, 2) [m].
 
     Raises
     ------
@@ -164,7 +166,7 @@ def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> byte
 
 
 def _add_entity(space: Any, curve: Curve | Array, attributes: dict[str, str]) -> None:
-    """Add a curve, or a closed polygon (n, 2) [m], to the model space of ezdxf with DXF attributes, in mm."""
+    """Add a curve, or a closed polygon of n points (n, 2) [m], to the model space of a DXF with attributes, in mm."""
     match curve:
         case np.ndarray():
             space.add_lwpolyline((curve * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)

@@ -63,10 +63,10 @@ def broken_edges(reducer: Reducer, sizes: Casing, part: Part) -> tuple[BrokenEdg
 
 
 def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
-    """Return the radii of the seats of a part [m], shape (n,); edges next to these seats get chamfers or fillets.
+    """Return the radii of the n seats of a part [m], (n,); edges next to these seats get chamfers or fillets.
 
     The seats are the surfaces at which the joints of the drive fit the part to another. For a bearing, they are its
-    bore and its outside.
+    bore and its outside. `sizes` is the casing of the drive.
     """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:
@@ -87,7 +87,7 @@ def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
 def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenEdge]:
     """Yield a chamfer for each convex edge of a seat, and a fillet for each shoulder of a shaft, if there is room.
 
-    `radii` (n,) [m] are those of the seats.
+    `part` is the part, and `radii` (n,) [m] are those of its n seats.
     """
     for segment in part.segments:
         for contour, side in ((segment.outline, 1.0), *((hole, -1.0) for hole in segment.holes)):
@@ -139,7 +139,7 @@ class _Edge:
 
 
 def _covered(segments: Iterable[Segment], points: Array) -> Mask:
-    """Return a mask (n,) of the points (n, 2) [m] that are inside the cross-section of one or more segments."""
+    """Return a mask of the n `points` (n, 2) [m] that are inside the cross-section of one or more segments, (n,)."""
     covered = np.zeros(len(points), dtype=bool)
     for segment in segments:
         is_inside = within(points, segment.outline.polygon(VISUAL_CHORD_ERROR))

@@ -59,10 +59,11 @@ def assembly_moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
 
 
 def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
-    """Find the parts that cannot reach their position because others are in their way.
+    """Find the parts of a drive that cannot be mounted because other parts are in their way.
 
     All moves are along z. The outlines of moving parts are compared with those of all parts ahead of them that are
     mounted already. Each `Blockage` names the moving part and the part in its way; they are in the order of assembly.
+    `sizes` is the casing of the drive.
     """
     placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, sizes)}
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
@@ -106,10 +107,11 @@ def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.
 
 
 def _flex_ring(reducer: Reducer, sizes: Casing, part: str, sections: "Sections") -> "Sections":
-    """Return the sections of a part during mounting: a retaining ring is spread over the shaft or squeezed into a bore.
+    """Return the cross-sections of a part during mounting; a retaining ring is spread or squeezed for it.
 
-    `part` is its name, and `sections` are both ends along z [m] and the outline [um] of each of its sections as
-    mounted. Those of parts that are not retaining rings are returned unchanged.
+    A ring is spread over the shaft or squeezed into a bore. `part` is the name of the part, and `sections` are both
+    ends along z [m] and the outline [um] of each of its sections as mounted. Those of parts that are not retaining
+    rings are returned unchanged. `sizes` is the casing of the drive.
     """
     if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
@@ -124,7 +126,7 @@ Sections = tuple[tuple[float, float, manifold3d.CrossSection], ...]
 
 
 def _is_blocked(moving_sections: Sections, present_sections: Sections, direction: int) -> bool:
-    """Return whether moving sections would overlap others on their path along z; touching does not count.
+    """Return whether sections of a moving part would overlap others on their path along z; touching does not count.
 
     Parameters
     ----------
@@ -147,7 +149,7 @@ def _is_blocked(moving_sections: Sections, present_sections: Sections, direction
 def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble a drive, in order: output, ring, discs and crank, motor cover.
 
-    `placements` are all parts of the drive with their final positions.
+    `placements` are all parts of the drive with their final positions. `sizes` is the casing of the drive.
     """
     yield from _list_output_moves(sizes, placements)
     yield from _list_crank_moves(reducer, placements)
@@ -191,7 +193,7 @@ def _screws_of_cam(reducer: Reducer, placements: tuple[PlacedPart, ...], number:
 def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble the output, its bearings and flange, then the ring and its pins.
 
-    `placements` are all parts of the drive with their final positions.
+    `placements` are all parts of the drive with their final positions. `sizes` is the casing of the drive.
     """
     yield Move((names.OUTPUT,), "hub")
     yield Move(_names_of_family(placements, names.FLANGE_INSERT), "hub", DOWN)

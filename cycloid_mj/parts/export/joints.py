@@ -66,7 +66,7 @@ USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
     """Return all joints between parts of a drive with its casing: fits, bearing seats, screws, threads and dowels.
 
-    They are listed from motor to load, then those of the crank.
+    They are listed from motor to load, then those of the crank. `sizes` is the casing of the drive.
     """
     return (
         *_motor_shaft_joint(reducer, sizes),
@@ -114,7 +114,10 @@ def _motor_pilot_joint(sizes: Casing) -> Joint:
 
 
 def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of the shaft and the motor cover: one bearing, or both of an overhung shaft."""
+    """Return the joint of shaft and motor cover by bearings: one, or both of an overhung shaft.
+
+    `sizes` is the casing of the drive.
+    """
     seat_start = sizes.seat_start
     shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
@@ -138,7 +141,7 @@ def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
 def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
     """Yield the seat of the bearings in the motor cover, and the groove of their retaining ring if there is one.
 
-    `start` [m] is the lower end of the seat along z.
+    `start` [m] is the lower end of the seat along z. `sizes` is the casing of the drive.
     """
     ring, low = sizes.crank_end.bore_ring, sizes.near[1]
     if ring:
@@ -150,7 +153,10 @@ def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
 
 
 def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joints of the parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
+    """Yield the joints of parts next to the bearings of the crank: retaining rings in grooves, or a seal ring.
+
+    `sizes` is the casing of the drive.
+    """
     parts, (start, end) = sizes.crank_end, sizes.near
     if ring := parts.shaft_ring:
         solid = _retaining_ring(names.SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
@@ -191,7 +197,10 @@ def _retaining_ring_joint(name: str, part: str, ring: stock.RetainingRing, bough
 
 
 def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of a straddled shaft and the hub of the output: one bearing; none for an overhung shaft."""
+    """Yield the joint of a straddled shaft and the hub of the output by a bearing; none for an overhung shaft.
+
+    `sizes` is the casing of the drive.
+    """
     if sizes.far:
         disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
         recess = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
@@ -206,7 +215,10 @@ def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
-    """Return the shaft bearings with some `numbers`: 1 is far from the discs or in the hub, 2 is near the discs."""
+    """Return the shaft bearings with the given `numbers` as bought parts.
+
+    Number 1 is far from the discs or in the hub, 2 is near the discs. `sizes` is the casing of the drive.
+    """
     seats = bearing_seats(reducer, crank_segments(reducer))
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
@@ -225,7 +237,10 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
 
 
 def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
-    """Yield the cavities in which crank and output turn."""
+    """Yield the cavities of the casing in which crank and output turn.
+
+    `sizes` is the casing of the drive.
+    """
     crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
     parts = names.SHAFT, names.MOTOR_COVER
     yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
@@ -235,7 +250,10 @@ def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
 
 
 def _output_bearing_joint(sizes: Casing) -> Joint:
-    """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or one on a shoulder."""
+    """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or a single bearing.
+
+    `sizes` is the casing of the drive.
+    """
     hub, seat, (*inner, (outer, top)) = sizes.hub, 0.5 * sizes.hub.outside, sizes.bearings
     shoulder_start = inner[0][1] if inner else sizes.hub_floor
     holes: tuple[Hole, ...] = (
@@ -260,7 +278,10 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
 
 
 def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the screwed joint of the retainer and the output cover, which clamp the outer ring of crossed rollers."""
+    """Yield the screwed joint of the retainer and the output cover, which clamp the outer ring of crossed rollers.
+
+    `sizes` is the casing of the drive.
+    """
     ring = sizes.retainer
     if ring is None:
         return
@@ -283,7 +304,10 @@ def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of both covers by screws, which pass through the ring or outside of it."""
+    """Return the joint of both covers by screws, which pass through the ring or outside of it.
+
+    `sizes` is the casing of the drive.
+    """
     screws, bolt, ring_half_width = sizes.screws, sizes.screws.bolt, sizes.end
     centres, end = screws.centres(), ring_half_width - sizes.play if screws.outside else -ring_half_width
     engagement = screws.length - sizes.grip - ring_half_width + end
@@ -309,6 +333,7 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the screwed joint of the motor and its cover.
 
     If the motor has tapped holes, screws lead from inside the cover into it. Otherwise, the cover has threaded holes.
+    `sizes` is the casing of the drive.
     """
     motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
     name, parts = "screws of the motor", (MOTOR, names.MOTOR_COVER)
@@ -336,7 +361,10 @@ def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
+    """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings.
+
+    `sizes` is the casing of the drive.
+    """
     bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
     length, depth = (
         flange_screw_length(bolt, sizes.flange_thickness),
@@ -360,9 +388,9 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the central bore of hub and flange, which saves mass, centres a load, and continues a hollow shaft.
+    """Yield the central bore of hub and flange, which saves mass, centres a load and continues a hollow shaft.
 
-    Yields nothing for a solid shaft if screws and dowels leave no room for it.
+    Yields nothing for a solid shaft if screws and dowels leave no room for it. `sizes` is the casing of the drive.
     """
     design, top, wall = reducer.design, sizes.top, sizes.wall
     bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
@@ -384,7 +412,8 @@ def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of output flange and load: threaded holes in the flange for the screws of the load.
 
-    They are on the circle of the flange's own screws, each midway between two of these.
+    They are on the circle of the flange's own screws, each midway between two of these. `sizes` is the casing of the
+    drive.
     """
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
@@ -401,7 +430,10 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _dowel_joints(sizes: Casing) -> Iterator[Joint]:
-    """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels."""
+    """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels.
+
+    `sizes` is the casing of the drive.
+    """
     if sizes.dowel is None:
         return
     ring_half_width, centres = sizes.end, dowel_centres(sizes)
@@ -445,7 +477,7 @@ def _dowelled_joint(
     dowel
         Dowel in stock.
     centres
-        Axes of the dowels, (n, 2) [m].
+        Axes of the n dowels, (n, 2) [m].
     face
         Height of the face between the parts [m].
     """
@@ -492,7 +524,7 @@ def _screws(
     body
         Name of the body that the screws move with.
     centres
-        Axes of the screws, (n, 2) [m].
+        Axes of the n screws, (n, 2) [m].
     head_face
         Height of the faces under their heads [m].
     property_class
@@ -510,9 +542,9 @@ def _screws(
 
 
 def _washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[BoughtPart]:
-    """Yield the washers under the heads of the flange screws with the axes `centres` (n, 2) [m].
+    """Yield the washers under the heads of the n flange screws with the axes `centres` (n, 2) [m].
 
-    The heads are on the plane z = `head_face` [m].
+    The heads are on the plane z = `head_face` [m]. `bolt` is the size of the screw in stock.
     """
     washer = stock.washer_of(bolt.thread)
     yield BoughtPart(
@@ -541,7 +573,7 @@ def _inserts(
     thread
         Nominal diameter of the thread [m].
     centres
-        Axes of the holes, (n, 2) [m].
+        Axes of the n holes, (n, 2) [m].
     mouth, direction
         Height of the mouths of the holes [m], and 1 or -1 for holes that extend along +z or -z.
     """

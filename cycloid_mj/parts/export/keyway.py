@@ -109,7 +109,7 @@ class SplineContour:
         return np.concatenate([arc(*arc_of_outline, chord_error) for arc_of_outline in self._arcs()])
 
     def _arcs(self) -> Iterator[tuple[float, float, float]]:
-        """Yield radius [m], start and end [rad] of all arcs: the top of each spline, then the arc to the next one."""
+        """Yield radius [m], start and end [rad] of all arcs of the spline joint: tops of splines, and arcs between."""
         half_foot, half_top = (math.asin(0.5 * self.width / radius) for radius in (self.minor, self.major))
         step = 2.0 * math.pi / self.count
         for number in range(self.count):
@@ -142,10 +142,10 @@ class SlottedContour:
         )
 
     def polygon(self, chord_error: float) -> Array:
-        """Return the outline of a slotted eccentric as a polygon (n, 2) [m]: outer arc, then the arc of the bore.
+        """Return the outline of a slotted eccentric as a polygon of n points (n, 2) [m].
 
-        The outer arc is counter-clockwise, that of the bore clockwise; the sides of the slot join them. `chord_error`
-        [m] is the largest distance of a chord from an arc.
+        The outer arc is counter-clockwise, then that of the bore clockwise; the sides of the slot join them.
+        `chord_error` [m] is the largest distance of a chord from an arc.
         """
         outside, bore = (arc(radius, *self._arc_ends(radius), chord_error) for radius in (self.radius, self.bore))
         return np.concatenate([outside + np.array([0.0, self.eccentricity]), bore[::-1]])

@@ -59,7 +59,10 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of a step."""
+    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of one step.
+
+    `sizes` is the casing of the drive.
+    """
     screws = sizes.screws
     has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
@@ -88,7 +91,10 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
 
 
 def _describe_output_bearings(sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover."""
+    """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover.
+
+    `sizes` is the casing of the drive.
+    """
     hub, ring = sizes.hub.designation, sizes.retainer
     if ring:
         return (
@@ -113,7 +119,7 @@ def _describe_preload(sizes: Casing) -> str:
 def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
     """Return the sentence of the assembly instructions on the motor cover, into which bearings are pressed.
 
-    A motor with tapped holes is first bolted on from within.
+    A motor with tapped holes is first bolted on from within. `sizes` is the casing of the drive.
     """
     count = "the" if sizes.far else "both"
     spacer_text = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
@@ -129,7 +135,10 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
 
 
 def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:
-    """Return the last sentence of the assembly instructions: mount the motor, or turn the drive."""
+    """Return the last sentence of the assembly instructions: mount the motor, or turn the drive.
+
+    `sizes` is the casing of the drive.
+    """
     motor = sizes.motor
     if reducer.design.shaft.bore_radius:
         return (
@@ -146,7 +155,7 @@ def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:
 
 
 def _describe_output_pins(reducer: Reducer) -> str:
-    """Describe the step that mounts or inspects the output pins."""
+    """Return the sentence of the assembly instructions on how the output pins are mounted or inspected."""
     if in_one_piece(reducer):
         return "Check that the output pins, in one piece with their disc, are round and smooth."
     roller_step = ""
@@ -172,7 +181,10 @@ def _describe_ring_pins(reducer: Reducer) -> str:
 
 
 def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions that mounts a single disc, or several discs with their crank."""
+    """Return the sentence of the assembly instructions that mounts a single disc, or several discs with their crank.
+
+    `sizes` is the casing of the drive.
+    """
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
@@ -212,7 +224,7 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
 
 
 def _describe_cam_bearing(reducer: Reducer) -> str:
-    """Describe how the bearing of a single disc is mounted: pressed in, as rollers in the bore, or none."""
+    """Return a phrase on how the bearing of a single disc is mounted: pressed in, as rollers in the bore, or none."""
     if reducer.design.gear.bearing != "rolling":
         return "Oil its bore"
     if cam_bearing(reducer):
@@ -222,7 +234,10 @@ def _describe_cam_bearing(reducer: Reducer) -> str:
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them."""
+    """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them.
+
+    `sizes` is the casing of the drive.
+    """
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
     first_ring, second_ring = (names.numbered_name(names.CRANK_RING, number) for number in (1, 2))
     ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (

@@ -62,7 +62,7 @@ class PrintPlate:
 
     @property
     def mesh(self) -> Mesh:
-        """Return the surface of all parts on a plate of a printer and their supports, as one mesh [m]."""
+        """Return the surface of all parts on a print plate and of their supports, as one mesh [m]."""
         meshes = [*self.meshes, *(item for supports in self.supports for item in supports)]
         vertex_offsets = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(
@@ -151,7 +151,7 @@ def _build_plate(
     supports: Mapping[str, Sequence[Mesh]],
     unsupported_areas: Mapping[str, Mapping[float, float]],
 ) -> PrintPlate:
-    """Return a plate with copies of parts, at their positions, with their supports.
+    """Return a print plate with copies of parts at their positions, with their supports.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def _translate_mesh(shape: Mesh, shift: Array) -> Mesh:
 def _pack_plates(
     parts: Sequence[str], sizes: Sequence[Array], bed: tuple[float, float] | None
 ) -> list[tuple[int, tuple[float, float]]]:
-    """Pack rectangles in rows on plates; return for each the index of its plate and its lower left corner [m].
+    """Pack rectangles in rows on print plates; return for each the index of its plate and its lower left corner [m].
 
     Parameters
     ----------
@@ -278,10 +278,10 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
 def _pack_rows_to(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Pack rectangles (length, depth) [m] into rows that are at most `limit` [m] long, with a `gap` [m] between them.
+    """Pack rectangles in rows of at most `limit` [m], with a `gap` [m] between them; return their lower left corners.
 
-    They are placed in the `order` of their indices. The result has the lower left corner [m] of each rectangle, in the
-    order of `sizes`.
+    `sizes` are length and depth [m] of each. They are placed in the `order` of their indices. The result has the corner
+    (x, y) [m] of each rectangle, in the order of `sizes`.
     """
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
@@ -298,7 +298,10 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
-    """Return a part as it lies with its larger end face on z = 0, and whether it is turned over for that."""
+    """Return a part as it lies on the print bed with its larger end face, and whether it is turned over for that.
+
+    `solid` is the part.
+    """
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
     bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
     top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)

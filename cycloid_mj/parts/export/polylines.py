@@ -33,7 +33,7 @@ class PolylineSection:
 
 
 def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, ...]:
-    """Return the sections of a part as polygons and circles, with chords of an error of at most `chord_error` [m]."""
+    """Return the sections of a part as polygons and circles, with chord errors of at most `chord_error` [m]."""
     return tuple(
         PolylineSection(
             segment.name,
@@ -46,7 +46,7 @@ def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, 
 
 
 def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:
-    """Encode sections as SVG: one path each, its holes cut out by the even-odd rule; one unit is one millimetre.
+    """Encode the sections of a part as SVG: one path each, holes cut out by the even-odd rule; the unit is 1 mm.
 
     The y axis of SVG points downwards, so y is negated and the picture is not mirrored.
     """

@@ -64,14 +64,14 @@ def stock_cam_seat(reducer: Reducer) -> float:
 def print_files(
     reducer: Reducer, sizes: Casing | None, settings: PrintSettings, torques: Mapping[str, float] | None = None
 ) -> PrintFiles:
-    """Encode all files to print a drive (plates, coupon, bill), with notes and warnings.
+    """Encode all files for printing a drive (print plates, test coupon, bill of materials), with notes and warnings.
 
     Parameters
     ----------
     sizes
         Sizes of the casing; None: the mechanism only.
     torques
-        Tightening torques [N m] by item of the bill.
+        Tightening torques [N m] by the name of the screws in the bill.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def print_files(
 def _describe_plates(
     by_stem: Mapping[str, PrintPlate], consumable_texts: tuple[str, ...], coupon_note: str
 ) -> tuple[str, ...]:
-    """Describe plates with their sizes, consumables, coupon, and parts with supports, a sentence each.
+    """Describe the print plates with their sizes, consumables, coupon and parts with supports, a sentence each.
 
     Parameters
     ----------

@@ -60,9 +60,10 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
 
 
 def material_part(reducer: Reducer, part: str) -> str:
-    """Return the part of the mechanism that sets the material of a part of the drive, such as the shaft for a cam.
+    """Return the name of the part of the mechanism from whose material a part of the drive is made.
 
-    Discs and flange of the output have the material of the housing if that is plastic, else that of the output.
+    `part` is the name of the latter; for a cam, for example, the result is the shaft. Discs and flange of the output
+    have the material of the housing if that is plastic, else that of the output.
     """
     family = names.family(part)
     if family in (names.CAM, names.SPACER, names.CRANK_RING, names.BEARING_SPACER):

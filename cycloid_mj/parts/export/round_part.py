@@ -106,7 +106,7 @@ def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ())
 
 
 def _split_pocket(segment: Segment, pocket: Pocket) -> Iterator[Segment]:
-    """Yield the segments that remain after an annular pocket is cut: the wall outside of it, and the boss inside."""
+    """Yield the segments that remain after an annular pocket is cut: the wall outside and the boss inside of it."""
     outer, inner, *_ = pocket
     circles = [hole for contour in segment.holes if (hole := circle_of(contour))]
     wall_holes = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]

@@ -19,7 +19,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield a sentence with the remedy for each rule that the joints of a drive violate.
+    """Yield a sentence with the remedy for each design rule that the joints of a drive violate.
 
     The rules are:
 
@@ -29,6 +29,8 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     - Threads in a plastic have an insert. Pressed and turning parts have a fit.
     - Bearings reach their shoulders, and the crank has the fillets that its fatigue strength assumes.
     - A motor is not bolted to a cover that turns.
+
+    `sizes` is the casing of the drive.
     """
     for gap in running_gaps(reducer, sizes):
         if not gap.keeps(sizes.play):
@@ -66,7 +68,10 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
 
 
 def _describe_short_necks(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield a sentence if a crank in one piece for two discs has no room for the fillets between cams and collar."""
+    """Yield a sentence if a crank in one piece for two discs has no room for the fillets between cams and collar.
+
+    `sizes` is the casing of the drive.
+    """
     gear, fillet = reducer.design.gear, reducer.design.shaft.shoulder_fillet
     if gear.discs == 1 or not reducer.design.has_one_piece_crank:
         return

@@ -81,7 +81,8 @@ class RunningGap:
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
     """Return the smallest distance [m] of each pair of parts that move relative to each other; 0 or less if they touch.
 
-    Where parts overlap along z by design, such as a cam and its disc, their distance is ignored.
+    Where parts overlap along z by design, such as a cam and its disc, their distance is ignored. `sizes` is the casing
+    of the drive.
 
     Raises
     ------
@@ -105,7 +106,8 @@ def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) ->
     """Return whether two parts are close to each other by design, so that their distance is not a running gap.
 
     These are parts that overlap along z by design, and rolling elements next to the shoulder of a ring. `annulus` and
-    `other` are what the parts sweep; `axial` and `radial` are their distances [m], negative where they overlap.
+    `other` are the ring-shaped spaces that the parts sweep; `axial` and `radial` are their distances [m], negative
+    where they overlap.
     """
     families = {names.family(annulus.part), names.family(other.part)}
     if ROLLING_ELEMENTS in families and (
@@ -124,7 +126,10 @@ def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
 
 
 def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
-    """Yield the annuli swept by all segments of all parts of a drive, with one annulus per ring of a bearing."""
+    """Yield the ring-shaped spaces (annuli) swept by all parts of a drive, one for each ring of a bearing.
+
+    `sizes` is the casing of the drive.
+    """
     parts = assembly_parts(reducer, sizes)
     for placement in place_parts(reducer, 0.0, sizes):
         for segment in parts[placement.part].segments:
@@ -136,7 +141,10 @@ def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
 
 
 def _sweep(placement: PlacedPart, segment: Segment) -> Annulus:
-    """Return the annulus that a segment of a part sweeps as its body turns about the axis, or orbits with a disc."""
+    """Return the ring-shaped space (annulus) that a segment of a part sweeps as it turns about the axis or orbits.
+
+    `placement` is the position of the part. A part of a disc orbits about the axis with it.
+    """
     x, y, z = placement.origin
     orbit = math.hypot(x, y) if names.family(placement.body) == names.GEAR else 0.0
     centre = np.zeros(2) if orbit else np.array([x, y])
@@ -169,7 +177,7 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
 def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
     """Yield the annuli of a bearing's inner ring, rolling elements and outer ring, from that of the entire bearing.
 
-    A drawn cup has no inner ring and stays one annulus.
+    A drawn cup has no inner ring and stays one annulus. `sizes` is the casing of the drive.
     """
     is_on_shaft = bearing.part == names.SHAFT_BEARING
     ends = bearing.low, bearing.high

@@ -61,7 +61,7 @@ def rv_masses(reducer: RvReducer) -> dict[str, float]:
 
 
 def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
-    """Yield all parts with their positions at a crank angle [rad] against the ring, which is drawn at rest.
+    """Yield all parts of an RV reducer with their positions at a crank angle [rad] against the ring, which is at rest.
 
     Each part is in the middle of its clearances, so no parts touch.
     """

@@ -96,7 +96,7 @@ def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
 
 
 def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
-    """Yield the table of an involute gear: module, teeth, pressure angle, profile shift, and span over k teeth."""
+    """Yield rows for an involute gear on a drawing: module, teeth, pressure angle, profile shift, span over k teeth."""
     count, span = span_measurement(gear)
     tip, root = in_mm(2.0 * gear.tip_radius), in_mm(2.0 * gear.root_radius)
     yield (

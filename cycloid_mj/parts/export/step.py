@@ -115,7 +115,7 @@ def step_assembly(
 
 
 def read_volume(content: bytes) -> float:
-    """Compute the volume [m3] of the solids in a STEP file.
+    """Compute the volume [m3] of the solids in a STEP file with the `content`.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def _silence() -> None:
 
 
 def _make_reproducible(model: Any) -> None:
-    """Renumber the occurrences of a STEP model from 1, and sort its colours by part; both vary between runs."""
+    """Renumber the occurrences of a STEP `model` from 1, and sort its colours by part; both vary between runs."""
     entities = [model.Value(number) for number in range(1, model.NbEntities() + 1)]
     occurrences = (entity for entity in entities if isinstance(entity, occ.StepRepr_NextAssemblyUsageOccurrence))
     for number, occurrence in enumerate(occurrences, start=1):
@@ -249,7 +249,7 @@ def _rgb(entity: Any) -> tuple[float, ...]:
 
 
 def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
-    """Return the union of solids of OpenCASCADE, without superfluous faces and edges."""
+    """Return the union of OpenCASCADE solids, `first_body` and `other_bodies`, without superfluous faces and edges."""
     fuse = occ.BRepAlgoAPI_Fuse()
     fuse.SetArguments(_list([first_body]))
     fuse.SetTools(_list(other_bodies))
@@ -259,7 +259,7 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
 
 
 def _drill(shape: Any, bores: Sequence[CrossHole]) -> Any:
-    """Return a solid with holes across its axis."""
+    """Return an OpenCASCADE solid, `shape`, with the holes `bores` across its axis."""
     for bore in bores:
         start = occ.gp_Pnt(*(MILLIMETRES * value for value in bore.start))
         frame = occ.gp_Ax2(start, occ.gp_Dir(*bore.direction))
@@ -269,7 +269,7 @@ def _drill(shape: Any, bores: Sequence[CrossHole]) -> Any:
 
 
 def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
-    """Return a solid with the chamfers and fillets of circular edges; those that are not full circles stay sharp.
+    """Return an OpenCASCADE solid, `shape`, with chamfers and fillets of its circular edges; other edges stay sharp.
 
     All fillets, or all chamfers, stay sharp if OpenCASCADE cannot build a valid solid with them.
     """

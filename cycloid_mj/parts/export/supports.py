@@ -125,9 +125,9 @@ def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
 
 
 def _floor_heights(solid: Solid, points: Array, z: float) -> set[float]:
-    """Return the heights [m] of the first faces below points (n, 2) [m] at the height `z` [m].
+    """Return the heights [m] of the first faces below n points (n, 2) [m] at the height `z` [m] of a printed part.
 
-    They are faces of the part, or the plate (0); points above the same face share a height.
+    They are faces of the part, or the plate (0); points above the same face share a height. `solid` is the part.
     """
     heights = np.zeros(len(points))
     for prism in solid.prisms:

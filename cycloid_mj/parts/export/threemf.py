@@ -38,9 +38,9 @@ def threemf_bytes(plate: PrintPlate, materials: Mapping[str, Material] | None = 
 
 
 def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
-    """Format the XML text of a 3MF model: its materials, its objects at their coordinates, and the build items.
+    """Format the XML text of a 3MF model: its materials, its objects at their coordinates, and the objects to print.
 
-    A part and its supports are the components of one object.
+    `plate` has the parts on the print bed. A part and its supports are the components of one object.
     """
     objects: list[str] = []
     build_ids: list[int] = []
@@ -67,7 +67,7 @@ def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
 
 
 def _base_materials(materials: list[Material]) -> str:
-    """Format the XML element of the base materials; empty if there are none."""
+    """Format the XML element of the base materials of a 3MF model; empty if there are none."""
     if not materials:
         return ""
     bases = "".join(

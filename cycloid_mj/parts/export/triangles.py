@@ -20,7 +20,7 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
 
 
 def read_stl(content: bytes, path: str = "the file") -> Array:
-    """Read the corners (m, 3, 3) of the triangles of a binary STL file, in the unit of the file.
+    """Read the corners of the m triangles of a binary STL file, shape (m, 3, 3), in the unit of the file.
 
     Parameters
     ----------
