@@ -47,11 +47,11 @@ def _make_figures(
     exists: Callable[[Reducer], bool] = lambda _: True,
     layouts: tuple[Layout, ...] = CENTRAL,
 ) -> tuple[Figure, ...]:
-    """Return the figures that `cycloid_mj.<module>` computes, one per row.
+    """Return the quantities that `cycloid_mj.<module>` computes, one per row.
 
     A row is the key without unit, the unit, the name and the definition. The function of the module that computes a
-    figure has the name of its key, or the name in `_FUNCTIONS`. `need` states what the figures are computed from.
-    `exists` returns whether a reducer of these `layouts` has the figures.
+    quantity has the name of its key, or the name in `_FUNCTIONS`. `need` states what the quantities are computed from.
+    `exists` returns whether a reducer of these `layouts` has the quantities.
     """
     return tuple(
         Figure(
@@ -70,7 +70,7 @@ def _make_figures(
 
 
 def _part_function(kind: str, name: str) -> Compute:
-    """Return a function that computes the figure `name` of the parts of a `kind` of a reducer by finite elements.
+    """Return a function that computes the quantity `name` of the parts of a `kind` of a reducer by finite elements.
 
     `kind` is a key of `PARTS`, such as "gear"; `name` is a key of ``stress.figures.FIGURES_OF_PARTS``.
     """

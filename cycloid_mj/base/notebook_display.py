@@ -38,12 +38,12 @@ class Presented(Drawn):
 
     @property
     def frame(self) -> "Frame":
-        """Its figures, a row each."""
+        """Its quantities, a row each."""
         raise NotImplementedError
 
     @property
     def line(self) -> str:
-        """Description and first figures."""
+        """Description and first quantities."""
         return f"{self.frame.rows} rows of {', '.join(islice(self.frame.columns, 6))}"
 
     def to_frame(self) -> Any:

@@ -117,7 +117,7 @@ class Run(Presented):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Why the figures of this run may not be those of its design, as far as was known before it began."""
+        """Why the quantities of this run may not be those of its design, as far as was known before it began."""
         return tuple(self.provenance.get("warnings", "").splitlines())
 
     def __len__(self) -> int:

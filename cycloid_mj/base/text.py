@@ -32,7 +32,7 @@ def escape_controls(text: str, keep: str = "") -> str:
 
 
 def four_digits(value: float) -> str:
-    """Write a figure with four significant digits, below a million without an exponent."""
+    """Write a quantity with four significant digits, below a million without an exponent."""
     return f"{float(f'{value:.4g}'):g}"
 
 

@@ -258,7 +258,7 @@ class Calibration(Presented):
         return _advise_loops(self.fitted, self.unidentified, self.indistinguishable)
 
     def tables(self) -> tuple[Table, ...]:
-        """Return tables on a fit to measured loops: fitted values, loop figures, loops, deviations, compared models.
+        """Return tables on a fit to measured loops: fitted values, loop quantities, loops, deviations, compared models.
 
         The deviations are those of the fitted model by section of a loop.
         """
@@ -597,9 +597,9 @@ def correlations(fitted: Fitted) -> Array:
 
 
 def _build_calibration(fitted: Fitted) -> Calibration:
-    """Return the calibration of a fit: the calibrated design, estimates with intervals, notes, and loop figures.
+    """Return the calibration of a fit: the calibrated design, estimates with intervals, notes, and loop quantities.
 
-    The loop figures are play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
+    The loop quantities are play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
     """
     count = len(fitted.parameters)
     estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}

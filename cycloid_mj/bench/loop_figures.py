@@ -68,11 +68,11 @@ class LoopFigure(NamedTuple):
 
     @classmethod
     def about(cls, value: float, half_width: float = 0.0) -> Self:
-        """Return a figure with an interval of this half width about its value."""
+        """Return a quantity with an interval of this half width about its value."""
         return cls(value, value - half_width, value + half_width)
 
     def scale(self, factor: float) -> Self:
-        """Return the figure and its interval times a factor, as for another unit."""
+        """Return the quantity and its interval times a factor, as for another unit."""
         return type(self)(*(factor * item for item in self))
 
 
@@ -91,7 +91,7 @@ class LoopFigures:
     coulomb: LoopFigure
 
     def in_units(self) -> dict[str, LoopFigure]:
-        """Return the figures with their intervals, such as ``play_deg``, in the units in which their keys end."""
+        """Return the quantities with their intervals, such as ``play_deg``, in the units in which their keys end."""
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
             "width_deg": self.width.scale(1.0 / DEGREE),
@@ -122,7 +122,7 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
     """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals.
 
     `DEFINITIONS` defines them. Play and stiffness are those of the loop with the largest torque. Width and Coulomb
-    torque are those of the loop with the smallest range of deflection. A figure is NaN if its loop does not allow it,
+    torque are those of the loop with the smallest range of deflection. A quantity is NaN if its loop does not allow it,
     for example with too few points.
     """
     largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))

@@ -76,7 +76,7 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     Returns
     -------
     Prediction
-        Predicted deflections [rad], their rms difference from each measured loop, and loop figures of both.
+        Predicted deflections [rad], their rms difference from each measured loop, and loop quantities of both.
 
     Raises
     ------

@@ -148,14 +148,14 @@ class Protocol(Presented):
 
     @property
     def line(self) -> str:
-        """Design, rated torque, and the first figures of the model."""
+        """Design, rated torque, and the first quantities of the model."""
         first = ", ".join(
             f"{LINES[key].name} {item.value:.4g} {LINES[key].unit}" for key, item in islice(self.model.items(), 3)
         )
         return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
-        """Return the standard test figures of model and bench, such as the lost motion, as a table of text."""
+        """Return the standard test quantities of model and bench, such as the lost motion, as a table of text."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -176,11 +176,11 @@ class Protocol(Presented):
         return Frame({**text, **columns})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the standard test figures of model and bench to JSON values.
+        """Convert the standard test quantities of model and bench to JSON values.
 
-        ``lines`` has an entry for each test figure, by a key that ends in the unit. Each has name, unit, definition and
-        source of the figure. Its ``model`` and ``bench`` are the simulated and the measured figure: value and interval,
-        or None.
+        ``lines`` has an entry for each test quantity, by a key that ends in the unit. Each has name, unit, definition
+        and source of the quantity. Its ``model`` and ``bench`` are the simulated and the measured figure: value and
+        interval, or None.
         """
         return {
             "design": self.design,
@@ -211,7 +211,7 @@ def protocol_of(
     angles: int = SETTINGS.angles,
     progress: Progress = silent,
 ) -> Protocol:
-    """Evaluate standard test figures of a design and of a bench; in Python ``cm.protocol(design)``.
+    """Evaluate standard test quantities of a design and of a bench; in Python ``cm.protocol(design)``.
 
     Parameters
     ----------
@@ -399,7 +399,7 @@ def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str,
 
 
 def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Return the mean of a test figure over several loops, with an interval that covers all of their intervals.
+    """Return the mean of a test quantity over several loops, with an interval that covers all of their intervals.
 
     `figures` are the values with intervals; those that are NaN are left out.
     """
@@ -436,7 +436,7 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
     """Compute the lines of a protocol for transmission error and no-load torques of the model, by key.
 
     They have the units in which their keys end, and no intervals. The transmission error is that under
-    `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of figures does not have for the
+    `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of quantities does not have for the
     reducer are left out.
     """
     error = MODEL_ERRORS[reducer.LAYOUT](reducer, SETTINGS.unloaded_share * rated_torque)
@@ -448,7 +448,7 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
 
 
 def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator[str]:
-    """Yield the assumptions of the computed test figures, and for an RV reducer their deviations from the definitions.
+    """Yield the assumptions of the computed test quantities, for an RV reducer also deviations from definitions.
 
     Each is a clause for the notes of the result. `rated_torque` [N m] is that on the output, and `angles` the number of
     crank angles at which loops are computed.

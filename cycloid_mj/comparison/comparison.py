@@ -51,7 +51,7 @@ class Comparison(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Mean, smallest and largest value of each figure over the starts, one row per design, load and figure."""
+        """Mean, smallest and largest value of each quantity over the starts, one row per design, load and quantity."""
         return figure_frame(self.trials)
 
     @property
@@ -71,7 +71,7 @@ class Comparison(Presented):
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The figures under each load, and the sensitivity of dynamic figures, if it was computed."""
+        """The quantities under each load, and the sensitivity of dynamic quantities, if it was computed."""
         tables = [table(self.at(load)) for load in self.loads]
         if self.sensitivity:
             tables.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
@@ -81,7 +81,7 @@ class Comparison(Presented):
         """Convert the comparison of simulated designs to JSON values; the keys are the names of the attributes.
 
         ``runs`` are the `trials`, with the measures of the first start and the spreads over all starts. ``sensitivity``
-        has the changes of the figures with the assumptions.
+        has the changes of the quantities with the assumptions.
         """
         content = {
             "designs": self.designs,

@@ -45,12 +45,12 @@ class Sensitivity:
 
     @property
     def changes(self) -> tuple[float, ...]:
-        """Relative change with each assumption; infinite where the figure is zero and changes."""
+        """Relative change with each assumption; infinite where the quantity is zero and changes."""
         return tuple(_ratio(each.figure, self.figure) - 1.0 for each in self.responses)
 
     @property
     def is_determined(self) -> bool:
-        """True if the sign of the figure is certain, and its magnitude within a factor `UNDETERMINED`."""
+        """True if the sign of the quantity is certain, and its magnitude within a factor `UNDETERMINED`."""
         ratios = [1.0, *(1.0 + change for change in self.changes)]
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 

@@ -40,6 +40,6 @@ class Trial:
         return (self.measures, *self.others)
 
     def over_starts(self, figure: Callable[[Measures], float | None]) -> StartSpread | None:
-        """Return the values of a figure at all starts that have it; None where none has."""
+        """Return the values of a quantity at all starts that have it; None where none has."""
         values = [value for each in self.starts if (value := figure(each)) is not None]
         return StartSpread.of(values) if values else None

@@ -57,11 +57,11 @@ def size_of_budget_sets(samples: int) -> int:
 
 
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
-    """Return the sets of random samples for the computation of Sobol indices, by name: "A", "B", and one per tolerance.
+    """Return the sets of random samples for Sobol indices, by name: "A", "B", and one per tolerance.
 
-    The sets A and B are independent. The mixed set of a tolerance has the values of this tolerance from B and those of
-    all others from A (pick-freeze); its name is the key of the tolerance. `zones` are the tolerances by key, and
-    `samples` is the size of each set.
+    A sample is a random drive within the tolerances. The sets A and B are independent. The mixed set of a tolerance has
+    the values of this tolerance from B and those of all others from A (pick-freeze); its name is the key of the
+    tolerance. `zones` are the tolerances by key, and `samples` is the size of each set.
     """
     mixed_sets = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     independent_sets = {
@@ -78,15 +78,15 @@ def find_usable_rows(values: Mapping[str, Array]) -> Integers:
 def compute_shares(
     zones: Mapping[str, Zone], deviations: Sequence[Mapping[str, Array]], values: Mapping[str, Array]
 ) -> tuple[Share, ...]:
-    """Compute the Sobol indices of all tolerances: their shares in the variance of a figure, the largest total first.
+    """Compute the Sobol indices of all tolerances: their shares in the variance of a quantity, largest total first.
 
     First-order indices are estimated as by Saltelli et al. 2010 (Comput. Phys. Commun. 181, 259-270, table 2 b), total
-    indices as by Jansen 1999. A linear model of the figure, whose variance is known, serves as control variate, so that
-    only the nonlinear remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by the
-    model fitted to the other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers
+    indices as by Jansen 1999. A linear model of the quantity, whose variance is known, serves as control variate, so
+    that only the nonlinear remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by
+    the model fitted to the other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers
     enter the model first (the position errors of 40 pins are 80 numbers), as long as the fit has enough rows. The
     intervals of the total indices follow from the jackknife of the logarithm of the ratio and Student's t. If the
-    figure is equal in all samples, all shares are 0.
+    quantity is equal in all samples, all shares are 0.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def compute_shares(
     deviations
         Deviations from the nominal design in the sample sets A and B, by tolerance, shape (samples, ...).
     values
-        Values of the figure in the sets of `list_budget_sets`, shape (samples,) each; NaN where a sample jams.
+        Values of the quantity in the sets of `list_budget_sets`, shape (samples,) each; NaN where a sample jams.
 
     Returns
     -------
@@ -145,7 +145,7 @@ class _Terms(NamedTuple):
 
 
 def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Scale the deviations of parts to mean 0 and variance 1; return an array (rows, k) for each tolerance.
+    """Scale the deviations of parts to mean 0 and variance 1; return an array (rows, k) per tolerance.
 
     k is the number of random numbers of the tolerance in a sample, such as 80 for the positions of 40 pins. `zones` are
     the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the indices of the
@@ -242,10 +242,10 @@ def _columns(deviations: list[Array], chosen: Sequence[int], rows: Mask) -> Arra
 
 
 def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, Array, Array]:
-    """Compute ratios of mean `partial_variance`, shape (k, n), to mean `variance`, shape (n,), and their 95 % bounds.
+    """Compute k ratios of mean `partial_variance` to mean `variance` over n samples, and their 95 % bounds.
 
-    The standard error is that of the logarithm of the ratio, by the jackknife (leave one sample out), since errors of
-    variance ratios are proportional to the ratio.
+    `partial_variance` has the shape (k, n), `variance` (n,). The standard error is that of the logarithm of the ratio,
+    by the jackknife (leave one sample out), since errors of variance ratios are proportional to the ratio.
 
     Returns
     -------

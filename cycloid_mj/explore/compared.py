@@ -217,7 +217,7 @@ def plan_runs(
     variations: Sequence[Variation] = (),
     assumptions: Sequence[Variation] = ASSUMPTIONS,
 ) -> RunPlan:
-    """Plan the runs of a comparison: every case from several starts, and again with each parameter variation.
+    """Plan the runs of a comparison: every case from several initial states, and again with each parameter variation.
 
     Parameters
     ----------

@@ -40,19 +40,19 @@ class FigureLimit:
 
 
 def parse_limit(text: str, reducer: Reducer | None = None) -> FigureLimit:
-    """Parse the text of a limit on a figure of the catalogue, such as ``backlash_arcmin<=1``.
+    """Parse the text of a limit on a catalogued quantity, such as ``backlash_arcmin<=1``.
 
     Parameters
     ----------
     text
         ``KEY<=NUMBER`` or ``KEY>=NUMBER``.
     reducer
-        Reducer for which the figure must be defined; None accepts the figures of any reducer.
+        Reducer for which the quantity must be defined; None accepts the quantities of any reducer.
 
     Raises
     ------
     UsageError
-        The text does not have this form, or there is no such figure.
+        The text does not have this form, or there is no such quantity.
     """
     match = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
     try:
@@ -72,7 +72,7 @@ def parse_limit(text: str, reducer: Reducer | None = None) -> FigureLimit:
 
 
 def require_consistent(limits: Iterable[FigureLimit]) -> None:
-    """Require that some value of each figure satisfies all its limits.
+    """Raise UsageError if the limits on a quantity contradict each other.
 
     Raises
     ------

@@ -40,7 +40,7 @@ PRELOADED_PARTS = {"preload_n": "a tooth", "output_preload_n": "an output pin", 
 
 
 def find_jams(figures: Mapping[str, Array]) -> Mask:
-    """Return which samples jam, shape (samples,), by the figures of `PRELOADS` [N], shape (samples,) each.
+    """Return which samples jam, shape (samples,), by the quantities of `PRELOADS` [N], shape (samples,) each.
 
     Samples without a static equilibrium have NaN as forces, and count as jammed.
     """

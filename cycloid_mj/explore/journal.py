@@ -36,7 +36,7 @@ def has_study(folder: Path, study: str) -> bool:
 
 
 def remove_study(folder: Path, study: str) -> None:
-    """Delete the plan and the result rows of the study named `study` in a folder, so that it can start again.
+    """Delete the plan and the results of the study named `study` in a folder, so that it can start again.
 
     Raises
     ------

@@ -73,7 +73,7 @@ class Link:
         return self.formula or RULES[self.key].words
 
     def apply(self, nominal: Reducer, reducer: Reducer) -> Design:
-        """Set the linked key, which follows other keys, by its formula or rule, and return the new design.
+        """Set a key of the design that follows other keys, by its formula or rule, and return the new design.
 
         `nominal` is the drive from which the study starts, `reducer` the drive at one point of it, with varied keys.
 
@@ -155,9 +155,10 @@ def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iter
 
 
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
-    """Set all linked keys of a design by their formulas, in the order of `links`, and return the new design.
+    """Set all keys of a design that follow other keys by their formulas, in order, and return the new design.
 
-    `nominal` is the drive from which the study starts, `reducer` the drive at one point of it, with varied keys.
+    `links` are the keys with their formulas. `nominal` is the drive from which the study starts, `reducer` the drive at
+    one point of it, with varied keys.
 
     Raises
     ------
@@ -225,7 +226,7 @@ def _keys_in_formula(node: ast.expr) -> Iterator[str]:
 
 
 def _evaluate(node: ast.expr, reducer: Reducer) -> float:
-    """Compute the value of a parsed formula of numbers and keys of the design file, in the file's units.
+    """Compute the value of a parsed formula of numbers and keys of the design file, in the units of the file.
 
     `node` is the expression, `reducer` has the values of the keys.
     """

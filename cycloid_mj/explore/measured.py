@@ -46,7 +46,7 @@ class MeasuredFigures:
 
 
 def _from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> MeasuredFigures:
-    """Return the values and units of quantities as columns of a table, by the name of the column.
+    """Return the values and units of quantities as columns of a study's table, by the name of the column.
 
     The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
     `other_fields` are the other fields of `MeasuredFigures`: assumptions and warnings.
@@ -62,7 +62,7 @@ def _from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> Mea
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Compute all figures of the static data sheet of a reducer, as columns of a study's table under their keys.
+    """Compute all quantities of the static data sheet of a reducer, as columns of a study's table under their keys.
 
     The keys are those of `cycloid_mj.figures.FIGURES`. The settings have no effect.
     """
@@ -81,9 +81,10 @@ def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> M
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Simulate a design (ramp, then constant speed), and return the results of its analysis as columns of a table.
+    """Simulate a design (ramp, then constant speed); return the results of its analysis as columns of a table.
 
-    Under a load, pins have no inertia unless `options.real_pins` is set, because this allows longer time steps.
+    A `MeasuredFigures` has the columns. `options` are settings of the run. Under a load, pins have no inertia unless
+    `options.real_pins` is set, because this allows longer time steps.
 
     Raises
     ------
@@ -147,7 +148,7 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Convert the results of all checks of a design to columns; the settings have no effect.
+    """Convert the results of all checks of a design to columns of a study's table; the settings have no effect.
 
     The columns are the numbers of failed checks with the severity error and warning, the names of failed checks, and
     the values of checks that have a value. If no check with the severity error fails, the columns of
@@ -175,7 +176,7 @@ def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _summarize_design(reducer: Reducer) -> MeasuredFigures:
-    """Collect the summary of `design check` as columns with units: ratio, size, mass, torques, backlash and others.
+    """Collect the summary of `design check` as table columns with units: ratio, size, mass, torques, backlash etc.
 
     ``weakest`` names the contact that limits the capacity.
     """
@@ -202,7 +203,7 @@ def _compute_figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _compute_figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Compute one figure of the catalogue: a column under its key."""
+    """Compute one quantity of the catalogue: a column under its key."""
     return MeasuredFigures({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
 
 
@@ -215,7 +216,7 @@ MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], MeasuredFigures]] = 
 
 
 def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Compute a measure of a design, or a figure of the catalogue."""
+    """Compute a measure of a design, or a quantity of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)
     return _compute_figure(figure(name), reducer, options)
@@ -229,15 +230,15 @@ MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {
 
 
 def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of what a sweep computes, without duplicates; raise UsageError for a name that a reducer lacks.
+    """Return the names of what a sweep computes, without duplicates; raise UsageError for an unknown name.
 
-    A name is that of a measure, a group of results such as ``statics`` or ``simulate``, or the key of a single figure
+    A name is that of a measure, a group of results such as ``statics`` or ``simulate``, or the key of a single quantity
     of the catalogue, such as ``backlash_arcmin``.
 
     Raises
     ------
     UsageError
-        A name is neither a measure nor a figure, the layout of the reducer does not have it, or there is no name.
+        A name is neither a measure nor a quantity, the layout of the reducer does not have it, or there is no name.
     """
     measure_names = tuple(dict.fromkeys(names))
     for name in measure_names:
@@ -251,9 +252,9 @@ def require_measures(reducer: Reducer, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _require_measure(reducer: Reducer, name: str) -> None:
-    """Raise UsageError unless the layout of a reducer has the measure or figure with a name.
+    """Raise UsageError unless the layout of a reducer (central crank, RV) has the measure or quantity `name`.
 
-    A measure is a group of results, such as ``statics``; a figure is a single one, such as ``backlash_arcmin``.
+    A measure is a group of results, such as ``statics``; a quantity is a single one, such as ``backlash_arcmin``.
     """
     design = reducer.design
     if name in MEASURED:

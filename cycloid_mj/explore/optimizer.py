@@ -89,9 +89,9 @@ def optimize(
         Range ``lo:hi`` (or a pair of numbers) or list of values ``a,b,c`` of each key of the design file. A range of a
         whole number stands for all whole numbers in it.
     minimize, maximize
-        Keys of figures (`cycloid_mj.figures.FIGURES`) of geometry, statics and life: one in total, or two for a front.
+        Keys of `cycloid_mj.figures.FIGURES`, of geometry, statics and life: one in total, or two for a front.
     limits
-        Limits on such figures, ``"backlash_arcmin<=1"``, in addition to the checks of a design.
+        Limits on such quantities, ``"backlash_arcmin<=1"``, in addition to the checks of a design.
     strict
         Whether failed checks with the severity warning reject a point, too.
     evaluations, starts, seed
@@ -113,7 +113,7 @@ def optimize(
     Raises
     ------
     UsageError
-        There is no such key or figure, a range is not valid, or the folder belongs to another optimisation.
+        A key or quantity does not exist, a range is invalid, or the folder belongs to another optimisation.
     DesignError
         No point satisfies all checks and limits; it states how many each of them rejects.
     """
@@ -126,7 +126,7 @@ def optimize(
 def run_search(
     task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None, engine: Engine, progress: Progress
 ) -> Optimum:
-    """Run the searches of an optimisation, and return all evaluated points with the best of them.
+    """Run the searches of an optimisation by CMA-ES; return all evaluated points with the best of them.
 
     The history in the folder `out` has all points that were evaluated, also if the search is interrupted or fails.
 
@@ -165,8 +165,8 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     """Return a copy of the result of an optimisation with further evaluations of its best design.
 
-    These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
-    tolerances.
+    `optimum` is the result. These are the static data sheet, a run in full dynamics with `solver`, and a tolerance
+    study if the design has tolerances.
     """
     best = reducer_of(optimum.design())
     try:
@@ -191,10 +191,10 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
     """Search for the best point of a problem by CMA-ES, one search for each weighting of two objectives.
 
-    The `evaluations` are divided equally among the weights `OptimizerSettings.weights`. The first two weights are those
-    of a single objective; their searches start at the design. The other searches start at the best point so far, with a
-    smaller standard deviation and a single start. `evaluator` records the evaluated points. `starts` is the number of
-    independent searches, `seed` the random seed.
+    `task` is the problem. The `evaluations` are divided equally among the weights `OptimizerSettings.weights`. The
+    first two weights are those of a single objective; their searches start at the design. The other searches start at
+    the best point so far, with a smaller standard deviation and a single start. `evaluator` records the evaluated
+    points. `starts` is the number of independent searches, `seed` the random seed.
     """
     if len(task.objectives) == 1:
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])

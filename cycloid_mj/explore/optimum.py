@@ -77,7 +77,7 @@ class Optimum(Tabular):
 
     @property
     def line(self) -> str:
-        """One-line summary of an optimisation: design, numbers of all and feasible points, best values."""
+        """Return a one-line summary of an optimisation: design, numbers of all and feasible points, best values."""
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
@@ -100,7 +100,10 @@ class Optimum(Tabular):
 
     @cached_property
     def front(self) -> tuple[int, ...]:
-        """Indices of the Pareto front in the order of the first objective; with one objective, the best point alone."""
+        """Return the indices of the points on the Pareto front in the order of the first objective.
+
+        With one objective, it is the best point alone.
+        """
         costs = {index: self.task.costs(self.rows[index]) for index in self.feasible}
         front: list[int] = []
         for index in sorted(costs, key=costs.__getitem__):
@@ -110,7 +113,7 @@ class Optimum(Tabular):
 
     @property
     def best(self) -> int | None:
-        """Index of the best evaluated point; None if no point is feasible.
+        """Return the index of the best evaluated point; None if no point is feasible.
 
         On a Pareto front it is the point with the smallest Chebyshev distance to the ideal point, with objectives
         normalized by their ranges on the front.
@@ -135,7 +138,7 @@ class Optimum(Tabular):
         return {key: self.rows[index].values[key] for key in self.task.keys}
 
     def figures(self, index: int) -> dict[str, float]:
-        """Collect the figures of a point: objectives, then those with limits."""
+        """Collect the quantities of a point: objectives, then those with limits."""
         return {key: float(self.rows[index].values[key]) for key in self.task.figures}
 
     def design(self, index: int | None = None, name: str = "") -> Design:
@@ -154,7 +157,7 @@ class Optimum(Tabular):
 
     @property
     def infeasible_words(self) -> str:
-        """Sentences that state why no point is feasible, which point has the smallest violation, and what to do."""
+        """Return sentences on why no point is feasible, which point violates limits least, and what to do."""
         total = max(self.evaluations, 1)
         reasons = "; ".join(f"{name}: {count} ({count / total:.0%})" for name, count in self.refused.items())
         nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
@@ -167,7 +170,10 @@ class Optimum(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """Table with a row for each evaluated point: values, figures, feasibility, rejections, error, CPU time [s]."""
+        """Return a table with named columns, a row for each evaluated point.
+
+        The columns are values, quantities, feasibility, rejections, error and CPU time [s].
+        """
         units = {key: unit_of(declaration_of(key)).suffix for key in self.task.keys}
         names = ("evaluation", *self.task.keys, *self.task.figures, FEASIBLE, VIOLATION, REJECTED_BY, "error", "cpu_s")
         rows = [
@@ -180,7 +186,7 @@ class Optimum(Tabular):
         """Convert the result of an optimisation to JSON values, without the list of evaluations.
 
         ``best`` and ``start`` have values by keys of the design file, in its units; ``figures`` are by key of the
-        figure. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
+        quantity. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
         rejected by each check or limit. ``verified`` are the results of statics, full dynamics and tolerance study of
         the best design.
         """
@@ -210,22 +216,22 @@ class Optimum(Tabular):
 
     @property
     def start_figures(self) -> dict[str, float]:
-        """Figures of the start; none where it is rejected before they are computed."""
+        """Quantities of the start; none where it is rejected before they are computed."""
         return {key: float(self.start.values[key]) for key in self.task.figures if key in self.start.values}
 
     @property
     def best_figures(self) -> dict[str, float]:
-        """Figures of the best point; none where there is none."""
+        """Quantities of the best point; none where there is none."""
         return {} if self.best is None else self.figures(self.best)
 
     def change(self, key: str) -> float:
-        """Compute the relative change of a figure from the start to the best; NaN if the start has no value, or 0."""
+        """Compute the relative change of a quantity from the start to the best; NaN if the start has no value, or 0."""
         start = self.start_figures.get(key, math.nan)
         return self.best_figures[key] / start - 1.0 if start else math.nan
 
     @property
     def words(self) -> str:
-        """Sentence that summarises an optimisation: objectives, limits, numbers of points, start design, seed."""
+        """Return a sentence that summarises an optimisation: objectives, limits, numbers of points, start, seed."""
         objectives = " and ".join(map(str, self.task.objectives))
         limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
         front = f", {len(self.front)} on the front" if len(self.task.objectives) > 1 else ""
@@ -236,7 +242,7 @@ class Optimum(Tabular):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences about those objectives of an optimisation that have the same value at every evaluated point."""
+        """Return sentences about objectives of an optimisation that have the same value at every evaluated point."""
         evaluated_rows = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
         sentences = []
         for key in (objective.key for objective in self.task.objectives):
@@ -257,7 +263,7 @@ class Optimum(Tabular):
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
-        """Sentences that name the ends of ranges and the limits which the best point reaches.
+        """Return sentences that name the ends of ranges and the limits which the best point reaches.
 
         The point reaches an end of a range at a distance below the fraction `AT_END` of the range, and a limit at a
         distance below the same fraction of its bound. The range of a list of numbers is from the smallest to the
@@ -293,8 +299,8 @@ class Optimum(Tabular):
     def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
         """Convert the results that verify the best design to JSON values.
 
-        ``statics`` are figures by key, ``dynamics`` those of a run with their differences, and ``tolerances`` a study
-        of tolerances. ``statics`` and ``tolerances`` are None if missing.
+        `best_checks` are these results. ``statics`` are quantities by key, ``dynamics`` those of a run with their
+        differences, and ``tolerances`` a study of tolerances. ``statics`` and ``tolerances`` are None if missing.
         """
         dynamics = best_checks.dynamics
         return {
@@ -352,9 +358,9 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
     """Tabulate the verification of the best design of an optimisation by statics, full dynamics and tolerances.
 
-    The first table compares the statics of the best design with those of the start. Tables of the best design in full
-    dynamics, of its distributions within the tolerances, and of its error budget follow. Tables without results are
-    left out.
+    `best_checks` are these results. The first table compares the statics of the best design with those of the start.
+    Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
+    follow. Tables without results are left out.
     """
     tables = []
     if best_checks.sheet is not None:

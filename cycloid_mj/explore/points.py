@@ -168,7 +168,7 @@ def _require_few(count: int) -> None:
 
 
 def _scalar_field(key: str) -> FieldInfo:
-    """Return the declaration (type and bounds) of a key of the design file; raise UsageError for a list or a table."""
+    """Return the declaration (type and bounds) of a design file key with a single value; else raise UsageError."""
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(
@@ -185,7 +185,7 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
 
 
 def parse_axis(key: str, requested_values: Wanted) -> Axis:
-    """Parse the values of a study for a design key: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
+    """Parse the values of a design key in a study: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
 
     `requested_values` are in the unit of the design file, as values or text.
 

@@ -88,7 +88,7 @@ class Problem:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Keys of the figures to compute: objectives first, then those with limits."""
+        """Keys of the quantities to compute: objectives first, then those with limits."""
         return tuple(
             dict.fromkeys([*(objective.key for objective in self.objectives), *(limit.key for limit in self.limits)])
         )
@@ -113,7 +113,10 @@ class Problem:
         return math.prod(len(choice.values) for choice in self.choices)
 
     def allows(self, values: Sequence[Value]) -> bool:
-        """Return whether the values of a point lie within the ranges and choices; the start design may lie outside."""
+        """Return whether the values of a point lie within the ranges and choices of the problem.
+
+        The start design may lie outside.
+        """
         return all(
             variable.low <= float(value) <= variable.high
             if isinstance(variable, SearchRange)
@@ -138,14 +141,14 @@ def define_problem(
 ) -> Problem:
     """Return the optimisation problem of a reducer, with variables, objectives, limits and linked keys.
 
-    `vary` maps keys of the design file to ranges or lists of values. `minimize` and `maximize` are keys of figures,
-    `limits` are limits on figures. `strict` is whether warnings of checks reject a point, too. `follow` are formulas of
-    keys that depend on others. `optimize` states their forms.
+    `vary` maps keys of the design file to ranges or lists of values. `minimize` and `maximize` are keys of quantities,
+    `limits` are limits on quantities. `strict` is whether warnings of checks reject a point, too. `follow` are formulas
+    of keys that depend on others. `optimize` states their forms.
 
     Raises
     ------
     UsageError
-        There is no such key or figure, a range or formula is not valid, limits contradict each other, or there are no
+        There is no such key or quantity, a range or formula is not valid, limits contradict each other, or there are no
         or too many objectives.
     """
     if not vary:

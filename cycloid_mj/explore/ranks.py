@@ -51,7 +51,7 @@ def number_inputs(sweep: Sweep) -> tuple[str, ...]:
 
 
 def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the names of the columns of a sweep to show: those requested, or at most `MAX_SHOWN` columns.
+    """Return the names of the columns of a sweep to show: the requested names, or at most `MAX_SHOWN`.
 
     Without a request, the columns that vary are returned, or constant columns if none varies. Those in `HEADLINES` come
     first.
@@ -79,7 +79,7 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
 
 
 def _catalogue_key(name: str) -> str:
-    """Return the name of a sweep's column with the main key of its figure in place of an alias or a deprecated key.
+    """Return the name of a sweep's column, with the main key of its quantity in place of an alias or old key.
 
     `name` is ``key`` or ``measure.key``. Other names are returned unchanged.
     """
@@ -100,7 +100,8 @@ def rank_correlations(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
 def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
     """Tabulate minimum, median and maximum of quantities; if several inputs vary, also their rank correlations.
 
-    Values that are not finite are left out. The column "points" has the number of finite values.
+    `sweep` has the values of all points. Values that are not finite are left out. The column "points" has the number of
+    finite values.
     """
     numbers = sweep.frame.numbers
     rows = []

@@ -30,7 +30,7 @@ class Task:
     """Keys that follow those of the points."""
 
     def column(self, measure: str, name: str) -> str:
-        """Return the name of a column: ``measure.name`` where there are several measures, the key of a figure."""
+        """Return the name of a column: ``measure.name`` where there are several measures, the key of a quantity."""
         return name if len(self.measures) == 1 or measure not in MEASURED else f"{measure}.{name}"
 
 
@@ -53,11 +53,11 @@ class PointResult:
 
 
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
-    """Build the design at a point of a sweep and compute its measures; `values` are those of the task's keys, in order.
+    """Compute the results of a sweep at one point, with the `values` of the task's keys in their order.
 
-    Measures are groups of results, such as ``statics``. An error of a value or a measure is recorded in the result,
-    since other points may succeed. If a value fails, the result has no quantities; if a measure fails, it has those of
-    the others.
+    `task` has the design, the keys and the measures. Measures are groups of results, such as ``statics``. An error of a
+    value or a measure is recorded in the result, since other points may succeed. If a value fails, the result has no
+    quantities; if a measure fails, it has those of the others.
     """
     start = time.thread_time()
     try:

@@ -54,7 +54,7 @@ class RvSamples:
 
 
 def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
-    """Parse the nonzero tolerances of an RV reducer, in the table [crank_tolerance], to distributions by their keys.
+    """Parse the nonzero tolerances of an RV reducer to distributions by their keys in [crank_tolerance].
 
     Raises
     ------
@@ -110,8 +110,8 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
     Returns
     -------
     dict
-        Keys of figures -> forces, shape (samples,) each: the largest force of a pin, the largest 10/3-power mean of a
-        crank bearing, and the largest force of a planet.
+        Keys of quantities -> forces, shape (samples,) each: the largest force of a pin, the largest 10/3-power mean of
+        a crank bearing, and the largest force of a planet.
 
     Raises
     ------
@@ -194,7 +194,7 @@ def _transmission_errors(nominal: Array, responses: Array, deviations: Array) ->
     Parameters
     ----------
     nominal
-        Deviation of the nominal reducer's output angle from the ideal one at m angles of a turn [rad], shape (m,).
+        Deviation of the nominal reducer's output angle from the ideal angle at m angles of a turn [rad], shape (m,).
     responses
         Change of this deviation by each of n errors of parts [rad/m], shape (n, m).
     deviations

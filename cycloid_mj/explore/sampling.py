@@ -46,11 +46,11 @@ WAVE = "profile_"
 
 
 def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
-    """Parse the nonzero tolerances of a design to distributions by key; waves of the profile have a key for each order.
+    """Parse the nonzero tolerances of a design to probability distributions by key.
 
-    The key of a wave is `WAVE` and its order. The width of an ISO grade follows from the diameter of the feature. A
-    tolerance is left out if it is exactly zero. That of ``seat`` is also left out if the pins have no play in their
-    seats (`Design.pin_play`).
+    Waves of the profile have a key for each order. The key of a wave is `WAVE` and its order. The width of an ISO grade
+    follows from the diameter of the feature. A tolerance is left out if it is exactly zero. That of ``seat`` is also
+    left out if the pins have no play in their seats (`Design.pin_play`).
 
     Raises
     ------
@@ -291,7 +291,7 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
 
 
 def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of the sample with the index `row` in `samples`.
+    """Return the clearances and the manufacturing errors of the sample with the index `row` in `samples`.
 
     Errors that are all zero are empty tuples. Measured deviations of parts, which the nominal design already has, are
     subtracted from the errors.

@@ -98,7 +98,10 @@ class Sweep(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """Table of a sweep, a row per point: number, inputs, quantities, warnings, error, CPU time [s], versions."""
+        """Return a table with named columns, a row per point of the sweep.
+
+        The columns are number, inputs, quantities, warnings, error, CPU time [s] and versions.
+        """
         packages = ", ".join(f"{name} {version}" for name, version in versions())
         linked_keys = tuple(link.key for link in self.task.links)
         units = {key: unit_of(declaration_of(key)).suffix for key in (*self.task.keys, *linked_keys)} | {CPU: "s"}
@@ -144,7 +147,7 @@ def sweep(
     vary
         Values of each key of the design file: a sequence, or ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
     measure
-        Names of one or more measures, see `MEASURED`, or keys of figures, see `cycloid_mj.figures.FIGURES`.
+        Names of one or more measures, see `MEASURED`, or keys of quantities, see `cycloid_mj.figures.FIGURES`.
     table
         The points, in place of `vary`: rows of key -> value.
     sample, points, seed
@@ -195,14 +198,14 @@ def define_task(
     follow: str | Sequence[str] = (),
     solver: Solver = "planar",
 ) -> Task:
-    """Return what a sweep computes at each point: the measures, their settings, and the linked keys.
+    """Return what a sweep computes at each point: the measures, their settings, and keys that follow others.
 
     Parameters
     ----------
     reducer, points
         The reducer that the points change, and the points.
     measures
-        Names of measures or keys of figures, or lists ``a,b`` of them.
+        Names of measures or keys of quantities, or lists ``a,b`` of them.
     quick, real_pins
         Whether measures use fewer angles and runs; whether loaded runs keep the inertia of moving pins.
     follow, solver
@@ -211,7 +214,7 @@ def define_task(
     Raises
     ------
     UsageError
-        There is no such measure or figure, or a formula is not valid.
+        There is no such measure or quantity, or a formula is not valid.
     """
     texts = [measures] if isinstance(measures, str) else measures
     names = require_measures(reducer, (name.strip() for text in texts for name in text.split(",")))
@@ -220,10 +223,10 @@ def define_task(
 
 
 def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, progress: Progress) -> Sweep:
-    """Evaluate the points of a sweep that have no row in a folder yet, write rows and tables there; return the sweep.
+    """Evaluate the points of a sweep that have no result in a folder yet; write results and tables; return it.
 
-    Each row is written at once. The tables are written at intervals and at the end, even if the sweep fails or is
-    interrupted.
+    `task` has the design, the keys and the measures; `engine` runs the computations in parallel. Each result is written
+    at once. The tables are written at intervals and at the end, even if the sweep fails or is interrupted.
 
     Raises
     ------
@@ -238,7 +241,7 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
         next_write = monotonic() + SECONDS_BETWEEN_TABLES
 
         def record(index: int, row: PointResult) -> None:
-            """Add a row, by the `index` of its point, to the journal; rewrite the table if the interval has passed."""
+            """Add a result, by the `index` of its point, to the journal; rewrite the table if it is time for that."""
             nonlocal next_write
             # assumptions hardly differ between rows: those of the first are enough
             has_assumptions = any(known.assumptions for known in journal.rows.values())
@@ -262,9 +265,10 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
 def _evaluate_missing(
     task: Task, points: Points, rows: Rows, record: Callable[[int, PointResult], None], engine: Engine, report: Progress
 ) -> None:
-    """Evaluate the points of a sweep that have no row yet, and call `record` with index and result of each.
+    """Evaluate the points of a sweep that have no result yet, and call `record` with index and result of each.
 
-    `rows` are those that exist. `report` is called with the numbers of finished and of missing points.
+    `task` has the design, the keys and the measures; `engine` runs the computations in parallel. `rows` are existing
+    results. `report` is called with the numbers of finished and of missing points.
     """
     missing = [index for index in range(len(points)) if index not in rows]
     evaluate = partial(evaluate_row, task)
@@ -284,7 +288,10 @@ def write_tables(sweep: Sweep, folder: Path) -> None:
 
 
 def _describe_sweep(task: Task, points: Points) -> dict[str, Any]:
-    """Collect design, keys, points, measures and versions as JSON values, which identify the sweep of a folder."""
+    """Collect design, keys, points, measures and versions as JSON values, which identify the sweep of a folder.
+
+    `task` has the design, the points and the measures.
+    """
     return {
         "design": dump(task.reducer.design),
         "keys": list(task.keys),

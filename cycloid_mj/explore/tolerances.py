@@ -139,7 +139,7 @@ class Tolerances(Tabular):
 
     @property
     def frame(self) -> Frame:
-        """A row for each sample: number, deviations [um], figures, and whether it jams (1 or 0)."""
+        """A row for each sample: number, deviations [um], quantities, and whether it jams (1 or 0)."""
         units = {key: unit for key in self.figures if (unit := figure(key).unit) != "1"} | dict.fromkeys(
             self.drawn, "um"
         )
@@ -148,7 +148,7 @@ class Tolerances(Tabular):
 
     @property
     def line(self) -> str:
-        """Design, share of good samples, and mean and standard deviation of the figure of the budget."""
+        """Design, share of good samples, and mean and standard deviation of the quantity of the budget."""
         unit = figure(self.budget_of).unit
         values = self.figures[self.budget_of][~self.jams]
         spread = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
@@ -156,7 +156,7 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """Bounds (0 to 1) of the 95 % confidence interval of the yield.
+        """Return the bounds (0 to 1) of the 95 % confidence interval of the yield.
 
         The yield is the share of samples that do not jam and satisfy all limits. The formula is Wilson's (J. Am. Stat.
         Assoc. 22, 1927).
@@ -169,7 +169,7 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """Sentence on a tolerance study: yield, its interval, limits, share of jammed samples, samples, random seed."""
+        """Return a sentence on a tolerance study: yield, its interval, limits, share of jams, samples, seed."""
         low, high = self.yield_interval
         limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
@@ -189,7 +189,7 @@ class Tolerances(Tabular):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Why the study has no figures, where too many samples jam."""
+        """Why the study has no quantities, where too many samples jam."""
         return (self.jam_words,) if self.jammed_by else ()
 
     @property
@@ -203,7 +203,7 @@ class Tolerances(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on a tolerance study: jams, missing distributions, error budget, omissions, failed runs."""
+        """Return sentences on a tolerance study: jams, missing distributions, error budget, omissions, failed runs."""
         failed_checks = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
@@ -238,7 +238,7 @@ class Tolerances(Tabular):
 
     @property
     def distributions(self) -> dict[str, Distribution]:
-        """Key -> distribution of the figure over the samples that do not jam; NaN if there are fewer than two."""
+        """Key -> distribution of the quantity over the samples that do not jam; NaN if there are fewer than two."""
         return {
             key: Distribution.of_values(values[~self.jams], figure(key).unit) for key, values in self.figures.items()
         }
@@ -270,7 +270,7 @@ class Tolerances(Tabular):
 
         ``samples`` of ``asked`` samples were computed. ``yield`` and ``jam_probability`` are shares of the samples [1],
         ``pressed_unloaded`` the share in which each kind of part is preloaded. ``quantities`` are the distributions of
-        the figures, ``budget`` the shares of the variance of the figure ``budget_of``.
+        the quantities, ``budget`` the shares of the variance of the quantity ``budget_of``.
         """
         return {
             "design": self.design,
@@ -319,7 +319,7 @@ def tolerance(
     verify: int = 0,
     solver: Solver = "planar",
 ) -> Tolerances:
-    """Compute distributions of figures, yield and error budget of a design within its tolerances.
+    """Compute distributions of quantities, yield and error budget of a design within its tolerances.
 
     This is a Monte Carlo study: each sample is a drive with random errors, whose static equilibrium is solved. Equal
     seeds give bit-identical results, on any machine and with any number of workers.
@@ -331,8 +331,8 @@ def tolerance(
     samples, seed
         Number of samples, and random seed.
     limits
-        Limits on figures of the catalogue, such as ``"backlash_arcmin<=1"``; the error budget is that of the first
-        limit's figure. Figures that are not in `SAMPLED` take longer, because a design is made of each sample.
+        Limits on quantities of the catalogue, such as ``"backlash_arcmin<=1"``; the error budget is that of the first
+        limit's quantity. Quantities that are not in `SAMPLED` take longer, because a design is made of each sample.
     progress
         Called with the numbers of solved samples and of all, including those of the budget.
     engine
@@ -342,8 +342,8 @@ def tolerance(
 
     Returns
     -------
-    Share of samples that satisfy all limits and do not jam, distributions of the figures, and the share of each
-    tolerance in the variance of the budget's figure.
+    Share of samples that satisfy all limits and do not jam, distributions of the quantities, and the share of each
+    tolerance in the variance of the budget's quantity.
 
     Raises
     ------
@@ -351,10 +351,10 @@ def tolerance(
         The design has no tolerances, a limit is not valid, or limits contradict each other.
     TooManyJams
         At least 99 % of the first 200 samples jam (of all samples if there are fewer). The attribute `tolerances` of
-        the error has the figures of these samples.
+        the error has the quantities of these samples.
     StudyInterrupted
-        Ctrl-C was pressed. The attribute `tolerances` has the figures of all samples before the first unsolved batch,
-        and the finished simulations.
+        Ctrl-C was pressed. The attribute `tolerances` has the quantities of all samples before the first unsolved
+        batch, and the finished simulations.
     """
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(
@@ -369,7 +369,9 @@ def tolerance(
 
 
 def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerances:
-    """Solve the static equilibrium of all samples of a study; return the distributions, yield and error budget.
+    """Solve for static equilibrium of all samples of a study; return the distributions, yield and error budget.
+
+    `engine` runs the computations in parallel.
 
     Raises
     ------
@@ -392,7 +394,7 @@ def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerance
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
     """Return the tolerance study of an RV reducer, from its closed form of the transmission error; no sample jams.
 
-    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of figures.
+    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities.
 
     Raises
     ------
@@ -429,7 +431,7 @@ def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Seque
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
     """Define a tolerance study that is still to be solved: tolerances, limits, batches, sets of the error budget.
 
-    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of figures.
+    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities.
 
     Raises
     ------
@@ -453,10 +455,11 @@ def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[Fi
 def _solve_batches(
     study: "_Study", figures_by_batch: dict[int, dict[str, Array]], progress: Progress, engine: Engine
 ) -> bool:
-    """Solve the static equilibrium of all samples of a study and of its error budget, batch by batch.
+    """Solve for static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    The figures of each batch are added to `figures_by_batch`: by the index of the batch, then by key, shape (samples,)
-    each. Return False if the study stops because too many samples of the first batch jam, otherwise True.
+    `engine` runs the computations in parallel. The quantities of each batch are added to `figures_by_batch`: by the
+    index of the batch, then by key, shape (samples,) each. Return False if the study stops because too many samples of
+    the first batch jam, otherwise True.
     """
     total, solved_samples = sum(batch.count for batch, _ in study.work), 0
     solve = partial(solve_sample_batch, study.reducer, study.zones, study.seed, ANGLES)
@@ -470,10 +473,10 @@ def _solve_batches(
 
 
 def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: Engine) -> Tolerances:
-    """Return a study with the simulations of its `count` worst samples in full dynamics, the worst sample first.
+    """Return a tolerance study with the simulations of its `count` worst samples in full dynamics, worst first.
 
-    `solver` is "planar" or "mujoco", `engine` has the workers. Raises StudyInterrupted with the finished simulations if
-    Ctrl-C is pressed.
+    `tolerances` is the study. `solver` is "planar" or "mujoco", `engine` has the workers. Raises StudyInterrupted with
+    the finished simulations if Ctrl-C is pressed.
     """
     checks: dict[int, DynamicsCheck] = {}
     drives = [reducer_of(worst) for worst in tolerances.worst[:count]]
@@ -500,7 +503,7 @@ class _Study:
 
     @property
     def budget_key(self) -> str:
-        """The figure of the budget."""
+        """The quantity of the budget."""
         return self.limits[0].key if self.limits else "backlash_arcmin"
 
     @cached_property
@@ -521,14 +524,14 @@ class _Study:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Figures of the samples: all that are balanced together, and those with limits."""
+        """Quantities of the samples: all that are balanced together, and those with limits."""
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
         """Return the result of a tolerance study from its solved batches of samples, up to the first unsolved batch.
 
-        `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each; at least the first
-        batch is solved.
+        `figures_by_batch` has the quantities by index of the batch and by key, shape (samples,) each; at least the
+        first batch is solved.
         """
         batches = self.main[
             : next((index for index in range(len(self.main)) if index not in figures_by_batch), len(self.main))
@@ -566,7 +569,7 @@ class _Study:
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
         """Return the samples of a tolerance study with the worst values as designs, worst first, at most `MAX_WORST`.
 
-        `values` has the figure of the error budget and `eligible` whether a sample may be selected, shape (samples,)
+        `values` has the quantity of the error budget and `eligible` whether a sample may be selected, shape (samples,)
         each. The largest values are the worst, unless the first limit is a lower bound.
         """
         sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
@@ -577,11 +580,11 @@ class _Study:
     def _budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
-        """Return the error budget, the share of each tolerance in a figure's variance, and ""; or () and the reason.
+        """Return the error budget, the share of each tolerance in a quantity's variance, and ""; or () and the reason.
 
-        There is no budget if the figure is constant, the study is too small or was stopped, or too many samples jam. A
-        single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch, then by key;
-        `unjammed_values` are those of the budget's figure for the n samples that do not jam, shape (n,).
+        There is no budget if the quantity is constant, the study is too small or was stopped, or too many samples jam.
+        A single tolerance has the share 1. `figures_by_batch` are the quantities by index of the batch, then by key;
+        `unjammed_values` are those of the budget's quantity for the n samples that do not jam, shape (n,).
         """
         key = self.budget_key
         if unjammed_values.size > 1 and np.ptp(unjammed_values) <= CONSTANT_RTOL * np.abs(unjammed_values).max():
@@ -613,7 +616,7 @@ class _Study:
 def solve_sample_batch(
     reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[sampling.Batch, Sequence[str]]
 ) -> dict[str, Array]:
-    """Draw the samples of a batch, solve their static equilibrium, and compute their figures, such as the backlash.
+    """Draw the samples of a batch, solve their static equilibrium, and compute their quantities, such as the backlash.
 
     Parameters
     ----------
@@ -622,12 +625,12 @@ def solve_sample_batch(
     angles
         Number of crank angles at which the equilibrium is solved.
     work
-        The batch, and the keys of the figures.
+        The batch, and the keys of the quantities.
 
     Returns
     -------
-    The figures by key, shape (samples,) each. Figures that are not in `SAMPLED` are NaN for samples that cannot be
-    written as a design.
+    The quantities by key, shape (samples,) each. Quantities that are not in `SAMPLED` are NaN for samples that cannot
+    be written as a design.
     """
     batch, keys = work
     samples = sampling.draw_samples(reducer, zones, seed, batch)
@@ -640,7 +643,7 @@ def solve_sample_batch(
 
 
 def _figure_of_sample(reducer: Reducer, samples: Samples, index: int, catalogue_figure: Figure) -> float:
-    """Compute a figure of a sample as a design; NaN where there is none."""
+    """Compute a quantity of a sample as a design; NaN where there is none."""
     try:
         return catalogue_figure.value(Reducer(sampling.design_of_sample(reducer, samples, index, reducer.design.name)))
     except CycloidError:

@@ -106,7 +106,7 @@ class DynamicsCheck:
 
 
 def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
-    """Run a design, and return its figures with those of statics; the note has the error of a run that fails."""
+    """Run a design, and return its quantities with those of statics; the note has the error of a run that fails."""
     statics = COMPARED[reducer.LAYOUT].statics(reducer)
     try:
         return DynamicsCheck(reducer.design.name, statics, _simulate_figures(reducer, solver), solver=solver)
@@ -115,7 +115,7 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 
 
 def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
-    """Simulate a crank turn at nominal torque and the design's speed; return figures by key.
+    """Simulate a crank turn at nominal torque and the design's speed; return quantities by key.
 
     These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N]. `solver`
     is "planar" or "mujoco".
@@ -132,7 +132,7 @@ def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
 
 
 def table_rows(check: DynamicsCheck) -> list[tuple[str, ...]]:
-    """Format statics, dynamics and their difference, a row for each figure."""
+    """Format statics, dynamics and their difference, a row for each quantity."""
     return [
         (check.design, key, f"{check.statics[key]:.5g}", f"{value:.5g}", f"{100.0 * change:+.2f} %", figure(key).unit)
         for (key, value), change in zip(check.dynamics.items(), check.differences.values(), strict=True)

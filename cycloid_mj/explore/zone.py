@@ -48,7 +48,7 @@ class Zone:
 def parse_zone(
     text: str, key: str, size: float, clearance: float | None = None, table: str = "tolerance"
 ) -> Zone | None:
-    """Parse a tolerance of the design file into its distribution; return None for an empty text or 0.
+    """Parse a tolerance of the design file into its probability distribution; return None for an empty text or 0.
 
     Parameters
     ----------

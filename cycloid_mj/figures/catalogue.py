@@ -69,12 +69,12 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     needs
         Kinds of computation (`Need`) that the caller can carry out, such as statics.
     reducer
-        A reducer that must have the figure; None for any.
+        A reducer that must have the quantity; None for any.
 
     Raises
     ------
     UsageError
-        The figure does not exist, the reducer does not have it, or it requires a computation that is not in `needs`.
+        The quantity does not exist, the reducer does not have it, or it requires a computation that is not in `needs`.
     """
     row = find_figure(key)
     if row is None:
@@ -105,8 +105,8 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
     """Return a question for an error message that suggests up to `MAX_SUGGESTIONS` similar keys, or "".
 
-    Similar keys contain `key`; if none does, they resemble it. Only figures with one of the `needs` are considered, and
-    only those that apply to the reducer unless it is None.
+    Similar keys contain `key`; if none does, they resemble it. Only quantities with one of the `needs` are considered,
+    and only those that apply to the reducer unless it is None.
     """
     available = [
         name
@@ -129,15 +129,15 @@ def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figur
 
 
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
-    """Compute the values of figures by their keys or aliases, each in its unit, for a reducer.
+    """Compute the values of quantities by their keys or aliases, each in its unit, for a reducer.
 
-    Errors are those of the figures.
+    Errors are those of the quantities.
     """
     return {key: figure(key).value(reducer) for key in keys}
 
 
 def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return those quantities of a measure that are figures of the catalogue, with the catalogue's keys and names.
+    """Return those quantities of a measure that are quantities of the catalogue, with the catalogue's keys and names.
 
     `measure` is the name of the measure, `measured` are its quantities by its own keys.
     """
@@ -146,20 +146,20 @@ def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quan
 
 
 def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Quantity]:
-    """Compute all figures with one of the `needs` that apply to a reducer, by key.
+    """Compute all quantities with one of the `needs` that apply to a reducer, by key.
 
-    The value of a figure that fails is NaN, and its note is the error.
+    The value of a quantity that fails is NaN, and its note is the error.
     """
     return {row.key: _quantity_of_row(reducer, row) for row in figures_of(reducer, needs)}
 
 
 def quantity(reducer: Reducer, key: str) -> Quantity:
-    """Compute the figure of a key or alias; if that fails, its value is NaN, and its note is the error."""
+    """Compute the quantity of a key or alias; if that fails, its value is NaN, and its note is the error."""
     return _quantity_of_row(reducer, figure(key))
 
 
 def _quantity_of_row(reducer: Reducer, row: Figure) -> Quantity:
-    """Compute the figure of a catalogue row; if that fails, its value is NaN, and its note is the error."""
+    """Compute the quantity of a catalogue row; if that fails, its value is NaN, and its note is the error."""
     try:
         return row.quantity(reducer)
     except CycloidError as error:
@@ -167,7 +167,7 @@ def _quantity_of_row(reducer: Reducer, row: Figure) -> Quantity:
 
 
 def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
-    """Convert computed figures to JSON values: name, value and unit by key, and the interval if there is any."""
+    """Convert computed quantities to JSON values: name, value and unit by key, and the interval if there is any."""
     return {
         key: {"name": figure.name, "value": figure.value, "unit": figure.unit, **figure.interval_json()}
         for key, figure in figures.items()

@@ -77,15 +77,15 @@ class Figure:
     interval: Callable[[Reducer], Quantity] | None = None
 
     def applies_to(self, reducer: Reducer) -> bool:
-        """Return whether a reducer has the figure, by its layout and by `exists`."""
+        """Return whether a reducer has the quantity, by its layout and by `exists`."""
         return reducer.LAYOUT in self.layouts and self.exists(reducer)
 
     def value(self, reducer: Reducer) -> float:
-        """Compute the figure of a sound reducer [`unit`], NaN if it has none; errors are those of the function."""
+        """Compute the quantity of a sound reducer [`unit`], NaN if it has none; errors are those of the function."""
         return self._compute(reducer) if self.applies_to(reducer) else math.nan
 
     def quantity(self, reducer: Reducer) -> Quantity:
-        """Compute the figure with its name and unit, its definition as a note, and its interval if it has any."""
+        """Compute the quantity with its name and unit, its definition as a note, and its interval if it has any."""
         plain = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
         if self.interval is None or not self.applies_to(reducer):
             return plain
@@ -101,7 +101,7 @@ class Figure:
         return compute
 
     def as_json(self) -> dict[str, str | list[str]]:
-        """Convert the description of a figure of the catalogue to JSON values: key, name, unit, definition and need."""
+        """Convert the description of a catalogue quantity to JSON values: key, name, unit, definition and need."""
         return {
             "name": self.name,
             "unit": self.unit,

@@ -66,7 +66,7 @@ def _make_figure(
 ) -> Figure:
     """Return the catalogue entry of a quantity that depends on dimensions and materials only.
 
-    `function` computes the figure from a reducer, or is the name of a function that does. `aliases` and `deprecated`
+    `function` computes the quantity from a reducer, or is the name of a function that does. `aliases` and `deprecated`
     are further keys; the other arguments are the fields of `Figure` with these names.
     """
     return Figure(

@@ -63,7 +63,7 @@ def solve_states(
 
 
 def condition(reducer: Reducer) -> str:
-    """Describe the conditions of the figures of samples."""
+    """Describe the conditions of the quantities of samples."""
     return (
         f"statics without friction and weight, rigid parts with elastic contacts, over a turn of the crank; loaded: "
         f"{reducer.design.rated_torque:.4g} N m on the output, unloaded: {TOUCH:g} of that"

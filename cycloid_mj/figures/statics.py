@@ -22,7 +22,7 @@ CREEP_SHARE = 1e-3
 
 @once
 def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
-    """Compute a part of the static sheet, by its keys, once for all of its figures."""
+    """Compute a part of the static sheet, by its keys, once for all of its quantities."""
     return sheet_part(reducer, part)
 
 
@@ -138,7 +138,7 @@ def _make_torque_figure(
     """Return the catalogue entry of a torque [N m] that the static data sheet does not have.
 
     Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
-    interval under the friction law ``film``. RV reducers have the figure under this law only, because statics leaves
+    interval under the friction law ``film``. RV reducers have the quantity under this law only, because statics leaves
     out their weight.
     """
 

@@ -51,7 +51,7 @@ class Course:
     end: str
 
     def life(self, limit: float) -> float:
-        """Return the hours until the lost motion reaches a limit [rad], interpolated; inf if it does not grow.
+        """Return the hours until the lost motion reaches a `limit` [rad], interpolated; inf if it does not grow.
 
         Beyond the computed hours it is extrapolated linearly, which underestimates the life if wear slows down.
         """
@@ -228,7 +228,7 @@ class WearLife(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert lives [h], lost motion over time [arcmin], recorded rows and worn surfaces to JSON values.
 
-        A row in ``records`` has accuracy, forces and wear depths at a time. An unlimited life is None.
+        ``records`` has accuracy, forces and wear depths at several times. An unlimited life is None.
         """
         names = [key for key, _ in self.columns]
         return dict(
@@ -343,7 +343,7 @@ class _Log:
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Compute and store the lost motion over the hours for a case of wear; return False if this was interrupted.
+        """Compute and store the lost motion over the hours for a case of wear; return False if it was interrupted.
 
         The case is "low", "typical" or "high": wear coefficients at their 5, 50 or 95 % percentile. `on_progress` is
         called after each step with the case and the finished share of the computation, 0 to 1.
@@ -385,10 +385,11 @@ class _Log:
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
-        """Record a state of the typical case: a row of accuracy, contact forces and wear depths, if it is due.
+        """Store accuracy, contact forces and wear depths of the typical case of wear, if it is time for a record.
 
-        A row is due if `is_due` is true, for the first state, and when the lost motion has grown since the last row by
-        the permitted growth divided by `WearSettings.records`. The state is kept as the last state in any case.
+        `state` is the state of the wearing drive. A record is stored if `is_due` is true, for the first state, and when
+        the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`. The
+        state is kept as the last state in any case.
         """
         self._last = state
         growth_step = self._growth / self._drive.settings.records
@@ -417,7 +418,7 @@ class _Log:
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 
     def result(self, duty: Duty) -> WearLife:
-        """Return the lost motion by case, the recorded rows and the worn surfaces that are computed so far.
+        """Return the lost motion by case, the stored records and the worn surfaces that are computed so far.
 
         The result states the duty cycle `duty` in words.
         """

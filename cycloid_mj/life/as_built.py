@@ -76,11 +76,12 @@ def default_parts(design: Design) -> Parts:
 
 
 def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]:
-    """Return the numbers of the tolerance samples that have the largest tooth forces in several similar `reducers`.
+    """Return the numbers of those tolerance samples that probably have the largest tooth forces.
 
-    A sample is a random drive within the tolerances; its random numbers, and so roughly the rank of its force, are the
-    same for all reducers. The `SETTINGS.likely_samples` samples with the largest mean logarithm of the force are
-    returned, numbered from 0; none if the reducers have no tolerances or no sample has a static equilibrium.
+    `reducers` are several similar reducers with tolerances. A sample is a random drive within the tolerances; its
+    random numbers, and so roughly the rank of its force, are the same for all reducers. The `SETTINGS.likely_samples`
+    samples with the largest mean logarithm of the force are returned, numbered from 0; none if the reducers have no
+    tolerances or no sample has a static equilibrium.
     """
     numbers = range(SETTINGS.samples)
     forces = [force for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
@@ -95,10 +96,10 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
 def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
     """Return the number of the tolerance sample whose tooth force is the 95 % percentile of all samples.
 
-    The `SETTINGS.samples` samples are random drives within the tolerances, numbered from 0. Only those in `numbers`,
-    from `find_likely_critical_samples`, are computed; the others are assumed to have smaller forces. The percentile is
-    `SETTINGS.percentile`. None if the design has no tolerances; the first of `numbers` if no sample has a static
-    equilibrium.
+    A sample is a random drive within the tolerances. Samples are numbered from 0 to `SETTINGS.samples` - 1. Only those
+    in `numbers`, from `find_likely_critical_samples`, are computed; the others are assumed to have smaller forces. The
+    percentile is `SETTINGS.percentile`. None if the design has no tolerances; the first of `numbers` if no sample has a
+    static equilibrium.
     """
     force = _tooth_forces(reducer, numbers) if numbers else None
     if force is None:
@@ -109,7 +110,7 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
 
 
 def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
-    """Compute the largest tooth force [N] of each tolerance sample whose number is in `numbers`.
+    """Compute the largest tooth force [N] of the tolerance samples (random drives) with the given `numbers`.
 
     The force is NaN for a sample without static equilibrium. Return None if the design has no tolerances.
     """
@@ -181,7 +182,9 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
 def _critical_samples(
     forces: Mapping[str, Array], names: Mapping[str, str], usable: Integers
 ) -> tuple[tuple[int, ...], str]:
-    """Return the numbers of the samples at the percentile of each force, without repetition, and a text on the choice.
+    """Return the numbers of the tolerance samples at the percentile of each force, and a text on the choice.
+
+    A sample at the percentiles of several forces is listed once.
 
     Parameters
     ----------

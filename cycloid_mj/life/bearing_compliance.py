@@ -52,7 +52,7 @@ class CamCompliance:
 
     @property
     def words(self) -> str:
-        """Sentence with the range of equivalent loads [N] and lives [h] of the cam bearing by assumed stiffness."""
+        """Return a sentence with the range of loads [N] and lives [h] of the cam bearing over assumed stiffnesses."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
         life = f", its life {_range_text(lives)}" if lives else ""

@@ -157,7 +157,7 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
 
 
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
-    """Return the load on each bearing with a key [N], shape (m, bearings), at m crank angles.
+    """Return the load on each bearing of a kind [N], shape (m, bearings), at m crank angles.
 
     It is the magnitude of the radial force; for bearings of the output it is the equivalent load, which includes their
     preload and, for crossed rollers, the tilting moment.
@@ -186,8 +186,8 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
     Yields
     ------
     RatedItem
-        For each bearing its life (ISO 281), its modified life if an oil viscosity is known, and its static factor (ISO
-        76).
+        For each bearing its life (ISO 281), its modified life if an oil viscosity is known, and its static safety
+        factor (ISO 76).
     """
     for bearing in bearings_of(reducer):
         forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
@@ -200,7 +200,8 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
     """Compute the friction loss of each bearing of shaft and output [W], by key.
 
-    Bearings of cams and output rollers are left out, because statics includes their losses.
+    `loading` has the solved forces. Bearings of cams and output rollers are left out, because statics includes their
+    losses.
     """
     return {
         bearing.key: friction_torque(reducer, bearing, float(bearing_forces(reducer, bearing.key, loading).mean()))
@@ -211,7 +212,7 @@ def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
 
 
 def friction_torque(reducer: Reducer, bearing: Bearing, load: float) -> float:
-    """Compute the friction torque of a shaft or output bearing [N m] that a load P [N] causes: mu P d/2.
+    """Compute the friction torque of a shaft or output bearing [N m] under a `load` P [N]: mu P d/2.
 
     This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
     coefficient of the cam if the cam has a rolling bearing, or else the coefficient of needles in `ASSUMED_ROLLERS`.
@@ -297,7 +298,7 @@ def _choose_ratings(
     row: RollerRow,
     location_text: str,
 ) -> Ratings:
-    """Return the load ratings C and C0 [N] of a bearing: of the design file, else from stock, else of a row of rollers.
+    """Return the load ratings C and C0 [N] of a bearing: of the design file, else from stock, else of assumed rollers.
 
     Parameters
     ----------

@@ -89,9 +89,9 @@ def check_reducer(reducer: Reducer) -> Checks:
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
     """Check whether a valid design withstands its nominal torque and speed for its required life.
 
-    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. Returns a check for each
-    kind of failure in `KINDS`, all of them warnings. Empty if the crank does not turn or no static equilibrium exists,
-    which the check `rated_load` reports.
+    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. A `Check` compares the load
+    capacity for each kind of failure in `KINDS` with its limit; all checks are warnings. Empty if the crank does not
+    turn or no static equilibrium exists, which the check `rated_load` reports.
     """
     try:
         return checks_of_rating(rate_for_verdict(reducer))
@@ -123,7 +123,8 @@ def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str,
 def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) -> Iterator[tuple[str, float]]:
     """Yield changes of the design file that may make a failed check pass.
 
-    The new torque is the result of a search; face width, life and speed are changed by the ratio of value and limit.
+    `rating` has the load capacity of all parts. The new torque is the result of a search; face width, life and speed
+    are changed by the ratio of value and limit.
 
     Yields
     ------
@@ -174,7 +175,7 @@ def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> 
 
 
 def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
-    """Return whether the check of a name passes once a change (key of the design file, value) is applied."""
+    """Return whether the check named `check_name` passes after a `change` of the design file (key, value)."""
     try:
         changed = reducer_of(override(reducer.design, dict([change])))
         # steady temperatures, which take most of the time, decide on heat only

@@ -214,7 +214,7 @@ Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, 
 
 
 def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of a central-crank drive: quantities, curves, assumptions, limiting item.
+    """Compute the contents of the data sheet of a central-crank drive: quantities, curves, assumptions, weakest part.
 
     `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
     after each step.
@@ -251,7 +251,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
 
 
 def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of an RV reducer: quantities, curves, assumptions, limiting item.
+    """Compute the contents of the data sheet of an RV reducer: quantities, curves, assumptions, weakest part.
 
     `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
     after each step.
@@ -277,9 +277,9 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
 
 
 def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    """Return the quantities of a group with notes that state whether parts are perfect or have errors.
+    """Return data-sheet quantities with a note that states whether parts are perfect or have errors.
 
-    Quantities that do not depend on such errors (`BY_GEOMETRY_ALONE`) are unchanged.
+    `group` are the quantities. Quantities that do not depend on such errors (`BY_GEOMETRY_ALONE`) are unchanged.
     """
     parts = f"parts {reducer.parts_text}" if reducer.has_errors else "perfect parts"
     return tuple(
@@ -291,7 +291,7 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 def _rating_rows(
     reducer: Reducer, life: float, rated_limit: tuple[float, RatedItem], momentary_limit: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
-    """Return the rows of a data sheet on the ratio, the input speed [rpm] and the torques [N m].
+    """Return the data-sheet rows of the ratio, the input speed [rpm] and the permissible torques [N m].
 
     The torques are the rated torque of the drive and of its bearings alone, and the acceleration, momentary and nominal
     torque. `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
@@ -342,7 +342,7 @@ def _rating_rows(
 
 
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
-    """Return rated and momentary torque [N m] of parts within the tolerances of the design; empty without tolerances.
+    """Return rated and momentary torque [N m] of drives with errors within the tolerances; empty without tolerances.
 
     They are extrapolated from the rating at the nominal torque for a `life` [h].
     """
@@ -364,7 +364,7 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
 
 
 def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return the rows of backlash, lost motion, stiffness, transmission error and hysteresis loss of a data sheet.
+    """Return the data-sheet rows of backlash, lost motion, stiffness, transmission error and hysteresis loss.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
@@ -380,7 +380,7 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return the rows of efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits.
+    """Return the data-sheet rows of efficiency, back-driving, no-load and starting torques, and thermal limits.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
@@ -409,7 +409,7 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
-    """Return the row of the efficiency [%] at the nominal torque, including the losses of all bearings.
+    """Return the data-sheet row of the efficiency [%] at the nominal torque, including losses of all bearings.
 
     With the friction law ``film``, it has a 5 to 95 % interval. `condition` is the note of the row: torque and speed in
     words.
@@ -424,7 +424,7 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the torque limit by the steady temperatures [N m], and the temperature difference of disc and ring [K].
+    """Yield the data-sheet rows of the thermal torque limit [N m] and the temperature difference of disc and ring [K].
 
     The limit is left out if it is infinite. The note of the difference states at which difference the teeth jam. No row
     is yielded for a design whose dimensions already include thermal expansion (``thermal.applied``).
@@ -460,7 +460,7 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of the output flange: limits of tilting moment, radial and axial load, and tilting stiffness.
+    """Return the data-sheet rows of the output flange: limits of tilting moment, radial and axial load; stiffness.
 
     The limits are loads that may act together with the nominal torque, except the axial load, which acts alone.
     """
@@ -577,9 +577,9 @@ def life_curve(
     rated: float = 0.0,
     on_point: Callable[[], None] = lambda: None,
 ) -> Curve:
-    """Compute the rated output torque [N m] for a life over the input speed [rpm], at `CURVES.speed_shares`.
+    """Compute the rated output torque [N m] for a required life over the input speed [rpm].
 
-    Speeds without any rated torque have no point.
+    The speeds are `CURVES.speed_shares` of that of the design. Speeds without any rated torque have no point.
 
     Parameters
     ----------
@@ -588,7 +588,7 @@ def life_curve(
     momentary
         Momentary torque, the upper limit of the curve [N m].
     rated
-        Rated torque at the design's own speed, if it is known [N m].
+        Rated torque at the design's own speed, if it is known [N m]; 0: unknown.
     on_point
         Called after each speed.
     """
@@ -652,7 +652,7 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
 
 
 def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[str, ...]:
-    """Return the assumptions of the data sheet, a sentence each: statics, ratings, friction, material and clearances.
+    """Return the assumptions of the data sheet, a sentence each: statics, rated torque, friction, material, clearances.
 
     `ratings` are the sentences on the rated torque, and `static` is the data sheet by statics with its assumptions.
     """
@@ -666,7 +666,7 @@ def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[s
 
 
 def _describe_ratings(life: float) -> str:
-    """Return sentences on how the rated torque for a life [h] and the momentary torque are defined."""
+    """Return sentences on the definition of the rated torque for a life [h] and of the momentary torque."""
     return (
         f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
         f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "

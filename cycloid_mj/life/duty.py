@@ -44,7 +44,7 @@ class Duty:
 
     @property
     def words(self) -> str:
-        """Duty cycle in words: torque [N m], speed [rpm] and share of the time of each point."""
+        """Return the duty cycle in words: torque [N m], speed [rpm] and share of the time of each point."""
         if len(self.points) == 1:
             point = self.points[0]
             return f"{point.torque:.4g} N m at {point.speed / RPM:.6g} rpm"

@@ -29,7 +29,7 @@ FAR_BEYOND = 2.0
 
 
 def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) -> Iterator[RatedItem]:
-    """Yield safety factors at the peak torque [N m] of an emergency stop.
+    """Yield the safety factors of all parts at the peak torque [N m] of an emergency stop.
 
     The items are shear and bending of an output pin, skipping of a tooth, and yield and dents at contacts. Forces on
     output pins are scaled in proportion to the torque from `worst`, the solved forces at the largest torque of the

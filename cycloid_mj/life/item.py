@@ -64,19 +64,19 @@ class RatedItem:
     kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, required_life: float) -> float:
-        """Return the margin of a rated item: its safety factor, or its life over a required life [h]; 1 is just enough.
+        """Return the safety factor of a rated part, or its life over the required life [h]; 1 is just enough.
 
-        It is inf for an item without a limit.
+        It is inf for a part without a limit.
         """
         if self.safety is not None:
             return self.safety
         return math.inf if self.life is None else self.life / required_life
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a rated item (load, limit, safety or life) to JSON values, without its key.
+        """Convert the rating of a part for one kind of failure to JSON values: load, limit, safety factor or life.
 
-        `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety factor, from no life at
-        all.
+        The key is not included. `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety
+        factor, from no life at all.
         """
         return {
             "name": self.name,
@@ -93,11 +93,11 @@ class RatedItem:
 
     @property
     def decisive(self) -> bool:
-        """Return whether the item limits the rated torque: neither a figure without a limit nor wear does."""
+        """Return whether the item limits the rated torque: neither a quantity without a limit nor wear does."""
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
     def judgement(self, required_life: float) -> Judgement:
-        """Return whether the rated item passes, fails or causes a warning, for a required life [h].
+        """Return whether a part passes, fails or causes a warning, for a required life [h].
 
         A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). An item without a
         limit is not judged.
@@ -117,7 +117,7 @@ class RatedItem:
 
     @property
     def verdict(self) -> str:
-        """Safety factor or life as text; empty for a figure without a limit."""
+        """Safety factor or life as text; empty for a quantity without a limit."""
         if self.is_unlimited:
             return "unlimited"
         if self.safety is not None:
@@ -231,7 +231,7 @@ class Rating(Presented):
         return f"{self.line_of(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
-        """Return a table with a row for each rated item: load, limit, safety or life, parts, source, notes."""
+        """Return a table with a row for each rated part and kind of failure: load, limit, safety or life, source."""
         header = ("item", "load", "limit", "safety or life", "parts", "formula and source", "assumptions")
         rows = tuple(
             (item.name, item.load_text, item.limit_text, item.verdict, self.parts, item.source, item.note)
@@ -243,9 +243,9 @@ class Rating(Presented):
         """Convert the rating of a drive to JSON values.
 
         Keys are ``design`` (its name), ``condition`` (the duty in words), ``required_life_h`` [h], ``parts`` (the rated
-        parts, see `Rating`), ``weakest`` (key of the weakest item), ``items`` (a dict for each key of an item) and
-        ``assumptions`` (sentences). If it was requested, ``cam_give`` lists stiffness [N/m], load [N] and life [h] of
-        the cam bearing for several stiffnesses (`CamCase.as_json`).
+        parts, see `Rating`), ``weakest`` (key of the weakest item), ``items`` (a dict for each part and kind of
+        failure) and ``assumptions`` (sentences). If it was requested, ``cam_give`` lists stiffness [N/m], load [N] and
+        life [h] of the cam bearing for several stiffnesses (`CamCase.as_json`).
         """
         content = {
             "design": self.design,

@@ -59,7 +59,8 @@ def rate(
     Returns
     -------
     Rating
-        Life, safety factors, wear and heat of each item; `weakest` is the item with the smallest margin.
+        Life, safety factors, wear and heat; an item is a part with a kind of failure. `weakest` is the item with the
+        smallest margin.
 
     Raises
     ------
@@ -124,8 +125,8 @@ def _add_thermal_limits(rating: Rating, design: Design, duty: Duty) -> Rating:
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
     """Merge the ratings of tolerance samples of a design: each item is that of the sample with the least margin.
 
-    `design_name` becomes the name of the design; `sample_text` describes the samples, which are random drives within
-    the tolerances, and becomes the first assumption.
+    An item is a part with a kind of failure. `design_name` becomes the name of the design; `sample_text` describes the
+    samples, which are random drives within the tolerances, and becomes the first assumption.
     """
     first_rating = ratings[0]
     weakest = [
@@ -147,7 +148,7 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
 def _rate_all_items(
     reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, crank_angles: int, with_stops: bool
 ) -> tuple[list[RatedItem], float]:
-    """Return the items of bearings, surfaces, strength, wear, heat, emergency stops and joints over a duty cycle.
+    """Rate bearings, surfaces, strength, wear, heat, emergency stops and joints over a duty cycle.
 
     Parameters
     ----------
@@ -161,8 +162,8 @@ def _rate_all_items(
     Returns
     -------
     tuple
-        The items; and the numerical work of the duty's point with the slowest static equilibria, the mean number of
-        assemblies of the equations per crank angle (`Loading.work`).
+        The rated items (a part with a kind of failure each); and the numerical work of the duty's point with the
+        slowest static equilibria, the mean number of assemblies of the equations per crank angle (`Loading.work`).
 
     Raises
     ------
@@ -211,7 +212,7 @@ def rate_for_verdict(reducer: Reducer) -> Rating:
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
-    """Yield the assumptions of a rating over a duty cycle that apply to all its items, a sentence each."""
+    """Yield the general assumptions of a rating over a duty cycle, a sentence each."""
     yield "forces: statics with friction and the clearances of the design, at constant crank speed"
     yield f"reliability of bearings and parts: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"

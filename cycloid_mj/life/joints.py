@@ -140,7 +140,7 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 
 
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
-    """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill of materials."""
+    """Return the tightening torques [N m] of the screws of a drive, by their name in the bill of materials."""
     clamp = cam_clamp(reducer)
     clamped = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
     return clamped | {
@@ -213,7 +213,7 @@ def gaping_moment(retainer: ScrewedJoint) -> float:
 
 
 def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Rate the screws of a bearing retainer: tilting moment against the moment at which the clamped outer ring gapes.
+    """Rate the screws of a bearing retainer: tilting moment against that at which the outer ring lifts off.
 
     The retainer clamps the outer ring of the crossed roller bearing; discs and shaft exert the tilting moment on this
     bearing. `force_scale` [1] multiplies the forces of `loading`. Yields nothing for a pair of ball bearings.
@@ -265,8 +265,8 @@ def _ring_slip_torque(reducer: Reducer, cover_screws: ScrewedJoint) -> float:
 def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> ScrewedJoint:
     """Return a screwed joint with its thread, property class, circle radius [m] and preload limits.
 
-    `covers` are the covers of the drive. Screws of motor and driven machine are not in the bill of materials: their
-    property classes are assumed.
+    `joint` are the parts and screws, `covers` are the covers of the drive. Screws of motor and driven machine are not
+    in the bill of materials: their property classes are assumed.
     """
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
@@ -284,10 +284,10 @@ def _foreign_thread(sizes: Casing, joint: Joint) -> float:
 
 
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
-    """Return the preload of each screw [N] and the slip torque [N m] of a joint that the screws allow (VDI 2230).
+    """Return the preload of each screw [N] and the slip torque [N m] of a joint, as its screws allow (VDI 2230).
 
     The preload is usual for their property class. The note of the result states the range of the torque over the
-    assumed friction.
+    assumed friction. `screwed_joint` has the dimensions of the joint.
     """
     preload = screwed_joint.thread.usual_preload(strength.PROOF_STRESS[screwed_joint.property_class])
     torque = strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius)
@@ -312,7 +312,7 @@ def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
 
 
 def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
-    """Yield the limits of a screwed joint by its clamped parts: pressure under the heads, and strength of the threads.
+    """Yield the limits of a screwed joint by its clamped parts: pressure under heads, and strength of threads.
 
     Each has the preload of a screw [N] and the slip torque of the joint [N m] that the part allows. `screw` is the
     bought screw of the joint; None if it is not in the bill of materials.
@@ -411,7 +411,7 @@ def _hole_source(reducer: Reducer, joint: Joint) -> str:
 
 
 def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
-    """Compute the torque [N m] that the dowels of a face transmit: the sum of pin force times radius."""
+    """Compute the torque [N m] that the dowels of a `joint` transmit: the sum of pin force times radius."""
     (part,) = joint.bought
     materials = [_material(reducer, name) for name in joint.parts]
     strengths = [material.yield_strength for material in materials]
@@ -455,7 +455,10 @@ def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, lengt
 
 
 def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
-    """Rate the shrink fit of the cams on the shaft: `torque` [N m] against the slip torque of a single cam."""
+    """Rate the shrink fit of the cams on the shaft: `torque` [N m] against the slip torque of a single cam.
+
+    `shrunk` has the dimensions of the shrink fit.
+    """
     press = shrunk.press
     item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press, shrunk.zones, shrunk.yield_pressure)
     largest = -fits.clearances(shrunk.zones, press.diameter)[0]
@@ -469,7 +472,10 @@ def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
 
 
 def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
-    """Rate cams on a splined shaft: `torque` [N m] on a cam against the limit of the spline's flanks (Roloff/Matek)."""
+    """Rate the `joint` of cams on a splined shaft: `torque` [N m] on a cam against the limit of the spline's flanks.
+
+    The limit is by Roloff/Matek.
+    """
     spline = cam_spline(reducer)
     assert spline is not None
     hub = strength.StraightSpline(spline.count, spline.minor, spline.major, joint.length)
@@ -486,7 +492,7 @@ def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
 
 
 def _rate_clamped_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedItem:
-    """Rate cams that screws clamp on the shaft: `torque` [N m] on a cam against the torque at which it slips."""
+    """Rate the `joint` of cams clamped on the shaft by screws: `torque` [N m] on a cam against its slip torque."""
     clamp = cam_clamp(reducer)
     assert clamp is not None
     preload, weakest = _clamp_preload(reducer, clamp)
@@ -518,7 +524,7 @@ def _clamp_tightening(reducer: Reducer, clamp: CamClamp) -> float:
 
 
 def _clamp_preload(reducer: Reducer, clamp: CamClamp) -> tuple[float, str]:
-    """Return the preload of a clamping screw [N], the least that screw, thread or face allow, and which it is."""
+    """Return the preload of a clamping screw [N], limited by screw, thread or face, and which of them limits it."""
     thread, material = _clamp_thread(clamp), reducer.design.material_of(names.SHAFT)
     nominal = clamp.bolt.thread
     shear = JOINTS.metal_shear * material.tensile_strength
@@ -532,7 +538,7 @@ def _clamp_preload(reducer: Reducer, clamp: CamClamp) -> tuple[float, str]:
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
-    """Rate a parallel key: `torque` [N m] against the torque that its side pressure allows (DIN 6892, method C).
+    """Rate the `joint` by a parallel key: `torque` [N m] against that of its permissible side pressure (DIN 6892 C).
 
     `shaft_diameter` is in [m].
     """

@@ -149,12 +149,12 @@ def solve_loading(
     with_wind_up: bool = True,
     temperatures: Mapping[str, float] | None = None,
 ) -> Loading:
-    """Solve contact forces, shaft forces, sliding and losses over a turn at one `point` of a duty cycle, with friction.
+    """Solve contact forces, shaft forces, sliding and losses over a turn at one `point` of a duty cycle.
 
-    The load always opposes the rotation, whatever the signs of torque and speed. `crank_angles` is the number of crank
-    angles. The wind-up, which only emergency stops need, is NaN unless `with_wind_up` is set. `temperatures` [°C] of
-    the parts apply to clearances, moduli and lubricant, but not to the sizes of shaft and covers; the default are the
-    temperatures of the reducer.
+    Friction is included. The load always opposes the rotation, whatever the signs of torque and speed. `crank_angles`
+    is the number of crank angles. The wind-up, which only emergency stops need, is NaN unless `with_wind_up` is set.
+    `temperatures` [°C] of the parts apply to clearances, moduli and lubricant, but not to the sizes of shaft and
+    covers; the default are the temperatures of the reducer.
 
     Raises
     ------
@@ -205,8 +205,8 @@ def solve_loading(
 def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
     """Solve for the mean rotation of the disc relative to the crank that the load causes, without clearances [rad].
 
-    The rotation between `PRELOAD_SHARE` of the `torque` [N m] and the full torque is extrapolated to no torque.
-    `contact_loads` are the equilibria under the full torque.
+    `springs` are the contact springs. The rotation between `PRELOAD_SHARE` of the `torque` [N m] and the full torque is
+    extrapolated to no torque. `contact_loads` are the equilibria under the full torque.
     """
     preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
     turn = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
@@ -223,7 +223,7 @@ def _peak_pressures(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
 
 
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute force times speed, pressure times speed and speed of the sliding contacts, by kind of mating pair.
+    """Compute force times speed, pressure times speed and speed of sliding contacts, by kind of mating pair.
 
     The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
     turn slides where its friction is lower: on the flank or in its seat. The bores of sleeves and rollers wear evenly;
@@ -292,7 +292,7 @@ def _summarize_sliding(
     kind
         Kind of mating pair, which determines the length of the contacts.
     force, speed
-        Normal forces [N] and sliding speeds [m/s] at each crank angle and contact, shape (m, n).
+        Normal forces [N] and sliding speeds [m/s] at m crank angles and n contacts, shape (m, n).
     radius
         Radius of the pins [m].
     line_power
@@ -315,7 +315,7 @@ def _largest_line_power(power: Array, angle: Array, lengths: Array, passes_evenl
     Parameters
     ----------
     power
-        Force times sliding speed of each contact at each crank angle [W], shape (m, n).
+        Force times sliding speed of n contacts at m crank angles [W], shape (m, n).
     angle
         Position of each contact on its surface [rad], shape (m, n); equal surfaces are superposed.
     lengths
@@ -340,10 +340,10 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
 
 
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
-    """Return the phase of the ring pin of each contact [rad], shape (m, n): its angle from the disc's eccentric.
+    """Return the phase of the ring pin of each of n contacts [rad], (m, n): its angle from the disc's eccentric.
 
-    `crank` are crank angles [rad], shape (m,). There are n contacts of the ring: all pins for each disc and each half
-    of the ring.
+    `crank` are m crank angles [rad], shape (m,). The contacts are those of the ring: all pins for each disc and each
+    half of the ring.
     """
     pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
     phases = crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
@@ -387,14 +387,14 @@ def _shaft_forces(
     dimensions
         Dimensions of the crank.
     crank
-        Crank angles [rad], shape (m,).
+        The m crank angles [rad], shape (m,).
     cam_forces
         Forces of the cams on the discs [N], shape (m, discs, 2).
 
     Returns
     -------
     stations, forces
-        Positions along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, the
+        The p positions along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, the
         bearing far from the discs or beyond them, and the near bearing.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]

@@ -72,7 +72,7 @@ class NoLoadTorque:
 
 
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
-    """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
+    """Compute the no-load torque of bearings and seals, referred to the crank [N m], with its range.
 
     `speed` is the crank speed [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is the
     temperature of the grease. Bearings have Palmgren's load-independent torque M0, and a preloaded pair also the
@@ -98,7 +98,7 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield the inputs of Palmgren's no-load torque for each kind of bearing of the drive.
+    """Yield the inputs of Palmgren's formula of the no-load torque for each kind of bearing of the drive.
 
     Yields
     ------

@@ -187,7 +187,7 @@ class CrossedRollerBearing:
 
     @property
     def rollers(self) -> tuple[float, float]:
-        """Number of rollers of a crossed roller bearing [1], and length of a roller [m], which equals its diameter.
+        """Return number [1] and length [m] of the rollers of a crossed roller bearing; the length equals the diameter.
 
         They follow from the spacing of the rollers and the static rating C0 = 44 Z L D cos 45 deg (ISO 76), without the
         factor of their curvature. Every second roller carries load of one direction.

@@ -97,7 +97,7 @@ def equivalent_load(bearing: StockBearing, load: Array) -> Array:
 
 
 def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...]:
-    """Compute the equivalent loads on the bearings of the output's hub [N], shape (m,) each, the outer one last.
+    """Compute the equivalent loads on the bearings of the output's hub [N] at m crank angles, (m,) each, outer last.
 
     `loading` has the solved forces at m crank angles. Raises DesignError if the covers do not fit.
     """
@@ -111,7 +111,8 @@ def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
     """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
 
-    They balance the forces of the discs on the output, and that of the shaft if it has a bearing in the hub.
+    They are in equilibrium with the forces of the discs on the output, and that of the shaft if it has a bearing in the
+    hub.
 
     Returns
     -------
@@ -127,10 +128,10 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
 
 
 def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute force [N] and tilting moment [N m] on a single bearing of the output's hub, shape (m,) each.
+    """Compute force [N] and tilting moment [N m] on a single bearing of the output's hub at m angles, (m,) each.
 
-    They balance the forces of the discs on the output, and that of the shaft if it has a bearing in the hub.
-    Raises DesignError if the covers do not fit.
+    `loading` has the solved forces. They are in equilibrium with the forces of the discs on the output, and that of the
+    shaft if it has a bearing in the hub. Raises DesignError if the covers do not fit.
     """
     planes, middle = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
     about_middle = Planes(planes.force, planes.axial_position - middle)

@@ -87,11 +87,11 @@ def _interpolate(limit: float, soft: float, hard: float) -> float:
 
 
 def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors | None:
-    """Compute the lubricant, speed and roughness factors Z_L, Z_v and Z_R [1] of a kind of pair at a point of the duty.
+    """Compute the lubricant, speed and roughness factors Z_L, Z_v and Z_R [1] of a kind of mating pair (ISO 6336-2).
 
-    They follow from means over the loaded contacts of `loading`. `limit` is the pressure allowed for long life [Pa].
-    Returns None for pairs other than teeth and output pins in holes, or if the design does not have the friction law
-    ``film``.
+    They are valid at one point of a duty cycle. They follow from means over the loaded contacts of `loading`. `limit`
+    is the pressure allowed for long life [Pa]. Returns None for pairs other than teeth and output pins in holes, or if
+    the design does not have the friction law ``film``.
     """
     reducer, film = loading.reducer, loading.springs.film
     design = reducer.design

@@ -62,9 +62,9 @@ def creep_damage(pressure: npt.ArrayLike, limit: float) -> Array:
 def damage_rate(loading: Loading, kind: str, limit: float) -> float:
     """Compute the damage per hour of rotation [1/h] at the most loaded point of a plastic surface, by Miner's rule.
 
-    At a damage of 1 the surface has a permanent set. A lobe of the disc meets all ring pins in turn, so its damage is
-    the mean over them; for pins and holes it is the largest of their damages. `kind` is the kind of mating pair, and
-    `limit` the pressure that leaves a permanent set within a short test [Pa].
+    `loading` has the solved forces. At a damage of 1 the surface has a permanent set. A lobe of the disc meets all ring
+    pins in turn, so its damage is the mean over them; for pins and holes it is the largest of their damages. `kind` is
+    the kind of mating pair, and `limit` the pressure that leaves a permanent set within a short test [Pa].
     """
     design = loading.reducer.design
     force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, kind)
@@ -91,7 +91,7 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
         Kind of mating pair, and one of its two parts, as in `PARTNERS`. Contacts in seats do not move along the
         surface: their share is 1.
     half_width
-        Half widths of the strips of all contacts [m], shape (m, n).
+        Half widths of the strips of n contacts at m crank angles [m], shape (m, n).
 
     Returns
     -------
@@ -118,7 +118,8 @@ def _mean_over_passes(loading: Loading, damage: Array) -> float:
     """Return the damage per hour at the most damaged point of the lobes [1/h], the mean over all pins that pass it.
 
     Contacts of a disc with the ring (with each half of a split ring) are sorted into sectors of their phases; in each
-    of them, `damage` (m, n) is averaged over the pins and turns of the crank.
+    of them, `damage` of n contacts at m crank angles, (m, n), is averaged over the pins and turns of the crank.
+    `loading` has the static forces at a point of the duty cycle.
     """
     teeth, phases = loading.reducer.design.ring.teeth, tooth_phases(loading.reducer, loading.springs.crank)
     groups = (slice(first, first + teeth) for first in range(0, damage.shape[1], teeth))

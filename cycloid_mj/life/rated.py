@@ -61,8 +61,9 @@ def rated_torque(
 ) -> tuple[float, RatedItem]:
     """Compute the rated output torque [N m] for a life at a speed of the crank, and the item that limits it.
 
-    Each step rates the reducer, and extrapolates the torque at which its weakest item reaches its limit
-    (`weakest_torque`). Where this leaves the bracket, the logarithm of the torque is bisected.
+    An item is a part with a kind of failure. Each step rates the reducer, and extrapolates the torque at which its
+    weakest item reaches its limit (`weakest_torque`). Where this leaves the bracket, the logarithm of the torque is
+    bisected.
 
     Parameters
     ----------
@@ -118,11 +119,12 @@ def _extrapolate_torque_limit(
     with_stops: bool,
     parts: Parts,
 ) -> tuple[float, RatedItem | None]:
-    """Rate the reducer at a torque [N m], and extrapolate its torque limit from the weakest item (`weakest_torque`).
+    """Rate the reducer at a torque [N m], and extrapolate the torque at which its weakest item reaches its limit.
 
-    `speed` is the crank speed [rad/s], `life` the required life [h], and `crank_angles` the number of crank angles of
-    the rating. Only items for whose key `limits_torque` returns True are considered. `with_stops` includes emergency
-    stops. `parts` is "perfect" for the parts as designed, or "toleranced" for samples within the tolerances.
+    An item is a part with a kind of failure; see `weakest_torque`. `speed` is the crank speed [rad/s], `life` the
+    required life [h], and `crank_angles` the number of crank angles of the rating. Only items for whose key
+    `limits_torque` returns True are considered. `with_stops` includes emergency stops. `parts` is "perfect" for the
+    parts as designed, or "toleranced" for samples within the tolerances.
 
     Returns
     -------
@@ -147,10 +149,10 @@ def _next_in_bracket(low: float, high: float) -> float:
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Extrapolate the output torque at which the first of some rated items reaches its limit; return it with the item.
+    """Extrapolate the output torque at which the first of several rated items reaches its limit; return the item, too.
 
-    Loads are assumed to be in proportion to the torque (docs/rating.md). Far from the torque at which the items were
-    rated, the result is an estimate.
+    An item is a part with a kind of failure. Loads are assumed to be in proportion to the torque (docs/rating.md). Far
+    from the torque at which the items were rated, the result is an estimate.
 
     Parameters
     ----------
@@ -192,9 +194,10 @@ def rated_and_momentary_torque(
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
     """Estimate rated and momentary output torque [N m] from a rating at a single torque, by `weakest_torque`.
 
-    `rated_items` are the items of the rating at `torque` [N m] for a `life` [h]. The peak torque of that rating must be
-    `PEAK_FACTOR` times `torque`. The rated torque is at most the momentary torque. `reducer` is required only for an RV
-    reducer (`is_stop`), whose safety factors at the peak torque are inversely proportional to the torque.
+    `rated_items` are the items (a part with a kind of failure each) of the rating at `torque` [N m] for a `life` [h].
+    The peak torque of that rating must be `PEAK_FACTOR` times `torque`. The rated torque is at most the momentary
+    torque. `reducer` is required only for an RV reducer (`is_stop`), whose safety factors at the peak torque are
+    inversely proportional to the torque.
 
     Returns
     -------
@@ -215,10 +218,10 @@ def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dic
 
 
 def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which a rated item just reaches its limit, or the required `life` [h].
+    """Extrapolate the torque [N m] at which a rated part just reaches its limit, or the required `life` [h].
 
-    The item was rated at `torque` [N m]. The load of an item is assumed to follow a power law of the torque, such as
-    the square root for pressures.
+    `item` is the part with a kind of failure. It was rated at `torque` [N m]. The load of an item is assumed to follow
+    a power law of the torque, such as the square root for pressures.
     """
     margin = item.margin(life)
     if item.safety is None:

@@ -83,7 +83,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     """Yield the crank bearings in the discs, then those in the flanges, with load ratings and forces [N].
 
-    Each has the forces under each of `torques` [N m], the output torques at the points of a duty.
+    Forces are those under each of `torques` [N m], the output torques at the points of a duty cycle.
     """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
@@ -165,12 +165,12 @@ def _rate_bearing(
     peak_torque: float,
     running_share: float,
 ) -> Iterator[RatedItem]:
-    """Yield life and modified life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
+    """Yield life and modified life (ISO 281) and static safety factor (ISO 76) of the most loaded of equal bearings.
 
-    The row has equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds` are the
-    bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these shares
-    [1]. The static factor is the static safety factor at `peak_torque` [N m]. The modified life requires a known
-    viscosity of the oil.
+    `bearing_row` has the equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds`
+    are the bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these
+    shares [1]. The static safety factor is that at `peak_torque` [N m]. The modified life requires a known viscosity of
+    the oil.
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -276,7 +276,7 @@ def _rate_lubricated(
     load_rates: Array,
     speed_ratios: Array,
 ) -> RatedItem:
-    """Rate the life until pitting with the lubricant factors of ISO 6336-2.
+    """Rate the life until pitting of teeth with the lubricant factors of ISO 6336-2.
 
     Parameters
     ----------
@@ -361,7 +361,7 @@ def _rate_pitting(
 
 
 def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
-    """Yield the assumptions of the rating of an RV reducer, a sentence each."""
+    """Yield the assumptions of the rating of an RV reducer over the duty cycle `duty`, a sentence each."""
     yield (
         "forces: the larger of ideal sharing and the balance of springs with the clearances and errors of the design, "
         "with friction, over a turn of the carrier"

@@ -103,7 +103,7 @@ def rv_further_groups(reducer: RvReducer) -> dict[str, tuple[Quantity, ...]]:
 
 
 def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Iterator[Quantity]:
-    """Yield the rows of ratio, torques [N m] and rated speeds [rpm].
+    """Yield the data-sheet rows of ratio, torques [N m] and rated speeds [rpm] of an RV reducer.
 
     `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
     """
@@ -140,9 +140,10 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
 
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the rows of backlash, lost motion, stiffness, and transmission errors by load, deviations and tolerances.
+    """Yield the data-sheet rows of backlash, lost motion, stiffness and transmission errors of an RV reducer.
 
-    `static` is the data sheet computed by statics at the nominal torque.
+    The transmission errors are those by load, by deviations and by tolerances. `static` is the data sheet computed by
+    statics at the nominal torque.
     """
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -156,7 +157,7 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
 
 
 def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
-    """Return the row of the transmission error [arcsec] of parts within their tolerances; empty without tolerances."""
+    """Return the data-sheet row of the transmission error [arcsec] within the tolerances; empty without tolerances."""
     percentile = TOLERANCE_SETTINGS.percentile
     try:
         samples = draw_rv_samples(reducer, ERROR_SAMPLES, TOLERANCE_SETTINGS.seed, 0)
@@ -175,7 +176,7 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the rows of efficiency, no-load torques, temperature rise and thermal limits.
+    """Yield the data-sheet rows of efficiency, no-load torques, temperature rise and thermal limits.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
@@ -200,7 +201,7 @@ def _solve_nominal_state(reducer: RvReducer, share: float) -> ThermalState:
 
 
 def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of the steady temperature rises [K], and of the torque [N m] and speed [rpm] that they allow."""
+    """Yield the data-sheet rows of the steady temperature rises [K] and the torque [N m] and speed [rpm] they allow."""
     state = _solve_nominal_state(reducer, reducer.design.service.duty_share)
     temperatures = state.temperatures
     cooling = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
@@ -225,7 +226,7 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _no_load_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of no-load and starting torques on the sun [N m], by the friction law ``film``."""
+    """Yield the data-sheet rows of no-load and starting torques on the sun [N m], by the friction law ``film``."""
     for key, name, figure_key, temperature in (
         ("running_torque_cold", "No-load torque, 20 °C", "no_load_torque_nm", SETTINGS.cold),
         ("running_torque_warm", "No-load torque, 60 °C", "no_load_torque_nm", SETTINGS.warm),
@@ -259,10 +260,11 @@ def _mass_rows(reducer: RvReducer) -> Iterator[Quantity]:
 
 
 def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
-    """Yield the rows of grease viscosity, ambient temperatures, and permissible duty at nominal torque and speed.
+    """Yield the data-sheet rows of grease viscosity, ambient temperatures, and permissible duty.
 
-    All temperature rises are assumed to be in proportion to the share of the time. The largest ambient temperature is
-    left out if the nominal torque allows no temperature in the range of the grease.
+    The duty is that at nominal torque and speed. All temperature rises are assumed to be in proportion to the share of
+    the time. The largest ambient temperature is left out if the nominal torque allows no temperature in the range of
+    the grease.
     """
     design = reducer.design
     yield from grease_rows(design)

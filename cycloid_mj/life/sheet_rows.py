@@ -76,7 +76,7 @@ def nominal_torque_row(design: Design) -> Quantity:
 
 
 def figure_row(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
-    """Compute a figure of the catalogue for a line of the sheet; if that fails, its note says why."""
+    """Compute a quantity of the catalogue for a line of the sheet; if that fails, its note says why."""
     computed = quantity(reducer, key)
     note = condition if math.isfinite(computed.value) else computed.note
     return with_interval(Quantity(key, name, computed.value, computed.unit, note=note), computed)
@@ -112,9 +112,10 @@ def hysteresis(reducer: Reducer) -> Quantity:
 
 
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
-    """Return the rows of no-load running, starting and back-driving torque [N m], with grease, bearings and seals.
+    """Return the data-sheet rows of no-load running, starting and back-driving torque [N m].
 
-    `static_sheet` is the data sheet computed by statics, whose efficiency of back-driving is used.
+    They include grease, bearings and seals. `static_sheet` is the data sheet computed by statics, whose efficiency of
+    back-driving is used.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running, running_warm, starting, back_driving = (
@@ -158,7 +159,7 @@ def _torque_row(
     shaft_text: str,
     range_text: str,
 ) -> Quantity:
-    """Return the row of a no-load torque [N m], the sum of contact friction and of bearing and seal friction.
+    """Return the data-sheet row of a no-load torque [N m]: contact friction plus bearing and seal friction.
 
     Parameters
     ----------
@@ -187,7 +188,7 @@ def _torque_row(
 def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
     """Compute a no-load torque by the friction of the contacts alone [N m], at a temperature of the parts [°C].
 
-    `key` selects the running, starting or back-driving torque; it is the key in the catalogue of figures. The
+    `key` selects the running, starting or back-driving torque; it is the key in the catalogue of quantities. The
     temperature has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN and its note has
     the reason.
     """
@@ -198,7 +199,7 @@ def contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
 
 
 def _contact_torques_by_speed(reducer: Reducer, speeds: Array, temperature: float) -> Array:
-    """Compute the no-load torque of the contacts [N m] at speeds of the crank [rad/s], shape (n,).
+    """Compute the no-load torque of the contacts [N m] at n speeds of the crank [rad/s], shape (n,).
 
     Torques are NaN if the parts jam at the temperature [°C], or where there is no equilibrium.
     """
@@ -245,7 +246,7 @@ def grease_rows(design: Design) -> Iterator[Quantity]:
 
 
 def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
+    """Yield the data-sheet rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
 
     The duty is the share of the time at nominal torque and speed [%] that heat allows. The highest ambient temperature
     is left out if the nominal torque allows no temperature in the range of the grease.
@@ -264,7 +265,7 @@ def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the rows of run-out of the output, radial load of the input shaft, motor torque and tightening torques."""
+    """Yield the data-sheet rows of output run-out, input shaft radial load, motor torque and tightening torques."""
     design, covers = reducer.design, casing(reducer)
     bore = 1e3 * covers.hub.bore
     radial_run_out = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])

@@ -35,7 +35,7 @@ PART_OF = {studied: part for part, studied in HOLED.items()}
 def rate_strength(
     reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
 ) -> Iterator[RatedItem]:
-    """Yield safety factors against fatigue of parts, for unlimited repetition of the largest load of a duty.
+    """Yield safety factors against fatigue of parts, for unlimited repetition of the largest load of a duty cycle.
 
     Rated are the root of an output pin, the weakest shoulder of the shaft, and the walls of disc and ring. `worst` has
     the solved forces of that load. `ranges` are stress ranges of a finite-element study by name of the part; they
@@ -160,7 +160,7 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 
 
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate the wall next to a hole against fatigue, as a clamped beam over the hole with a force in its middle.
+    """Rate the wall next to a hole against fatigue, as a clamped beam over the hole under a force in its middle.
 
     The force is the largest of a tooth or output pin in the loading `worst`. The pulsating stress is the larger of
     bending and shear (von Mises).

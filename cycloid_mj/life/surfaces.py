@@ -66,8 +66,8 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
     """Yield safety factors against first yield and shakedown, and the pitting life, of teeth, holes and seats.
 
     `loadings` are the solved forces at each point of the duty. Safety factors compare the largest Hertz pressure with
-    its limits; the life follows by Miner's sum, for steel only. If the weaker surface is a plastic, its only item is
-    the time until a permanent set. Conformal contacts, for which Hertz's theory is not valid, are left out.
+    its limits; the life follows by Miner's sum, for steel only. If the weaker surface is a plastic, only the time until
+    a permanent set is rated. Conformal contacts, for which Hertz's theory is not valid, are left out.
     """
     for kind, name in NAMES.items():
         if any(kind not in loading.pressures for loading in loadings):

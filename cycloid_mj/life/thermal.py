@@ -81,7 +81,7 @@ SETTINGS = ThermalSettings()
 
 
 def _running_points(design: Design, duty: Duty) -> list[DutyPoint]:
-    """Return the points of a duty at which the crank turns; raise a `DesignError` if there are none."""
+    """Return the points of a duty cycle at which the crank turns; raise DesignError if there are none."""
     points = [point for point in duty.points if point.speed]
     if not points:
         raise DesignError(
@@ -158,7 +158,11 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 def _find_speed_limit(
     reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
 ) -> float:
-    """Return the largest crank speed [rad/s] that heat allows, with all speeds of a duty scaled by the same factor."""
+    """Return the largest crank speed [rad/s] that heat allows, if all speeds of a duty cycle are scaled equally.
+
+    `points` are those of the duty cycle, `steady_state` their losses and temperatures, and `settings` those of the
+    search.
+    """
     share, _ = _find_scale_limit(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
@@ -195,11 +199,12 @@ class _Steady:
 
 
 def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve for the steady losses and temperatures of the parts, by fixed-point iteration from 20 °C.
+    """Solve for the steady losses and temperatures of the parts under a duty cycle, by fixed-point iteration.
 
-    `points` are the points of the duty. Losses and conductances depend on the temperatures, also through the
-    clearances. If the parts would jam at the next temperatures, the step is shortened. If they jam after the shortest
-    step as well, the result has the losses before that step and is not converged.
+    It starts at 20 °C. `settings` are those of the iteration. `points` are the points of the duty cycle. Losses and
+    conductances depend on the temperatures, also through the clearances. If the parts would jam at the next
+    temperatures, the step is shortened. If they jam after the shortest step as well, the result has the losses before
+    that step and is not converged.
     """
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
@@ -236,7 +241,7 @@ def _solve_losses(
     capacities: Mapping[str, float],
     settings: ThermalSettings,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
+    """Return the losses [W] by source at each point of a duty cycle, and the thermal network at the largest torque.
 
     Parameters
     ----------
@@ -273,7 +278,7 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
 
     The losses at each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
     and in the steady state. If the iteration for the steady state did not converge, the losses are constant and equal
-    to the losses of its last round.
+    to the losses of its last round. `settings` are those of the thermal computation.
     """
     design = reducer.design
     duration = settings.time_constants * steady_state.network.time_constant
@@ -326,7 +331,7 @@ def _find_torque_limit(
     tightest: TightestTime | None,
     settings: ThermalSettings,
 ) -> _TorqueLimit:
-    """Return the largest torque of a duty that heat allows [N m], what limits it, and torque limits by duty factor.
+    """Return the largest torque of a duty cycle that heat allows [N m], what limits it, and limits by duty factor.
 
     The first torque is valid for the duty as it is, with all its torques scaled by the same factor. The other torque
     limits are for a drive that runs for a share of the time, the duty factor, and rests otherwise (S3). For these, and
@@ -400,7 +405,7 @@ def _find_scale_limit(
     steady_state: _Steady,
     settings: ThermalSettings,
 ) -> tuple[float, str]:
-    """Return the largest factor on torque or speed of a duty at which no thermal limit is exceeded.
+    """Return the largest factor on torque or speed of a duty cycle at which no thermal limit is exceeded.
 
     The first estimate assumes losses in proportion to the factor. The secant method corrects it with the losses at that
     factor and the temperatures of the limit. An estimate above `ThermalSettings.solved` is not corrected.
@@ -459,7 +464,8 @@ def _find_loss_limit(
 ) -> _LossLimit:
     """Return the factor on all losses at which the first temperature limit is reached in the steady state.
 
-    `losses` [W] are by source. The temperature rises of the parts over the air are in proportion to them.
+    `network` has the heat conductances. `losses` [W] are by source. The temperature rises of the parts over the air are
+    in proportion to them. `settings` are those of the thermal computation.
     """
     return _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
 
@@ -491,7 +497,10 @@ def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalS
 
 
 def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
-    """Yield the assumptions of a computation of steady temperatures, a sentence each."""
+    """Yield the assumptions of a computation of steady temperatures, a sentence each.
+
+    `steady_state` is its result.
+    """
     if isinstance(reducer, RvReducer):
         yield describe_rv_friction(reducer)
         yield from RV_THERMAL_ASSUMPTIONS
@@ -521,7 +530,7 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the temperature difference of disc and ring [K] against the difference at which the teeth jam.
+    """Rate the temperature difference of disc and ring [K] against that at which the teeth jam.
 
     `loadings` are the solved forces at each point of the duty; with rests (``service.duty_share``), the difference is
     the mean over running and rest. Losses and conductances are computed at 20 °C, without the iteration of `thermal`.

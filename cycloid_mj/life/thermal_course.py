@@ -60,10 +60,10 @@ def solve_course(
     end: float,
     samples: int,
 ) -> TemperatureCourse:
-    """Compute the temperature rise of each node [K] over time [s] in a warm-up from the temperature of the air.
+    """Compute the temperature rises [K] over time [s] of the nodes of a thermal network in a warm-up.
 
-    The solution is exact at the returned times (matrix exponential of each point of the duty). The periodic state is
-    the one that a cycle maps to itself.
+    The start is at the temperature of the air. The solution is exact at the returned times (matrix exponential of each
+    point of the duty). The periodic state is the one that a cycle maps to itself.
 
     Parameters
     ----------

@@ -127,7 +127,7 @@ class Network:
 
     @cached_property
     def matrix(self) -> Array:
-        """Conductance matrix G of a thermal network [W/K], shape (n, n), in the order of `capacities`.
+        """Return the conductance matrix G of a thermal network of n nodes [W/K], (n, n), in their order.
 
         The heat into the nodes [W] is G (T - T_ambient) in the steady state, with the temperatures T of the nodes.
         """
@@ -182,8 +182,9 @@ def build_network(
 ) -> Network:
     """Build the thermal network of a drive (heat conductances between its parts and to the air) under solved loads.
 
-    `wall_temperature` [°C] is the temperature of the housing's wall. `capacities` [J/K] are heat capacities by node
-    (`heat_capacities`); by default all are 1 J/K, and the network serves for steady temperatures only.
+    `loading` has the solved forces. `wall_temperature` [°C] is the temperature of the housing's wall. `capacities`
+    [J/K] are heat capacities by node (`heat_capacities`); by default all are 1 J/K, and the network serves for steady
+    temperatures only.
     """
     links = (
         *_contact_links(loading.reducer, loading.contacts),
@@ -260,7 +261,7 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
 
 
 def _face_links(design: Design) -> Iterator[Conductance]:
-    """Yield the heat conductances [W/K] through the grease between the end faces of the discs and housing or output."""
+    """Yield the heat conductances [W/K] through the grease between end faces of discs and housing or output."""
     root = design.ring.pin_circle_radius - design.ring.pin_radius
     holes = design.output.pins * design.output.hole_radius**2
     area = math.pi * (root**2 - design.gear.bore_radius**2 - holes)

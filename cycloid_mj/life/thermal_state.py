@@ -113,7 +113,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Temperatures, temperature differences, clearances of the warm drive, losses and thermal limits, by key."""
+        """Return temperatures and their differences, warm clearances, losses and thermal limits of a drive, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")

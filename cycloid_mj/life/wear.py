@@ -26,8 +26,9 @@ NAMES = {
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield wear depth in 1000 h [um] (Archard), sliding distance [km] and largest p v of each kind of contact.
 
-    `loadings` are the solved forces at each point of the duty. The depth is the largest on the surface, its limit the
-    clearance. The distance and the product p v of pressure and sliding speed [MPa m/s] have no limit.
+    p is the pressure [MPa] and v the sliding speed [m/s]. `loadings` are the solved forces at each point of the duty.
+    The depth is the largest on the surface, its limit the clearance. The distance and the product p v [MPa m/s] have no
+    limit.
     """
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind

@@ -85,7 +85,7 @@ class WearingDrive:
 
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
-        """Material, wear coefficient and run-in depth of each surface of a wearing drive, by the surface's key."""
+        """Return material, wear coefficient and run-in depth of each wearing surface, by the key of the surface."""
         design = self.reducer.design
         laws = {}
         for surface in self.surfaces:
@@ -97,9 +97,9 @@ class WearingDrive:
 
     @cached_property
     def crank(self) -> Array:
-        """Crank angles [rad], shape (m,), evenly spaced over a turn of the crank relative to the ring.
+        """Return m crank angles [rad], evenly spaced over a turn of the crank relative to the ring, shape (m,).
 
-        For an RV reducer they are spaced over a turn of the carrier. Their number m has no divisor in common with the
+        For an RV reducer they are spaced over a turn of the carrier. The number m has no divisor in common with the
         numbers of teeth and pins, so that the pins take m different, equally spaced positions within a pitch.
         """
         reducer, design, count = self.reducer, self.reducer.design, self.settings.poses
@@ -120,10 +120,10 @@ class WearingDrive:
         return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
-        """Compute the rate of pressure times sliding distance [Pa m/s] in each cell of each wearing surface.
+        """Compute the rate of pressure times sliding speed [Pa m/s] in each cell of each wearing surface.
 
-        `worn_reducer` has the gaps of the worn parts. The rates are means over the points of the duty, shape (cells,),
-        by the key of the surface.
+        A cell is a small interval along the surface. `worn_reducer` has the gaps of the worn parts. The rates are means
+        over the points of the duty, shape (cells,), by the key of the surface.
 
         Raises
         ------
@@ -142,7 +142,7 @@ class WearingDrive:
 
 
 def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, SlidingContacts]:
-    """Solve for forces, sliding speeds and positions of the contacts of each kind of gap at crank angles (m,) [rad].
+    """Solve for forces, sliding speeds and positions of the contacts of each kind of gap at m crank angles [rad], (m,).
 
     `load` [N m] is the torque that opposes the rotation of the output.
     """
@@ -184,7 +184,7 @@ def lost_motion(reducer: Reducer) -> float:
 
 
 def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -> Iterator[WearState]:
-    """Yield the state of the new drive, then that after each time step of its wear (explicit Euler method).
+    """Yield the state of a new drive, then that after each time step of its wear (explicit Euler method).
 
     Parameters
     ----------
@@ -219,8 +219,9 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
     """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
 
-    `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding distance so far [Pa m] of each
-    cell of a surface, and `rates` their rates [Pa m/s]: key of the surface -> (cells,). The result is inf without wear.
+    `drive` is the drive with its duty. `case` is "low", "typical" or "high" wear. `doses` are pressure times sliding
+    distance so far [Pa m] of each cell of a surface, and `rates` their rates [Pa m/s]: key of the surface -> (cells,).
+    The result is inf without wear.
     """
     steps = [math.inf]
     for surface in drive.surfaces:

@@ -105,8 +105,8 @@ RUN_IN = RunIn()
 def wear_coefficient(service: Service, material: Material) -> Interval:
     """Return the coefficient of wear of a surface [m3/(N m)] with its 5 and 95 % percentiles.
 
-    A coefficient in the design file has a tenth and ten times of it as percentiles. Otherwise the kind of material
-    determines coefficient and percentiles.
+    `service` is that table of the design, `material` is that of the surface. A coefficient in the design file has a
+    tenth and ten times of it as percentiles. Otherwise the kind of material determines coefficient and percentiles.
     """
     stated_coefficient = service.wear_coefficient
     if stated_coefficient != Service.model_fields["wear_coefficient"].default:

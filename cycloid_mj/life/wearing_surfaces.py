@@ -250,10 +250,11 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 
 
 def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Gap, SlidingContacts]:
-    """Solve the contacts of discs and ring of an RV reducer under a torque on the output [N m].
+    """Solve for forces and sliding speeds of the contacts of discs and ring of an RV reducer.
 
-    `crank` [rad] are crank angles relative to the ring, shape (m,). The result has the single key "teeth"; its arrays
-    of positions, forces, speeds and half widths have the shape (m, contacts).
+    They are those under a torque on the output [N m]. `crank` [rad] are m crank angles relative to the ring, shape
+    (m,). The result has the single key "teeth"; its arrays of positions, forces, speeds and half widths have the shape
+    (m, contacts).
 
     Raises
     ------
@@ -288,10 +289,10 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
 
 
 def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
-    """Compute the mean rate of pressure times sliding distance [Pa m/s] of each cell of a surface, shape (cells,).
+    """Compute the mean rate of pressure times sliding distance [Pa m/s] in each cell of a surface, shape (cells,).
 
-    `sliding` are the contacts on this surface over a turn in one direction. The drive turns in each direction for half
-    of the time, under a load that always opposes the rotation.
+    A cell is a small interval along the surface. `sliding` are the contacts on this surface over a turn in one
+    direction. The drive turns in each direction for half of the time, under a load that always opposes the rotation.
     """
     power = sliding.force * sliding.speed * surface.lever
     area = surface.count * surface.length * surface.section / surface.cells
@@ -308,7 +309,7 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
 
 
 def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
-    """Distribute weights over the equal cells of a periodic section; return their sum in each cell, shape (cells,).
+    """Distribute weights over equal cells (intervals) of a periodic section; return their sum in each cell, (cells,).
 
     Each of n weights is distributed uniformly from centre - half width to centre + half width [m], shape (n,) each. The
     section has the length `period` [m], from -period/2 on. The sums are exact.

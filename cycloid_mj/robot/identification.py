@@ -292,7 +292,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
     def value_and_error(figure: Callable[[Play], float]) -> tuple[float, float]:
-        """Return a figure of the fine play, and its difference to the coarse play."""
+        """Return a quantity of the fine play, and its difference to the coarse play."""
         return figure(fine), abs(figure(fine) - figure(coarse))
 
     direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"

@@ -117,7 +117,7 @@ class ReducedJoint(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Identified figures, one row each."""
+        """Identified quantities, one row each."""
         return quantity_frame(self.quantities)
 
     @property

@@ -55,7 +55,7 @@ class Answer(Presented):
 
     @property
     def frame(self) -> Frame:
-        """The drives, a row each: title and figures."""
+        """The drives, a row each: title and quantities."""
         figures = self.drives[0].figures if self.drives else {}
         return make_frame([{"title": item.title, **item.figures} for item in self.drives], ("title", *figures), {})
 

@@ -97,7 +97,7 @@ def capacity(guess: Estimate, but: tuple[str, ...] = ()) -> Array:
 
 
 def add_capacity(figures: Estimate) -> Estimate:
-    """Return figures of candidates with the key ``capacity``, their smallest torque limit (at least 1e-9 N m)."""
+    """Return quantities of candidates with the key ``capacity``, their smallest torque limit (at least 1e-9 N m)."""
     limits = {key: values for key, values in figures.items() if key != "capacity"}
     return {**limits, "capacity": np.maximum(capacity(limits), 1e-9)}
 

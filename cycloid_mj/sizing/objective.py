@@ -34,7 +34,7 @@ class Objective:
     limits: Mapping[str, float]
 
     def merit(self, figures: Mapping[str, Array | float]) -> Array:
-        """Return the logarithm of the figure of each candidate, shape (n,), negative if it is minimized."""
+        """Return the logarithm of the quantity of each candidate, shape (n,), negative if it is minimized."""
         return np.asarray(_sign(self.key) * np.log(figures[self.key]))
 
     def excess(self, figures: Mapping[str, Array | float]) -> Array:
@@ -44,11 +44,11 @@ class Objective:
     def expected_improvement(self, figures: Mapping[str, Array | float], scale: Array, best: float) -> Array:
         """Compute the expected improvement of the merit by a rating of each candidate, shape (n,).
 
-        The merit is the logarithm of the objective's figure (`merit`). `figures` are the estimates of the candidates,
-        by key, shape (n,) each. Their errors are normal with standard deviations of `DEVIATIONS`
-        times `scale` (n,). The improvement over the merit `best` counts only within the limits (Schonlau, Welch and
-        Jones, Global versus local search in constrained optimization of computer models, 1998). If `best` is -inf, it
-        is the probability that all limits are met.
+        The merit is the logarithm of the objective's quantity (`merit`). `figures` are the estimates of the candidates,
+        by key, shape (n,) each. Their errors are normal with standard deviations of `DEVIATIONS` times `scale` (n,).
+        The improvement over the merit `best` counts only within the limits (Schonlau, Welch and Jones, Global versus
+        local search in constrained optimization of computer models, 1998). If `best` is -inf, it is the probability
+        that all limits are met.
         """
         deviations = np.reshape([DEVIATIONS[key] for key in self.limits], (-1, 1)) * scale
         probability = ndtr(_slack(self.limits, figures) / deviations).prod(axis=0)
@@ -65,7 +65,7 @@ def _sign(key: str) -> float:
 
 
 def _slack(limits: Mapping[str, float], figures: Mapping[str, Array | float]) -> Array:
-    """Return the logarithms by which figures are better than their limits, shape (limits, n)."""
+    """Return the logarithms by which quantities are better than their limits, shape (limits, n)."""
     return np.array([_sign(key) * np.log(figures[key] / limit) for key, limit in limits.items()])
 
 

@@ -149,7 +149,7 @@ class Rated:
         return self.items[min(limits, key=lambda key: limits[key])]
 
     def known(self, keys: Iterable[str]) -> dict[str, float]:
-        """Return its figures by the keys of an estimate; ``other`` is the smallest torque limit of other items."""
+        """Return its quantities by the keys of an estimate; ``other`` is the smallest torque limit of other items."""
         others = [limit for item, limit in self.figures.items() if item not in keys]
         figures = self.figures if not others else {**self.figures, "other": min(others)}
         return {key: figures[key] for key in keys if key in figures}
@@ -319,7 +319,7 @@ class Pool:
     def study_factors(self) -> Mapping[str, Array]:
         """Return the expected ratios of quantities by a tolerance study to those by one sample, by key, shape (n,).
 
-        Figures are torque limits and backlash; those that a study does not change are left out.
+        Quantities are torque limits and backlash; those that a study does not change are left out.
         """
         values = np.reshape([*self.biases.values()], (-1, 2))
         torque, backlash = np.exp(_interpolate(self.points, self.biases, values)).T
@@ -436,8 +436,8 @@ class Pool:
     def _rate(self, row: int, torque: float) -> bool:
         """Rate the candidate with the index `row` and store the result; return whether it could be rated.
 
-        `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated figures are
-        stored in `corrections`.
+        `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated quantities
+        are stored in `corrections`.
         """
         self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque, self.samples)
         rated_figures = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}

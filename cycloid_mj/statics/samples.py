@@ -161,7 +161,7 @@ def solve_samples(
     Returns
     -------
     list of SampleFigures
-        Figures under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
+        Quantities under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     ideal_reducer = Reducer(reducer.design.model_copy(update=ideal))

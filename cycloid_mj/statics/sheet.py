@@ -145,7 +145,7 @@ class Sheet(Presented):
 
     @property
     def line(self) -> str:
-        """Design, condition, and the main figures."""
+        """Design, condition, and the main quantities."""
         first = [self.quantities[key] for key in SUMMARY_KEYS if key in self.quantities]
         return f"{self.design}, {self.condition}; " + ", ".join(
             f"{item.key} {item.value:.4g} {item.unit if item.unit != '1' else ''}".strip() for item in first

@@ -166,7 +166,7 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
 
 
 def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunError:
-    """Simulate with one time step [us]; return the figures, or the error of a run that fails."""
+    """Simulate with one time step [us]; return the quantities, or the error of a run that fails."""
     try:
         return _run_figures(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
     except RunError as error:

@@ -91,7 +91,7 @@ def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
 
 
 def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tuple[float, ...]:
-    """Compute the figures of `WITNESS.bounds` by the planar solver."""
+    """Compute the quantities of `WITNESS.bounds` by the planar solver."""
     return figures(reducer, simulate(reducer.design, planar_model(reducer, timestep=timestep)))
 
 

@@ -167,9 +167,8 @@ def _compile_steps() -> Any:
         `system` has the arrays of the reducer. A row of `commands`, shape (steps, 2), has the commands of output and
         crank: the angle [rad] of a shaft with a servo, else its torque [N m]. There is a sample every `stride` steps
         from step `next_sample` on, counted from 1. In each step, contact search and solution are repeated until both
-        agree (fixed-point iteration). `contacts` and `equations` are working memory. `lobes` [m] are radii, None
-        without an internal gear; `train` is None without cranks. Forces accelerate moving pins to their midpoint speeds
-        in `pin_span`: half a `timestep`, or one [s].
+        agree. `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear;
+        `train` is None without cranks. Forces accelerate pins in `pin_span`: half a `timestep`, or one [s].
         """
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
