@@ -47,7 +47,7 @@ def _make_figures(
     exists: Callable[[Reducer], bool] = lambda _: True,
     layouts: tuple[Layout, ...] = CENTRAL,
 ) -> tuple[Figure, ...]:
-    """Return the quantities that `cycloid_mj.<module>` computes, one per row.
+    """Return the catalogue entries (`Figure`) of quantities that `cycloid_mj.<module>` computes, one per row.
 
     A row is the key without unit, the unit, the name and the definition. The function of the module that computes a
     quantity has the name of its key, or the name in `_FUNCTIONS`. `need` states what the quantities are computed from.

@@ -13,7 +13,10 @@ RETURNED = (
 
 
 def explain(findings: Findings) -> list[str]:
-    """Return up to eight sentences on the results of a run: motion first, then torque, losses and contacts."""
+    """Return up to eight sentences on the results of a run: motion first, then torque, losses and contacts.
+
+    `findings` are the evaluated results of the run.
+    """
     return [
         *_motion_sentences(findings),
         *_torque_sentences(findings),
@@ -25,8 +28,8 @@ def explain(findings: Findings) -> list[str]:
 def _motion_sentences(findings: Findings) -> Iterator[str]:
     """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc.
 
-    The sentence on the speed is omitted if the ideal speed is 0 (crank at rest), that on the wind-up if there is no
-    load.
+    `findings` are the evaluated results of the run. The sentence on the speed is omitted if the ideal speed is 0 (crank
+    at rest), that on the wind-up if there is no load.
     """
     speed, error, crank = findings.output_speed, findings.transmission_error, findings.crank
     if speed.theory_rad_s:
@@ -47,7 +50,10 @@ def _motion_sentences(findings: Findings) -> Iterator[str]:
 
 
 def _torque_sentences(findings: Findings) -> Iterator[str]:
-    """Yield sentences on the mean crank torque and, under a load, the efficiency if it is defined."""
+    """Yield sentences on the mean crank torque and, under a load, the efficiency if it is defined.
+
+    `findings` are the evaluated results of the run.
+    """
     power = findings.power
     crank_sentence = f"{findings.driven_shaft} torque: {abs(power.crank_torque_nm):.4g} N m"
     if findings.condition.load:
@@ -73,8 +79,9 @@ def _loss_sentences(findings: Findings) -> Iterator[str]:
 def _contact_sentence(findings: Findings) -> str:
     """Return a sentence on the number, force and deflection of the contacts.
 
-    The sentence also states the largest radial displacement of ring pin 1 if the ring pins can move, and the largest
-    force of the crank bearings of an RV reducer if their forces were logged.
+    `findings` are the evaluated results of the run. The sentence also states the largest radial displacement of ring
+    pin 1 if the ring pins can move, and the largest force of the crank bearings of an RV reducer if their forces were
+    logged.
     """
     contact, pin, bearings = findings.contact_summary, findings.pin1, findings.crank_bearings
     pin_clause = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""

@@ -13,7 +13,7 @@ Phase = Literal["hold", "ramp"]
 
 
 def condition(reducer: Reducer) -> Condition:
-    """Return the condition that a design is run under."""
+    """Return the operating condition of a design: load, speed, temperature and friction law."""
     design = reducer.design
     return Condition(
         design.load.torque,

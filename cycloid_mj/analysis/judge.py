@@ -76,11 +76,11 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Compute the findings of a simulated run: measured values, their closed forms, and warnings.
+    """Evaluate a simulated run: measured values, their closed forms, and warnings.
 
-    `motion` are the signals of the run. `log` is the path of the log, which is stored as `Findings.log`. If the log's
-    provenance lacks an entry, the time step of the design and the solver ``mujoco`` are stated, and the other entries
-    are None.
+    `motion` are the time series of the run. `log` is the path of the log, which is stored as `Findings.log`. If the
+    log's provenance lacks an entry, the time step of the design and the solver ``mujoco`` are stated, and the other
+    entries are None.
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
@@ -131,7 +131,8 @@ def _crank(motion: Series) -> Crank:
 def _discs(motion: Series) -> tuple[Disc, ...]:
     """Return a `Disc` for each disc: its speed, transmission error, and path and speed of the point q of the series.
 
-    The tuple is empty for a single disc, which the findings of the run describe.
+    The tuple is empty for a single disc, which the findings of the run describe. `motion` are the time series of the
+    run.
     """
     count = motion.design.gear.discs
     series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
@@ -178,7 +179,7 @@ def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
     Each interval between two successive samples that are both in the mask (n,) is evaluated. The simulated acceleration
     is the difference of their velocities over the interval. The closed form (Hsieh 2014, Eq. 19) is evaluated at the
     mean crank angle and speed of both samples. Return None if there is no such interval, or if the crank turns by more
-    than `MAX_CRANK_STEP` in one of them.
+    than `MAX_CRANK_STEP` in one of them. `motion` are the time series of the run.
     """
     evaluated_intervals = np.flatnonzero(mask[1:] & mask[:-1])
     if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:
@@ -201,7 +202,7 @@ def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
 def _contacts(motion: Series) -> ContactSummary:
     """Return the mean number of contacts, and the largest penetration [um] and force [N] of one contact.
 
-    The mean is over full periods, the extremes are over all evaluated samples.
+    The mean is over full periods, the extremes are over all evaluated samples. `motion` are the time series of the run.
     """
     run, is_evaluated = motion.run, motion.evaluation_mask
     return ContactSummary(
@@ -215,7 +216,7 @@ def _crank_bearings(motion: Series) -> CrankBearings | None:
     """Return the largest force of any crank on a disc of an RV reducer, and the largest of their mean forces [N].
 
     The mean force of a crank is the equivalent load of a roller bearing (exponent 10/3) over full periods. Return None
-    without cranks, or if their forces were not logged.
+    without cranks, or if their forces were not logged. `motion` are the time series of the run.
     """
     kind = names.KINDS[names.CRANK]
     if not motion.run.pairs(kind):
@@ -244,7 +245,7 @@ def _power(motion: Series) -> Power:
     All are means over full periods. The driven shaft is the crank, or the sun of an RV reducer. Input power is positive
     if it flows into the drive, output power if it flows into the load. Both are therefore positive if the motor drives
     the load, and negative if the load drives the motor. Torques have the sign of the log: positive counter-clockwise.
-    The ideal input torque balances the load torque without losses.
+    The ideal input torque balances the load torque without losses. `motion` are the time series of the run.
     """
     run, driven = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)
@@ -265,7 +266,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 def _losses(motion: Series) -> tuple[Loss, ...]:
     """Return the mean friction and damping losses [W] of each kind of mating pair, over full periods.
 
-    Kinds whose losses are 0 in every sample are omitted.
+    Kinds whose losses are 0 in every sample are omitted. `motion` are the time series of the run.
     """
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)

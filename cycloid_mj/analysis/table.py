@@ -98,7 +98,8 @@ def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
     """Yield the rows of contacts: their mean number, and the largest penetration [um] and force [N] of one contact.
 
     An RV reducer also has rows of the cranks: the largest force of a crank on a disc, and the largest of their mean
-    forces [N]. The mean is the equivalent load of roller bearings, with the exponent 10/3.
+    forces [N]. The mean is the equivalent load of roller bearings, with the exponent 10/3. `findings` are the evaluated
+    results of the run.
     """
     contact = findings.contact_summary
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)
@@ -116,7 +117,10 @@ def _pin_rows(findings: Findings) -> Iterator[FigureRow]:
 
 
 def _torque_rows(findings: Findings) -> Iterator[FigureRow]:
-    """Yield the rows of mean torques [N m], and of friction and damping losses [W] of each kind of mating pair."""
+    """Yield the rows of mean torques [N m], and of friction and damping losses [W] of each kind of mating pair.
+
+    `findings` are the evaluated results of the run.
+    """
     power = findings.power
     yield _format_row("load torque, mean", "N m", power.load_torque_nm)
     driven = findings.driven_shaft

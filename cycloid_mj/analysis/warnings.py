@@ -78,7 +78,7 @@ def run_warnings(motion: Series) -> tuple[str, ...]:
     """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies.
 
     Warnings that were recorded during the run come first. The power balance is omitted for a run that did not reach
-    constant speed.
+    constant speed. `motion` are the time series of the run.
     """
     run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
@@ -187,7 +187,10 @@ def _swept_turns(run: Run) -> float:
 
 
 def _ramp_warning(motion: Series) -> str:
-    """Return the warning for a run that ended while the crank speed was still rising; the caller has tested this."""
+    """Return the warning for a run that ended while the crank speed was still rising; the caller has tested this.
+
+    `motion` are the time series of the run.
+    """
     drive = motion.design.drive
     reached_speed = RPM.from_si(float(motion.crank_speed.simulated[-1]))
     return (
@@ -200,7 +203,7 @@ def _ramp_warning(motion: Series) -> str:
 def _short_run_warning(motion: Series, window: Window) -> str:
     """Return the warning for a run with less than a crank turn at constant speed, with the required drive.hold_s.
 
-    `window` are the evaluated samples of the run.
+    `window` are the evaluated samples of the run. `motion` are the time series of the run.
     """
     speed = abs(motion.reducer.orbit_speed)
     settling_duration = window.start_s - motion.design.drive.ramp

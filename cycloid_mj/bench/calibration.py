@@ -169,7 +169,7 @@ class Calibration(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table of the values fitted to measured loops in their units, with the ends of their 95 % intervals."""
+        """Return a table with named columns: values fitted to measured loops in their units, with 95 % intervals."""
         names = ("key", "value", "unit", "low", "high", "identified")
         rows: list[dict[str, Cell]] = [
             dict(zip(names, (key, item.value, item.unit, *item.ci95, item.identified), strict=True))
@@ -214,7 +214,7 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Sentences on how the loops deviate from the fitted model.
+        """Return sentences on how the measured loops deviate from the fitted model.
 
         There is a sentence for each loop that deviates by more than the model error (`MODEL_ERROR`). The last sentence
         reports the candidate model of friction that explains the loops better than the design's, if there is one.
@@ -287,7 +287,7 @@ class Calibration(Presented):
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
-        """Return a table of play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
+        """Return a table of play, width, stiffness and Coulomb torque of measured loops and fitted model.
 
         Each has a row with its unit and 95 % intervals (`DEFINITIONS`).
         """
@@ -402,7 +402,7 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
 
 
 def _loop_json(fit: Fitted, loop_index: int) -> dict[str, Any]:
-    """Convert a measured loop and its deviation from the fitted model to JSON values; the keys end in their units.
+    """Convert a measured loop and its deviation from the fitted model to JSON values; keys end in their units.
 
     `loop_index` is the index of the loop in the `fit`. ``height`` is the range of the measured deflection, and
     ``residual_rms`` the rms difference of the model from it. ``offset_torque`` and ``offset`` are the fitted zero
@@ -635,12 +635,12 @@ def _writable_design(reducer: Reducer) -> Design:
 
 
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
-    """Return the estimate of the parameter with an index: value, two 95 % intervals, and whether it is identified.
+    """Return the estimate of a fitted parameter: value, two 95 % intervals, and whether it is identified.
 
-    `Estimate.ci95` includes the assumed error of the model. `Estimate.noise95` is from the noise of the measurement
-    alone; it is NaN for a value at a bound of the search. The value is not identified if it or an end of `ci95` is at a
-    bound, if the prior contributes at least the share `LIMITS.max_prior_share` to it, or if `ci95` is at least as wide
-    as the value.
+    `fitted` is the result of the fit, and `index` is the index of the parameter. `Estimate.ci95` includes the assumed
+    error of the model. `Estimate.noise95` is from the noise of the measurement alone; it is NaN for a value at a bound
+    of the search. The value is not identified if it or an end of `ci95` is at a bound, if the prior contributes at
+    least the share `LIMITS.max_prior_share` to it, or if `ci95` is at least as wide as the value.
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
@@ -683,7 +683,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert the fit of one of several compared models to JSON values.
+    """Convert the fit `item` of one of several compared models to JSON values.
 
     ``residual_shares`` are the rms deviations from the loops over their heights, ``bic`` and ``aic`` the Bayesian and
     Akaike's information criterion, and ``values`` the fitted values in the units of the parameters.
@@ -705,10 +705,10 @@ def _format_number(value: float) -> str:
 def _advise_loops(
     fitted: Fitted, undetermined_keys: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
 ) -> tuple[str, ...]:
-    """Return recommendations of further loops to measure, a sentence each, that would determine some values.
+    """Return recommendations, a sentence each, of further loops to measure that would determine uncertain values.
 
-    `undetermined_keys` are the keys of undetermined values, `indistinguishable` pairs of keys with their correlation.
-    There are recommendations for play, friction and stiffness only.
+    `fitted` is the result of the fit. `undetermined_keys` are the keys of undetermined values, `indistinguishable`
+    pairs of keys with their correlation. There are recommendations for play, friction and stiffness only.
     """
     open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, condition = max(loop.most for loop in fitted.loops), fitted.condition
@@ -740,7 +740,10 @@ def _advise_loops(
 
 
 def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
-    """Return remarks on a fit to loops, a sentence each: omitted points, values at bounds, intervals, offsets."""
+    """Return remarks on a fit to loops, a sentence each: omitted points, values at bounds, intervals, offsets.
+
+    `fitted` is the result of the fit.
+    """
     notes, sign = [], "counts deflection against the torque: its sign was changed"
     for loop in fitted.loops:
         notes += [f"{loop.name} {sign}"] if loop.flipped else []

@@ -187,7 +187,7 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Start of a single search: parameters and offsets over their scales, shape (v,); by default several starts.
+        Start of a single search: v parameters and offsets over their scales, shape (v,); by default several starts.
     intervals
         Whether to compute intervals by profile likelihood, by further searches; else those of the linearised model.
     torque_offset
@@ -285,7 +285,7 @@ def _continue_search(
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     """Return residuals, uncertainties and intervals of a fit to loops at fixed values, without a search.
 
-    `scaled_values` (v,) are those of the parameters and offsets of the `problem`, in units of their scales. The
+    `scaled_values` (v,) are those of the v parameters and offsets of the `problem`, in units of their scales. The
     intervals are those of the linearised model and include `MODEL_ERROR`.
 
     Raises
@@ -342,10 +342,10 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Compute the sum over all loops of n times the logarithm of the mean square of the loop's residuals [1].
+    """Compute twice the negative log-likelihood of a fit, without a constant.
 
-    This is twice the negative log-likelihood, except for a constant. `residuals` has the array of each loop,
-    `independent` the number n of its independent residuals.
+    It is the sum over all loops of n times the logarithm of the mean square of the loop's residuals [1]. `residuals`
+    has the array of each loop, `independent` the number n of its independent residuals.
     """
     return sum(
         count * float(np.log(np.mean(loop_residuals**2)))
@@ -359,7 +359,7 @@ def _choose_offset(
     """Decide by the Bayesian information criterion whether an offset of the zero of torque is fitted for each loop.
 
     `problem` is that with offsets. `solutions` are cost and scaled values (v,) of its searches, the best first; scaled
-    values are parameters and offsets in units of their scales.
+    values are v parameters and offsets in units of their scales.
 
     Returns
     -------
@@ -439,7 +439,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, minima: Sequence[tuple[
 def _profile_distance(
     problem: FitProblem, fitted: Fitted, minimum: tuple[float, Array], index: int, side: int, allowed_rise: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Compute how far a scaled value can move from its value at a minimum until the cost rises by `allowed_rise`.
+    """Compute how far a fitted value can move from its value at a minimum until the cost rises by `allowed_rise`.
 
     The value is fixed at distances that double, and all others are fitted again each time. The distance is then
     interpolated. Values and distance are in units of the scales of parameters and offsets.
@@ -449,7 +449,8 @@ def _profile_distance(
     problem, fitted
         The least-squares problem and its solution.
     minimum
-        Cost and scaled values (v,) at a local minimum of the cost, from which distances are counted.
+        Cost and scaled values of v parameters and offsets (v,) at a local minimum of the cost, from which distances are
+        counted.
     index, side
         Index of the value; 0 for its lower end, 1 for its upper end.
     allowed_rise

@@ -150,7 +150,7 @@ def read_loop(path: Path | str) -> MeasuredLoop:
 
 
 def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, Array]:
-    """Read columns of numbers from a CSV file: column name -> values, shape (n,).
+    """Read columns of numbers from a CSV file: column name -> values of the n rows, shape (n,).
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     name
         Name of the loop.
     torque, deflection_deg
-        Torque at the output [N m] and rotation of the output [deg], shape (n,).
+        Torque at the output [N m] and rotation of the output [deg] at n points, shape (n,).
     origin
         Source of the points for messages, such as the file; by default the name.
 
@@ -317,7 +317,8 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
     """Raise UsageError for a value that differs from its running median by more than the range of the running medians.
 
     The running median is that of five consecutive values, the value itself in the middle. `values` are torques or
-    deflections in the order of measurement, shape (n,); `column` and `origin` name them and their file in the message.
+    deflections in the order of measurement, shape (n,) for n points; `column` and `origin` name them and their file in
+    the message.
     """
     medians = _median_filter(values)
     differences = np.abs(values - medians)
@@ -359,7 +360,7 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
     is at most the share `SETTINGS.end_torque` of the largest torque, and if it starts at a distance from the later
     branches of the same direction. This distance exceeds the share `SETTINGS.lead_distance` of that between both
     directions. `torque` [N m], `deflection` [rad] and `branch`, the number of reversals before each point, have shape
-    (n,).
+    (n,) for n points.
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
@@ -377,7 +378,7 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
 
 def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
-    """Compute the torque of a reversal [N m]: the extreme torque among the points around that with the index `index`.
+    """Compute the torque at a reversal of a loop [N m]: the extreme among the points around the index `index`.
 
     These are `SETTINGS.median_window` points before and after it. The extreme is limited to a distance from the median
     at `index`, so that an outlier has no effect. `torque` [N m] and its running `medians` [N m] have shape (n,).
@@ -392,10 +393,10 @@ def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
 def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
     """Determine the torques at which a torque history reverses, and the number of the branch of each point.
 
-    `torque` [N m], shape (n,), is in chronological order. A reversal is an extreme after which the torque returns by at
-    least `SETTINGS.reversal` times the range of the torque. If the first branch does not begin at an end of the loop,
-    its start torque is replaced by the torque of the second reversal. Likewise, the end torque of the last branch is
-    replaced by the torque of the last reversal but one.
+    `torque` [N m] of n points, shape (n,), is in chronological order. A reversal is an extreme after which the torque
+    returns by at least `SETTINGS.reversal` times the range of the torque. If the first branch does not begin at an end
+    of the loop, its start torque is replaced by the torque of the second reversal. Likewise, the end torque of the last
+    branch is replaced by the torque of the last reversal but one.
 
     Returns
     -------

@@ -239,7 +239,7 @@ def _fit_loading_line(
 
 
 def _line_stiffness(line: _Line | None) -> LoopFigure:
-    """Return the stiffness [N m/rad] by a loading line with its 95 % interval: the inverse slope of the line.
+    """Return the stiffness [N m/rad] from a line through a loading branch, the inverse slope, with its 95 % interval.
 
     Stiffness and interval are NaN without a line, or if its slope is not positive. The upper end is infinite if the
     interval of the slope includes 0.
@@ -261,7 +261,7 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 
 
 def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:
-    """Compute the play [rad] from the lines through both loading branches, with its 95 % interval.
+    """Compute the play [rad] from lines through both loading branches of a loop, with its 95 % interval.
 
     It is the rotation of `positive_line` at the torque +Tc minus that of `negative_line` at -Tc, where Tc is the
     Coulomb torque [N m]. NaN if a line is missing. The interval includes the scatter about both lines and the
@@ -277,7 +277,7 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
-    """Compute the distance of the branches of a loop: the value on the falling minus that on the rising branch.
+    """Compute the distance of the branches of a loop at a level: the value on the falling minus that on the rising one.
 
     It has a 95 % interval. Both values are read where `abscissa` equals `level`. `abscissa` and `values` are torque and
     deflection of the loop, or vice versa, shape (n,). NaN if a branch does not cross the level.
@@ -298,7 +298,7 @@ def _find_crossings(
     """Compute the `values` at which the falling and the rising branches of a loop cross a level of `abscissa`.
 
     A line is fitted to the points of a branch within `window` of the level. With too few points, the branch is
-    interpolated. `abscissa` and `values` have shape (n,).
+    interpolated. `abscissa` and `values` have shape (n,) for n points.
 
     Returns
     -------
@@ -322,7 +322,7 @@ def _find_crossings(
 
 
 def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
-    """Interpolate y of a branch, shape (n,), between the two points on both sides of a level of x.
+    """Interpolate y of a branch of n points, (n,), between the two points on both sides of a level of x.
 
     Return value, variance and degrees of freedom. The variance is that of a uniform distribution between both points;
     the degrees of freedom are infinite.
@@ -334,7 +334,7 @@ def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to the points (x, y) selected by a mask, shape (n,) each, by least squares, with its uncertainty.
+    """Fit a line to those of n points (x, y) that a mask (n,) selects, by least squares, with its uncertainty.
 
     The line has a value at the mean x, a slope, their variances, and degrees of freedom. These depend on the number of
     independent points: the number of points divided by their `autocorrelation_time`. Return None for fewer than

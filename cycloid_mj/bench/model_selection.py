@@ -143,9 +143,10 @@ def select_model(fits: Sequence[ModelFit]) -> ModelFit:
 def compare_sections(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """Return the deviation of the model's deflection from the measured one in six sections of each loop.
 
-    There are three sections with rising and three with falling torque. In the first the drive is unloaded to zero
-    torque, in the second it crosses the play, and in the third, from `READING.loaded_coulomb` times the Coulomb torque
-    on, it is loaded on the other side. A section without points is omitted.
+    `fitted` is the result of the fit. There are three sections with rising and three with falling torque. In the first
+    the drive is unloaded to zero torque, in the second it crosses the play, and in the third, from
+    `READING.loaded_coulomb` times the Coulomb torque on, it is loaded on the other side. A section without points is
+    omitted.
     """
     rows = []
     for loop, modelled_deflection in zip(fitted.loops, fitted.turns, strict=True):
@@ -170,9 +171,10 @@ def compare_sections(fitted: Fitted) -> tuple[LoopStretch, ...]:
 
 
 def _compare_section(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
-    """Return the deviation of the modelled deflection [rad], shape (n,), from the measured one in a section of a loop.
+    """Return the deviation of the modelled deflection [rad] from the measured one in a section of a loop.
 
-    `mask` selects the points of the section, `name` is its name; `direction` is 1 if the torque rises in it, else -1.
+    `modelled` (n,) has the n points of the loop. `mask` selects the points of the section, `name` is its name;
+    `direction` is 1 if the torque rises in it, else -1.
     """
     differences, torque = (loop.deflection - modelled)[mask], loop.torque[mask]
     start_torque, end_torque = (float(torque.min()), float(torque.max()))[::direction]

@@ -78,9 +78,9 @@ def _branches_with_contact_friction(
 ) -> Branches:
     """Compute torque [N m] and rotation [rad] along the branches between reversals, with friction in the contacts.
 
-    `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points, and `condition`
-    is that of the measurement. Two branches, from rest to the second reversal and back to the first, are computed first
-    and omitted from the result.
+    `model` is the model of the drive. `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between
+    neighbouring points, and `condition` is that of the measurement. Two branches, from rest to the second reversal and
+    back to the first, are computed first and omitted from the result.
     """
     spans = list(pairwise(reversals))
     lead = [
@@ -128,10 +128,10 @@ def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: floa
 
 @njit(cache=True)
 def _write_distances(points: tuple[Array, Array], mask: Mask, polyline: tuple[Array, Array], distance: Array) -> None:
-    """Compute the signed distance of some points from a polyline, positive on its left, and write it to `distance`.
+    """Compute the signed distance of selected points from a polyline, positive on its left, and write it to `distance`.
 
-    `points` and `polyline` are pairs of coordinates x and y, shapes (n,) and (m,). `mask` (n,) selects the points;
-    only their values in `distance` (n,) are changed, in place.
+    `points` and `polyline` are pairs of coordinates x and y of n points and m vertices, shapes (n,) and (m,). `mask`
+    (n,) selects the points; only their values in `distance` (n,) are changed, in place.
     """
     for index in np.flatnonzero(mask):
         nearest = np.inf

@@ -144,7 +144,7 @@ def default_keys(reducer: Reducer) -> tuple[str, ...]:
 
 
 def needs_contact_friction(reducer: Reducer, keys: Sequence[str]) -> bool:
-    """Return whether fitting the parameters with these keys requires a model with friction in the contacts.
+    """Return whether fitting the parameters `keys` requires a model with friction in the contacts.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
-    """Return the parameters of clearance [um]: of the mesh, the output pins, the cam, and mesh and output together.
+    """Return the clearances that can be fitted [um]: of mesh, output pins and cam, and of mesh and output together.
 
     The last parameter sets mesh and output to a common value. The mesh includes the play of ring pins in their sockets.
     The tolerances of the design are the priors.
@@ -292,7 +292,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
     to_micrometres, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
-        """Return the clearance of some kinds of pairs as a parameter [um], with its tolerances as the prior.
+        """Return the clearance of the `kinds` of mating pairs as a fit parameter [um], with its tolerances as prior.
 
         `key` and `meaning` are those of the parameter, `start` is the design's clearance [m].
         """
@@ -318,7 +318,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameter of the structure's stiffness [N m/rad].
+    """Return the parameter of the structure's stiffness [N m/rad] for a fit.
 
     It refers to the output. Its search starts from twice the largest torque divided by the
     range of deflection of that loop, or from half of its largest possible value if that is lower.
@@ -460,7 +460,7 @@ def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ..
 
 
 def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that sets the clearance of some `kinds` of pairs.
+    """Return a function that sets the clearance of the `kinds` of mating pairs in a model.
 
     Its arguments are a model and the clearance [um], its result is the new model. Teeth and seats of pins together have
     this clearance, divided in the ratio of the design; output holes have all of it.
@@ -478,7 +478,7 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that multiplies the stiffness of some `kinds` of pairs by a factor.
+    """Return a function that multiplies the stiffness of the `kinds` of mating pairs in a model by a factor.
 
     Its arguments are a model and the factor [1], its result is the new model. The factor refers to the stiffness at the
     rated load.
@@ -544,7 +544,7 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 
 
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
-    """Return a number of the design file, by its key ``table.key``, as a parameter to fit.
+    """Return a number of the design file, by its key ``table.key``, as a parameter of a fit.
 
     It has the unit and the bounds of the file. The scale is a fifth of the design's value.
 

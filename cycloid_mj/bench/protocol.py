@@ -165,7 +165,10 @@ class Protocol(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table with a row for each standard test figure: computed and measured value with their intervals, or NaN."""
+        """Return a table with named columns: each standard test quantity, computed and measured, with intervals.
+
+        Missing values are NaN.
+        """
         sources = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
@@ -178,9 +181,8 @@ class Protocol(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the standard test quantities of model and bench to JSON values.
 
-        ``lines`` has an entry for each test quantity, by a key that ends in the unit. Each has name, unit, definition
-        and source of the quantity. Its ``model`` and ``bench`` are the simulated and the measured figure: value and
-        interval, or None.
+        ``lines`` has the test quantities by keys that end in the unit. Each has name, unit, definition and source. Its
+        ``model`` and ``bench`` are the simulated and the measured value with its interval, or None.
         """
         return {
             "design": self.design,
@@ -369,10 +371,10 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 
 
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute the lines of a protocol that follow from loops: lost motion, hysteresis loss and stiffness, by key.
+    """Compute the test quantities that follow from loops: lost motion, hysteresis loss and stiffness, by key.
 
-    They have the units in which their keys end. Each value is the mean over the loops; its interval extends from the
-    lowest to the highest end of their intervals. Loops with too small a torque are left out: it must reach the fraction
+    The keys end in the units of the values. Each value is the mean over the loops; its interval extends from the lowest
+    to the highest end of their intervals. Loops with too small a torque are left out: it must reach the fraction
     `SETTINGS.min_full_torque` of the rated torque [N m], or of the torque of the largest loop if that is smaller.
     """
     full_loops = [
@@ -433,9 +435,9 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 
 
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute the lines of a protocol for transmission error and no-load torques of the model, by key.
+    """Compute the transmission error and the no-load torques of the model for a test protocol, by key.
 
-    They have the units in which their keys end, and no intervals. The transmission error is that under
+    The keys end in the units of the values, which have no intervals. The transmission error is that under
     `SETTINGS.unloaded_share` of the rated torque [N m]. Torques that the catalogue of quantities does not have for the
     reducer are left out.
     """

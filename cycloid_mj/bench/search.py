@@ -160,7 +160,7 @@ class FitProblem:
 
     @cached_property
     def _cached_branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
-        """Cached function that computes the model's torque [N m] and rotation [rad] along each branch of a loop.
+        """Return a cached function that computes torque [N m] and rotation [rad] of the model along branches of a loop.
 
         Its arguments are the parameters in units of their scales, the index of the loop, and the loop's offset of
         torque [N m]. It returns None where the model has no static equilibrium.
@@ -180,7 +180,7 @@ class FitProblem:
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
         """Compute the signed distances [1] of the points from the model's curves, an array (points,) for each loop.
 
-        `scaled` are parameters and offsets in units of their scales, shape (v,). Torque and deflection are divided by
+        `scaled` are v parameters and offsets in units of their scales, shape (v,). Torque and deflection are divided by
         the loop's ranges. Points that only lead from rest to the loop are omitted. Without a static equilibrium of the
         model, residuals are `SETTINGS.failed_residual`.
         """
@@ -194,7 +194,7 @@ class FitProblem:
         """Yield each measured loop, the model's curves for it, and its offsets of torque [N m] and deflection [rad].
 
         The curves are torque and rotation of the model along each branch between two reversals; None if the model has
-        no static equilibrium. `scaled` are parameters and offsets in units of their scales, shape (v,).
+        no static equilibrium. `scaled` are v parameters and offsets in units of their scales, shape (v,).
         """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
@@ -205,9 +205,9 @@ class FitProblem:
     def residuals(self, scaled: Array) -> Array:
         """Compute the residuals [1] of all loops' points, then those of the priors, shape (points + priors,).
 
-        `scaled` are the scaled parameters and offsets, shape (v,). Residuals of a loop are divided by the root of their
-        number, so that all loops have the same weight. A value that differs from its prior by one standard deviation
-        contributes as much to the sum of squares as a loop with an rms residual of `MODEL_ERROR`.
+        `scaled` are v parameters and offsets in units of their scales, shape (v,). Residuals of a loop are divided by
+        the root of their number, so that all loops have the same weight. A value that differs from its prior by one
+        standard deviation contributes as much to the sum of squares as a loop with an rms residual of `MODEL_ERROR`.
         """
         self.trials()
         prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
@@ -219,11 +219,11 @@ class FitProblem:
         )
 
     def deflection_errors(self, scaled_values: Array) -> Array:
-        """Compute (model deflection - measured deflection) / range of deflection [1] at each measured torque.
+        """Compute the deflection errors of the model, relative to the range of deflection [1], at each measured torque.
 
-        `scaled_values` are the scaled parameters and offsets, shape (v,). The errors are concatenated, shape (points,),
-        without the points before each loop. Those of a loop are divided by the square root of their number, so that all
-        loops have the same weight in the sum of squares.
+        `scaled_values` are v parameters and offsets in units of their scales, shape (v,). The errors are concatenated,
+        shape (points,), without the points before each loop. Those of a loop are divided by the square root of their
+        number, so that all loops have the same weight in the sum of squares.
         """
         self.trials()
         errors = []
@@ -249,7 +249,7 @@ class FitProblem:
         Parameters
         ----------
         scaled
-            Parameters and offsets in units of their scales, shape (v,).
+            The v parameters and offsets in units of their scales, shape (v,).
         indices
             Indices of the values by which to differentiate.
         central
@@ -279,7 +279,7 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return the initial values of each search: parameters and offsets in units of their scales, shape (v,) each.
+        """Return the initial values of each search: v parameters and offsets in units of their scales, (v,) each.
 
         There is a search for each dict of `start_factors`. It starts from the values `Parameter.start` times these
         factors; the offsets start at the torque and deflection in the middle of each loop's ranges. If stiffness or
@@ -323,7 +323,7 @@ class FitProblem:
         Parameters
         ----------
         start
-            Scaled parameters and offsets, shape (v,); clipped to the bounds.
+            The v scaled parameters and offsets, shape (v,); clipped to the bounds.
         max_steps
             Largest number of steps.
         method
@@ -352,7 +352,7 @@ class FitProblem:
         def robust(squares: Array) -> Array:
             """Compute the soft L1 loss and its first and second derivative by the squares of residuals, shape (3, n).
 
-            `squares` are the squared residuals, shape (n,). The threshold applies to residuals without the weight of
+            `squares` are the n squared residuals, shape (n,). The threshold applies to residuals without the weight of
             their loop.
             """
             root = np.sqrt(1.0 + squares / self.point_weights)
@@ -376,7 +376,7 @@ class FitProblem:
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values within their intervals, (v,), with the least rms deviation of the deflections.
+        """Return the v scaled values within their intervals, (v,), with the least rms deviation of the deflections.
 
         `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. Values on
         which the deflections hardly depend remain near their start, because changes are penalised: a change by a
@@ -412,7 +412,7 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function from values at the indices `free` to a copy of `start` (v,) with these values inserted."""
+    """Return a function from values at the indices `free` to a copy of `start` with these values inserted."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

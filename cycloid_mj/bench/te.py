@@ -313,7 +313,7 @@ def _convert_to_cranks(reducer: Reducer, measured: MeasuredError) -> MeasuredErr
 
 
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
-    """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
+    """Return the k orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
     `measured` is the measured transmission error. The orders are the multiples of the two base orders of the design
     (`base_orders`): 1 and N/(N-1), where N is the number of teeth of the ring, or (N-1)/N and 1 if the ring rotates. A
@@ -334,7 +334,7 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
 def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
     """Return the angle [rad] to add to measured crank angles for which the model is nearest to the measurement.
 
-    `ideal` is the model's error [rad], shape (n,), at equally spaced crank angles over a turn of the output, which is
+    `ideal` is the model's error [rad], shape (n,), at n equally spaced crank angles over a turn of the output, which is
     `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined by a
     parabola. The smallest of equally good angles is returned.
     """
@@ -358,7 +358,7 @@ def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
 
 
 def _interpolate_error(ideal: Array, crank: Array, turns: int) -> Array:
-    """Interpolate the model's error [rad] at crank angles [rad], shape (n,), by periodic cubic splines.
+    """Interpolate the model's error [rad] at n crank angles [rad], shape (n,), by periodic cubic splines.
 
     `ideal` is the error [rad] at equally spaced crank angles over a turn of the output, `turns` turns of the crank.
     """

@@ -29,7 +29,7 @@ INTERVAL = IntervalSettings()
 
 
 def autocorrelation_time(residuals: Array) -> float:
-    """Compute the autocorrelation time of residuals, shape (n,): the number of points per independent point [1].
+    """Compute the autocorrelation time of n residuals, (n,): the number of points per independent point [1].
 
     It is 1 for white noise, and larger for systematic deviations of a model. It is 1 + 2 sum rho_k, up to the first lag
     k whose correlation rho_k is not significant (Geyer's initial sequence).
@@ -91,7 +91,7 @@ class FitUncertainty:
 def estimate_uncertainty(
     slopes: Sequence[Array], residuals: Sequence[Array], is_free: Mask, prior: Array | None = None
 ) -> FitUncertainty:
-    """Return the covariance of fitted values, and the quantities from which their confidence intervals are computed.
+    """Return the covariance of v fitted values, and what their confidence intervals are computed from.
 
     The covariance is the sandwich estimate HC3, (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with slopes A, residuals r and
     leverages h (MacKinnon and White, J. Econometrics 29, 1985, 305-325), in which each point has its own noise. It is
@@ -100,7 +100,7 @@ def estimate_uncertainty(
     Parameters
     ----------
     slopes, residuals
-        Slopes (n, v) and residuals (n,) of the points of each loop, weighted as in the sum of squares.
+        Slopes (n, v) and residuals (n,) of the n points of each loop, weighted as in the sum of squares.
     is_free
         Which values are free, shape (v,); the others have no error. A free value on which no residual depends has the
         error `INTERVAL.unknown_error`.

@@ -52,7 +52,7 @@ def check(design: Named) -> Checks:
     """Check whether a design can be built, and how well it works; return the passed and failed checks.
 
     Checks of how well it works fail with warnings only. They are left out for a design that cannot be built, and for an
-    RV reducer. The checks of the life are in ``life.checks``.
+    RV reducer. The checks of load capacity and life are in ``life.checks``.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that a design can be built, without statics, one by one as they are computed (see `soundness`).
+    """Yield the checks whether a design can be built, without statics, one by one as they are computed.
 
-    A search can thus stop at the first failure.
+    They are those of `soundness`. A search can thus stop at the first failure.
     """
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)

@@ -93,7 +93,7 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
 def _complete_change(
     reducer: Reducer, change: Change, check: Check, checks_before: Mapping[str, Check]
 ) -> Change | None:
-    """Add further keys to a change until its check passes and no other check is worse than before; None if that fails.
+    """Add further keys to a change of a design until its check passes and no other gets worse; None if impossible.
 
     `check` is the failed check that proposes the change, `checks_before` are all checks of the unchanged design by
     name.
@@ -119,7 +119,7 @@ def _complete_change(
 
 
 def _is_worse(after: Check, before: Check | None, target_name: str) -> bool:
-    """Return whether a check is more serious `after` a change than `before` it.
+    """Return whether a check of a design is more serious `after` a change than `before` it.
 
     The check with the `target_name`, for which the change is made, must pass. A check that did not exist before must
     not fail.
@@ -130,7 +130,7 @@ def _is_worse(after: Check, before: Check | None, target_name: str) -> bool:
 
 
 def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Choose the next change that makes a failed check pass: a larger change of the same keys, or one of other keys.
+    """Choose the next change of a design that makes a failed check pass: a larger change, or one of other keys.
 
     `applied_change` is the change that has been made so far. Returns None if there is no such change.
     """
@@ -153,7 +153,7 @@ def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change
 
 
 def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Increase a change of a single key until the failed check passes: by growing steps, then by bisection.
+    """Increase the change of one design key until the failed check passes: by growing steps, then by bisection.
 
     `applied_change` maps the key to its value so far, with which `failed_check` fails. Return the key with its new
     value, rounded to four digits, or None if the check never passes.
@@ -203,7 +203,7 @@ def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
 
 
 def describe_change(reducer: Reducer, change: Change) -> str:
-    """Describe a change in words, such as ``lower gear.eccentricity_mm to 0.949 or less``."""
+    """Describe a change of the design in words, such as ``lower gear.eccentricity_mm to 0.949 or less``."""
     texts = []
     for key, value in change.items():
         lower = value < value_of(reducer.design, key)

@@ -67,7 +67,7 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
 
 
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
-    """Return the rules that the counterweight can balance the disc and that the shaft bearings have room beside it.
+    """Return the rules that the counterweight balances the disc and that the bearings have room beside it.
 
     The disc must be feasible. Several discs balance each other and have no rule for a counterweight. The rule for the
     bearings is left out if the rule for the counterweight is not met.
@@ -121,7 +121,7 @@ def bearing_room_rule(reducer: Reducer) -> Rule:
 
 
 def _static_moments(reducer: Reducer) -> tuple[float, float]:
-    """Compute the static moments that a counterweight balances, divided by the shaft's density.
+    """Compute the static moments (mass times distance) for the counterweight, divided by the shaft's density.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
     half_pitch = circle * math.sin(math.pi / output.pins)
 
     def hole_limits(relative_wall: float) -> tuple[Limit, ...]:
-        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between output holes."""
+        """Return limits on design keys for a wall of `relative_wall` [1] times the pin-circle radius between holes."""
         needed_radius = _hole_radius(reducer) + relative_wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - relative_wall * E / 2 - design.clearance.output),

@@ -76,7 +76,7 @@ class Limit:
         return numbers(self.value(reducer), self.bound, self.unit)
 
     def remedy(self, reducer: Reducer) -> str:
-        """Describe the change that satisfies the limit, as ``lower KEY to VALUE or less``.
+        """Describe the change of the design that satisfies the limit, as ``lower KEY to VALUE or less``.
 
         The text is empty if the bound is 0 or infinite, or the file does not allow the value.
         """

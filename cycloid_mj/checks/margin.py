@@ -84,7 +84,7 @@ def _ring_cutter_rule(reducer: Reducer) -> Rule:
 
 
 def _cutter_rule(name: str, radius: float, location: str) -> Rule:
-    """Return the rule that a cutter as small as a concave radius [m] is long enough to cut through the face width.
+    """Return the rule that a milling cutter as small as a concave radius [m] is long enough for the face width.
 
     `name` is the name of the rule, `location` the cut feature in words, such as "valleys of the lobes".
     """

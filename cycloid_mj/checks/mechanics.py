@@ -82,7 +82,7 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
 
 
 def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for the core radius and the fillet of the output pins."""
+    """Yield the rules for the core radius and the root fillet of the output pins."""
     output = reducer.design.output
     if output.rollers:
         yield Rule(

@@ -142,7 +142,7 @@ def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
 def _weaker_strength(
     reducer: Reducer, kind: str, body_attribute: str, surface_attribute: str
 ) -> tuple[str, float, float]:
-    """Return the strength of the weaker of the two surfaces of a kind of pair, and the key that sets it.
+    """Return the strength of the weaker of the two surfaces of a mating pair, and the key that sets it.
 
     Parameters
     ----------
@@ -243,9 +243,9 @@ def _load_sharing_clearances(reducer: Reducer) -> tuple[str, ...]:
 def _check_pressure_angle(loads: RatedLoad) -> Check:
     """Check the mean pressure angle of the tooth forces, weighted by force, at the nominal torque.
 
-    The remedy is a larger eccentricity, with output holes that are larger by the same amount. Bisection determines it
-    between its present value and the largest possible value, at which the path of the pins has loops. If no
-    eccentricity is large enough, the remedy is smaller clearances, in words.
+    `loads` are those in static equilibrium. The remedy is a larger eccentricity, with output holes that are larger by
+    the same amount. Bisection determines it between its present value and the largest possible value, at which the path
+    of the pins has loops. If no eccentricity is large enough, the remedy is smaller clearances, in words.
     """
     reducer, design, angle = loads.reducer, loads.reducer.design, loads.pressure_angle
     is_passed = angle <= STRENGTH.max_pressure_angle
@@ -370,7 +370,7 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
     """Check that no pin breaks through its wall by tension or shear, at the nominal torque.
 
-    The remedies are a wider disc, or a material with a higher yield strength.
+    `loads` are those in static equilibrium. The remedies are a wider disc, or a material with a higher yield strength.
     """
     reducer, design = loads.reducer, loads.reducer.design
 

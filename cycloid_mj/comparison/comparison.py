@@ -137,7 +137,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check that designs under loads, `cases`, can be compared; return one of them for each name of a design.
+    """Check that designs under loads, `cases`, can be compared; return one design for each name.
 
     Raises
     ------
@@ -201,7 +201,10 @@ def _same_solver(trials: Sequence[Trial]) -> str:
 
 
 def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequence[str]) -> None:
-    """Raise UsageError if a design under a load, `case`, has other settings than `reference` in a non-exempt key."""
+    """Raise UsageError if a design under a load, `case`, differs from `reference` in a setting that is not exempt.
+
+    `exempt_keys` are the keys of settings that may differ.
+    """
     expected, actual = conditions(reference), conditions(case)
     for key in expected | actual:
         if actual.get(key) != expected.get(key) and key not in exempt_keys:
@@ -213,10 +216,10 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 
 
 def _run_json(trial: Trial) -> dict[str, Any]:
-    """Convert a trial to JSON values: measures of its first start and, for unloaded runs, the spreads over all starts.
+    """Convert the simulations of a design to JSON values: measures of the first start, and spreads over all starts.
 
-    A start is a run of the same design with gravity in another direction. A spread is omitted if no start has a value
-    of the quantity.
+    The spreads are those of unloaded runs. A start is a run of the same design with gravity in another direction. A
+    spread is omitted if no start has a value of the quantity.
     """
     spreads = [
         {"quantity": quantity, "unit": unit, **spread.as_json()}

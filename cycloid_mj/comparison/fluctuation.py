@@ -32,7 +32,7 @@ def compute_level(values: Array, parts: Sequence[slice]) -> Level:
 
 
 def remove_steady_shifts(errors: Array, crank_angle: Array, gear_angle: Array) -> Array:
-    """Subtract steady shifts from the errors of a path or a velocity, shape (n, 2), by linear least squares.
+    """Subtract steady shifts from n errors of a path or a velocity, shape (n, 2), by linear least squares.
 
     A shift that is constant in the frame of the housing, the crank or the disc is clearance taken up or elastic
     deflection, not vibration. With x + i y these are the terms a + b e^(i theta) + d e^(i phi) at `crank_angle` theta

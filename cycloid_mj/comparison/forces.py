@@ -55,9 +55,10 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute how many teeth carry force, and the largest forces of all kinds of pairs [N], over full crank turns.
+    """Compute how many teeth carry force, and the largest forces of all kinds of mating pairs [N], over full turns.
 
-    The samples are those at constant speed after settling, or all of them if these are less than a turn.
+    `motion` are the time series of the run. The samples are those at constant speed after settling, or all of them if
+    these are less than a turn.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)

@@ -36,7 +36,7 @@ class Measures:
 
 
 def settling_time(reducer: Reducer) -> float:
-    """Compute the time after the ramp [s] that is not evaluated.
+    """Compute the time after the ramp of a run [s] that is not evaluated.
 
     It is the time in which the load rises and settles, plus a crank turn: without load, a disc that starts in the
     centre takes about a turn until it rattles steadily.
@@ -55,9 +55,10 @@ def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
 
 
 def measure_run(motion: Series, log: str | None = None) -> Measures:
-    """Compute the measures of a run for a comparison: findings of its analysis, rms errors, vibration and forces.
+    """Compute the measures of a run for a comparison: results of its analysis, rms errors, vibration and forces.
 
-    `log` is the path of the log. It is not read, but stored in the findings (`Findings.log`).
+    `motion` are the time series of the run. `log` is the path of the log. It is not read, but stored in the results
+    (`Findings.log`).
 
     Raises
     ------
@@ -70,8 +71,8 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 def _fluctuation(motion: Series) -> Fluctuation:
     """Compute the rms errors of the disc's speed and of path and velocity of its point q, over full crank turns.
 
-    Errors are differences from the ideal motion (`Series`). Steady shifts are removed from those of path and velocity,
-    see `remove_steady_shifts`.
+    `motion` are the time series of the run. Errors are differences from the ideal motion (`Series`). Steady shifts are
+    removed from those of path and velocity, see `remove_steady_shifts`.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)

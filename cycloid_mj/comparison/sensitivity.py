@@ -58,9 +58,9 @@ class Sensitivity:
 def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
     """Return the values of each dynamic quantity of loaded runs, with and without a change of each assumption.
 
-    There is an item for each quantity and each run in `reference`. `varied_trials` has, for each changed assumption,
-    the runs of `reference` in the same order, repeated with this change. A quantity without a value in the reference
-    run is omitted; so are changed runs without a value of it.
+    The result has one `Sensitivity` for each quantity and each run in `reference`. `varied_trials` has, for each
+    changed assumption, the runs of `reference` in the same order, repeated with this change. A quantity without a value
+    in the reference run is omitted; so are changed runs without a value of it.
     """
     return [
         Sensitivity(

@@ -94,7 +94,7 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Return a data frame of the quantities of simulated designs, with the columns `COLUMNS`.
+    """Return a table with named columns, `COLUMNS`, of the quantities of simulated designs.
 
     There is a row for each load, design and quantity with a value. Its mean, least and largest value are those over the
     independent starts of the design under this load, a `Trial`.

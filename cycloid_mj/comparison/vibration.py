@@ -68,8 +68,8 @@ class VibrationLevels:
 def acceleration(motion: Series) -> Acceleration:
     """Compute the accelerations of the disc's centre and of the output, minus those of the closed-form motion.
 
-    They are mean values from one sample to the next, so n samples have n - 1 accelerations, see `Acceleration`. The
-    disc is `Series.disc`.
+    `motion` are the time series of the run. They are mean values from one sample to the next, so n samples have n - 1
+    accelerations, see `Acceleration`. The disc is `Series.disc`.
     """
     run, reducer = motion.run, motion.reducer
     angle, speed = (reducer.member.crank_angle(run[f"{reducer.INPUT}_{quantity}"]) for quantity in ("angle", "speed"))
@@ -103,7 +103,8 @@ def spectrum(run_series: Series) -> Spectrum:
 def vibration(motion: Series) -> VibrationLevels:
     """Compute the rms of the accelerations of disc centre [m/s^2] and output [rad/s^2] minus the closed form.
 
-    The rms values are those over all full crank turns together, over each turn, and in octave bands.
+    The rms values are those over all full crank turns together, over each turn, and in octave bands. `motion` are the
+    time series of the run.
     """
     accelerations, turns = acceleration(motion), full_turns(motion)
     return VibrationLevels(

@@ -60,7 +60,7 @@ def find_figure(key: str) -> Figure | None:
 
 
 def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer | None = None) -> Figure:
-    """Return the catalogue row of a key or alias; warn if the key is deprecated.
+    """Return the entry (`Figure`) of a quantity in the catalogue by key or alias; warn if the key is deprecated.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
 def compute_sampled(
     reducer: Reducer, samples: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
 ) -> dict[str, Array]:
-    """Compute quantities of the catalogue for random samples of a reducer: key -> values, shape (samples,).
+    """Compute catalogued quantities for random samples of a reducer: key -> values, shape (samples,).
 
     `samples` have the manufacturing errors of the drives. `keys` are those of the quantities; keys that are not in
     `SAMPLED` are ignored. `angles` is the number of crank angles over a turn.

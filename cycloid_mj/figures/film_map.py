@@ -85,7 +85,8 @@ def compute_film_map(
     reducer
         A drive at 20 °C with the friction law ``film``.
     shares
-        Torques as shares of the nominal torque, and at the same time speeds as shares of the design's speed.
+        Torques as shares of the nominal torque, and also speeds as shares of the design's speed; each torque is
+        combined with each speed.
     temperatures
         Temperatures of all parts [°C].
 

@@ -64,10 +64,11 @@ def _make_figure(
     deprecated: tuple[str, ...] = (),
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return the catalogue entry of a quantity that depends on dimensions and materials only.
+    """Return the catalogue entry (`Figure`) of a quantity that depends on dimensions and materials only.
 
     `function` computes the quantity from a reducer, or is the name of a function that does. `aliases` and `deprecated`
-    are further keys; the other arguments are the fields of `Figure` with these names.
+    are further keys; `name`, `unit` and `definition` are texts for the user, `layouts` the types of reducer that have
+    the quantity.
     """
     return Figure(
         key=key,

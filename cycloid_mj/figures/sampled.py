@@ -45,10 +45,10 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Solve the static equilibrium of many samples of a reducer, loaded and unloaded, without friction and weight.
+    """Solve for static equilibrium of many samples of a reducer, loaded and unloaded, without friction and weight.
 
-    `states` are those of `STATES` to solve for, and `angles` is the number of crank angles over a turn. Inertia is
-    negligible because the crank turns at `CREEP_SHARE` of its speed.
+    A sample is a drive with its own manufacturing errors. `states` are those of `STATES` to solve for, and `angles` is
+    the number of crank angles over a turn. Inertia is negligible because the crank turns at `CREEP_SHARE` of its speed.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def _solve_design(reducer: Reducer, state: State) -> SampleFigures:
 
 
 def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
-    """Return the catalogue entry of a quantity that can be computed for many random samples of a design at once.
+    """Return the catalogue entry (`Figure`) of a quantity that can be computed for many random samples at once.
 
     For the design itself, it is computed from a single sample without random deviations.
     Key, name, unit and definition are those of `Figure`; `sampled` computes the value.

@@ -27,7 +27,7 @@ def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
 
 
 def _make_figure(row: SheetFigure) -> Figure:
-    """Return the catalogue entry of a quantity of the static data sheet, of which `row` is the description.
+    """Return the catalogue entry (`Figure`) of a quantity of the static data sheet, which `row` describes.
 
     Its aliases are the key of the data sheet, without and with the unit.
     """
@@ -72,7 +72,7 @@ def starting_torque(reducer: Reducer) -> float:
 def back_driving_torque(reducer: Reducer) -> float:
     """Compute the torque on the output that turns a free crank slowly [N m]; NaN if the reducer is self-locking.
 
-    The torque T balances the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
+    The torque T covers the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
     crank's speed w and the ratio i. It is determined by at most `MAX_SECANT_STEPS` steps with the secant of the losses
     between T and 2 T. The reducer is self-locking if the losses grow at least as fast as the input power. Raises
     RunError without a static equilibrium.
@@ -135,7 +135,7 @@ def _make_torque_figure(
     definition: str,
     layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
-    """Return the catalogue entry of a torque [N m] that the static data sheet does not have.
+    """Return the catalogue entry (`Figure`) of a torque [N m] that the static data sheet does not have.
 
     Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
     interval under the friction law ``film``. RV reducers have the quantity under this law only, because statics leaves

@@ -246,6 +246,7 @@ def span_measurement(gear: InvoluteGear) -> tuple[int, float]:
     """Compute the number k of teeth and the span W [m] over them, from flank to flank along the base tangent.
 
     W = m cos(alpha) ((k - 1/2) pi + z inv(alpha) + 2 x tan(alpha)) less the thinning times cos(alpha) (DIN 3960, 3.5).
+    `gear` has the teeth of the wheel.
     """
     angle = gear.pressure_angle
     count = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)

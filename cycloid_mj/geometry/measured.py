@@ -188,7 +188,7 @@ def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
     """Compute the trochoid parameters t (n,) [rad] of an outline at polar angles (n,) [rad], clockwise from +y.
 
     The outline is the parallel of the trochoid at the `offset` [m]. Its polar angle is a monotone function of t, which
-    is inverted by linear interpolation.
+    is inverted by linear interpolation. `gear` is the profile of the disc.
     """
     t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes + 1)
     x, y = profile.outline(gear, t, offset).T
@@ -201,6 +201,7 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
 
     The outline is the parallel of the trochoid at the `offset` [m]. The deviations from their mean are minimised by
     Gauss-Newton steps, with new foot points in each. The rotation is at most half a pitch, as lobes are identical.
+    `gear` is the profile of the disc.
 
     Returns
     -------
@@ -259,6 +260,8 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
     """Estimate centre and rotation of measured points (n, 2) [m] by a circle fit (Kasa 1976) and the lobes' phase.
 
+    `gear` is the profile of the disc.
+
     Returns
     -------
     tuple
@@ -279,7 +282,7 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
     """Compute parameters (n,) [rad] of the foot points of `points` (n, 2) [m] on the outline at an `offset` [m].
 
-    Newton's method starts from the parameters `t` (n,) [rad], which must be close.
+    Newton's method starts from the parameters `t` (n,) [rad], which must be close. `gear` is the profile of the disc.
     """
     for _ in range(FIT.foot_point_steps):
         offset_vectors = points - profile.outline(gear, t, offset)

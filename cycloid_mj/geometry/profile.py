@@ -333,7 +333,7 @@ def undercut_radius(gear: CycloidGear) -> float:
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
     """Raise DesignError if the disc's outline, at an `offset` from the trochoid [m], is undercut.
 
-    The offset is by default the pin radius; it must be below `undercut_radius`.
+    The offset is by default the pin radius; it must be below `undercut_radius`. `gear` is the profile of the disc.
     """
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
@@ -347,7 +347,7 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
 def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
     """Compute `points` >= 3 points of the disc's outline, at equal arc lengths, clockwise from the valley on +y.
 
-    `offset` [m] is that of the outline from the trochoid, by default the pin radius.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius. `gear` is the profile of the disc.
 
     Raises
     ------
@@ -377,7 +377,7 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
 
     `offset` [m] is that of the outline from the trochoid, by default the pin radius. All lobes have the same
     parameters. Each half lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The
-    array is cached and read-only.
+    array is cached and read-only. `gear` is the profile of the disc.
 
     Raises
     ------
@@ -495,7 +495,7 @@ def _curvature_bracket(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
     """Return points, normals, curvature and arc length of the disc's outline at trochoid parameters t (n,) [rad].
 
-    `offset` [m] is that of the outline from the trochoid; None is the pin radius.
+    `offset` [m] is that of the outline from the trochoid; None is the pin radius. `gear` is the profile of the disc.
     """
     return Outline(
         t=t,

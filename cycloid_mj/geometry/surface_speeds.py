@@ -69,7 +69,7 @@ def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius:
     The seat's `radius` [m] is that of the pin in a socket, or of the bore of a sleeve. The speeds are those of
     `tooth_speeds` at the tooth, times the seat's radius over the pin radius. `B` are phases of the pins [rad], angles
     of the pins from the eccentricity, clockwise, of any shape. `crank_speed` [rad/s] is the speed of the crank relative
-    to the ring.
+    to the ring. `gear` is the profile of the disc.
     """
     disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
     return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)
@@ -79,7 +79,8 @@ def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_
     """Compute the surface speeds [m/s] of a hole of the disc on an output pin without roller.
 
     `pin_radius` and `hole_radius` are in [m]. The contact line moves around pin and hole at the speed of the crank
-    relative to the disc, which is N/(N - 1) times `crank_speed` [rad/s], with N ring teeth.
+    relative to the disc, which is N/(N - 1) times `crank_speed` [rad/s], with N ring teeth. `gear` is the profile of
+    the disc.
     """
     turning = crank_speed * gear.ring_teeth / gear.lobes
     return SurfaceSpeeds(moving=np.asarray(hole_radius * turning), fixed=np.asarray(pin_radius * turning))

@@ -34,10 +34,10 @@ WITHOUT_STRIBECK = {
 def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
     """Fit the friction models M3 and M5 of BAM (Better Actuator Models) to a reduced joint; return JSON values.
 
-    The keys "m3" and "m5" have the parameters of the models, in N m, N m s/rad or 1. "largest_error_nm"
-    has the largest errors of their friction [N m], and "fitted_nm" the range of fitted loads [N m]. The fit by
-    nonnegative least squares (Lawson and Hanson) covers loads from `MIN_FIT_SHARE` to 1 of the nominal torque at the
-    rated speed, with the crank driving and with the output driving.
+    `reduced` is the joint model. The keys "m3" and "m5" have the parameters of the models, in N m, N m s/rad or 1.
+    "largest_error_nm" has the largest errors of their friction [N m], and "fitted_nm" the range of fitted loads [N m].
+    The fit by nonnegative least squares (Lawson and Hanson) covers loads from `MIN_FIT_SHARE` to 1 of the nominal
+    torque at the rated speed, with the crank driving and with the output driving.
     """
     base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     external, motor, friction = _friction_samples(reduced)
@@ -63,7 +63,7 @@ def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
 
 
 def _friction_samples(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
-    """Return samples of a joint's load-dependent friction and of the torques at which it acts.
+    """Return n samples of a joint's load-dependent friction and of the torques at which it acts.
 
     Load-dependent friction is the friction at the joint minus the friction without a load. The motor torque is the
     torque on the crank times the ratio; it is negative if the motor must help to drive a self-locking reducer

@@ -385,9 +385,9 @@ def _transmission_error_curves(
     reducer
         The reducer under its nominal torque.
     errors
-        Error of the full model at evenly spaced crank angles over a full turn of the output [rad], shape (n,).
+        Error of the full model at n evenly spaced crank angles over a full turn of the output [rad], shape (n,).
     angle, deviation
-        Crank angle and output deviation of the joint in MuJoCo [rad], shape (m,) each.
+        Crank angle and output deviation of the joint at m time steps in MuJoCo [rad], shape (m,) each.
     name
         Direction of the crank, in words.
     """

@@ -96,7 +96,7 @@ def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: boo
 
 
 def _measure_cylinder(reducer: Reducer) -> tuple[float, float, float]:
-    """Compute the mass of the reducer [kg], and radius and length [m] of the cylinder that replaces its housing."""
+    """Compute the mass of the reducer [kg], and radius and length [m] of the cylinder that stands for its housing."""
     if has_casing(reducer):
         return drive_mass(reducer), 0.5 * drive_diameter(reducer), drive_length(reducer)
     if isinstance(reducer, RvReducer):
@@ -112,7 +112,7 @@ def reflected_rotor(reduced: ReducedJoint) -> float:
 
 
 def write_descriptions(reduced: ReducedJoint, reducer: Reducer, file_format: Format) -> dict[str, bytes]:
-    """Return the files of a joint in a format other than ``mjcf``: name -> content.
+    """Return the model files of a joint in a format other than ``mjcf``: name -> content.
 
     Parameters
     ----------
@@ -222,10 +222,11 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
 
 
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
-    """Compute the parameters of a DC motor at a reduced joint that has the joint's rated and peak torque, for BAM.
+    """Compute the parameters of a DC motor with the rated and peak torque of a reduced joint, for BAM.
 
-    It stands in for the motor of the robot, which is not known; its values are those at the joint, not at the crank.
-    The torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed.
+    BAM (Better Actuator Models) simulates the motor of a robot joint. It stands in for the motor of the robot, which is
+    not known; its values are those at the joint, not at the crank. The torque falls linearly with the speed, from the
+    peak torque at rest through the rated torque at the rated speed.
 
     Returns
     -------

@@ -29,7 +29,7 @@ def choose_scenes(
     timestep: float | None = None,
     integrator: Integrator | None = None,
 ) -> tuple[StepTrial, StepTrial | None]:
-    """Choose time step and integrator of scene.xml and of lossy_scene.xml.
+    """Choose time step and integrator of the test scenes scene.xml and lossy_scene.xml of a reduced joint.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def choose_scenes(
 def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
     """Return the MJCF and other files of a reduced joint: name -> content.
 
-    These are `BASE_FILES` and, unless `lossy` is None, `SPRING_FILES`. `main_scene` and `lossy` are the trials whose
-    time steps the scenes have, from `choose_scenes`.
+    `reduced` is the joint model. These are `BASE_FILES` and, unless `lossy` is None, `SPRING_FILES`. `main_scene` and
+    `lossy` are the trials whose time steps the scenes have, from `choose_scenes`.
     """
     texts = [
         joint_xml(reduced),

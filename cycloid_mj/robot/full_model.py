@@ -73,7 +73,7 @@ class FullModel(ABC):
         Returns
         -------
         Array
-            Rotations in the order of counter-clockwise crank angles, shape (m,).
+            Rotations at m crank angles in counter-clockwise order, shape (m,).
         """
 
     @abstractmethod
@@ -89,7 +89,7 @@ class FullModel(ABC):
         """Compute the inertia of what turns with the crank, and of what turns with the output [kg m2]."""
 
     def damping(self) -> float:
-        """Compute the damping of the wind-up between output and housing [N m s/rad].
+        """Compute the damping between output and housing [N m s/rad] as the drive winds up.
 
         Each contact is a spring (stiffness K) with a parallel damper (damping C), and all contacts are in series. For
         slow motion, their total damping is c = k^2 sum(s C/K), with the total stiffness k and the compliance s of each
@@ -136,7 +136,7 @@ class CentralModel(FullModel):
         return self._reducer.member.sense * loads(driven, springs, direction * torque, warm_start=True).output_turn
 
     def compliances(self) -> dict[str, float]:
-        """Compute the mean compliance of each kind of contact, of bending pins and of the structure [rad/(N m)].
+        """Compute the torsional compliance of each kind of contact, of bending pins and of the structure [rad/(N m)].
 
         The keys are output pins, cam, teeth, bending of pins and twist of the structure.
         """
@@ -149,7 +149,7 @@ class CentralModel(FullModel):
         return means | {"twist": wind_up(reducer)}
 
     def time_constants(self) -> dict[str, float]:
-        """Compute the damping over the stiffness of each kind of contact [s], by the keys of `compliances`.
+        """Compute the ratio of damping to stiffness of each kind of contact [s], by the keys of `compliances`.
 
         Bending of output pins and twist of the structure have that of the output contacts.
         """

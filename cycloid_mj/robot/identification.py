@@ -140,7 +140,7 @@ class Play:
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs with dead bands in parallel that reproduce the wind-up curve at the torques `GRID.springs`.
+        """Return springs with dead bands in parallel that reproduce the wind-up curve at the torques `GRID.springs`.
 
         Beyond its dead band, each spring adds its stiffness to that of the springs before it, so that the total can
         only grow. Where the full model softens with the load, neighbouring slopes are replaced by their mean (isotonic
@@ -167,7 +167,7 @@ class Play:
 
     @property
     def polynomial(self) -> Array:
-        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at the angle x [rad] beyond the stop, shape (3,).
+        """Return coefficients a, b, c of the torque a x + b x^2 + c x^3 at the angle x [rad] beyond the stop, (3,).
 
         Their units are N m/rad, N m/rad^2 and N m/rad^3. The relative error at the torques of `GRID.polynomial`, up to
         the nominal torque, is minimised by least squares.
@@ -189,9 +189,10 @@ class Play:
 
 
 def solve_play(reducer: Reducer, poses: int) -> Play:
-    """Compute play and wind-up of a reducer in static equilibrium with a locked crank, as means over crank angles.
+    """Compute play and wind-up of a reducer in static equilibrium with a locked crank.
 
-    `poses` is the number of evenly spaced crank angles. Raises RunError if there is no equilibrium.
+    They are means over crank angles. `poses` is the number of evenly spaced crank angles. Raises RunError if there is
+    no equilibrium.
     """
     rated_torque = reducer.design.rated_torque
     locked_rotation = full_model(reducer).locked_rotation(poses)

@@ -58,12 +58,13 @@ class ImpactLoad:
 
 @lru_cache(maxsize=64)
 def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
-    """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo; results are cached.
+    """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo.
 
-    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x'. T is the nominal torque, f the frequency, x the angle of
-    the output, J the inertia of the output and of its load (`inertia` [kg m2]), and c the damping. At the level `full`,
-    damping acts beyond the stops only, as in `ReducedJoint.step`. At the level `backlash`, it acts within the play as
-    well, as in MJCF. The frequency is halved until the output crosses the play within half a cycle.
+    `reduced` is the joint model. Results are cached. The equation is J x'' = T cos(2 pi f t) - spring(x) - c x'. T is
+    the nominal torque, f the frequency, x the angle of the output, J the inertia of the output and of its load
+    (`inertia` [kg m2]), and c the damping. At the level `full`, damping acts beyond the stops only, as in
+    `ReducedJoint.step`. At the level `backlash`, it acts within the play as well, as in MJCF. The frequency is halved
+    until the output crosses the play within half a cycle.
 
     Raises
     ------
@@ -151,10 +152,10 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
 
 
 def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
-    """Return a fast function that computes the springs' torque [N m] of a reduced joint at a deviation L [rad].
+    """Return a fast function that computes the springs' torque [N m] of a reduced joint at a deviation [rad].
 
-    L is the output's angle minus the ideal angle. The torque is piecewise linear in L; the function interpolates
-    between its breakpoints at the crank angle 0.
+    The deviation L is the output's angle minus the ideal angle. The torque is piecewise linear in L; the function
+    interpolates between its breakpoints at the crank angle 0.
     """
     breakpoints = reduced.bends(0.0)
     span = float(np.ptp(breakpoints))

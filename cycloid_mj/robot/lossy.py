@@ -79,14 +79,14 @@ class Shoe:
 
 
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
-    """Fit a brake shoe in MJCF to the load-dependent friction of a reduced joint, with crank or output driving.
+    """Fit a brake shoe in MJCF that imitates the load-dependent friction of a reduced joint.
 
-    Friction presses a leading shoe on and lifts a trailing shoe, by the share t of the force on the shoe
-    (`Shoe.leading`). If S is the friction without this effect, the leading shoe has the friction S/(1 - t), the
-    trailing shoe S/(1 + t). S is therefore the harmonic mean of both. It is a weighted sum of the springs' torques,
-    whose weights are fitted by nonnegative least squares. The fitted values are the friction minus that without load,
-    at `SHOE.fitted` of the nominal torque and the rated speed. t is limited to `SHOE.max_leading`, because the shoe
-    would lock at 1.
+    `reduced` is the joint model. The fit covers a driving crank and a driving output. Friction presses a leading shoe
+    on and lifts a trailing shoe, by the share t of the force on the shoe (`Shoe.leading`). If S is the friction without
+    this effect, the leading shoe has the friction S/(1 - t), the trailing shoe S/(1 + t). S is therefore the harmonic
+    mean of both. It is a weighted sum of the springs' torques, whose weights are fitted by nonnegative least squares.
+    The fitted values are the friction minus that without load, at `SHOE.fitted` of the nominal torque and the rated
+    speed. t is limited to `SHOE.max_leading`, because the shoe would lock at 1.
     """
     from scipy.optimize import nnls
 
@@ -122,10 +122,11 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
 
 
 def lossy_joint_xml(reduced: ReducedJoint) -> str:
-    """Return the MJCF of a joint whose friction grows with the load by a brake shoe, without Python code (`fit_shoe`).
+    """Return the MJCF of a joint whose friction grows with the load by a brake shoe, without Python code.
 
-    At the level `rigid`, it has no shoe. A model that includes it needs elliptic friction cones and the integrator of
-    `lossy_scene_xml`. Slip elements (`ReducedJoint.slips`) are left out, because they creep with that integrator.
+    For the shoe, see `fit_shoe`. At the level `rigid`, it has no shoe. A model that includes it needs elliptic friction
+    cones and the integrator of `lossy_scene_xml`. Slip elements (`ReducedJoint.slips`) are left out, because they creep
+    with that integrator.
     """
     text = joint_xml(replace(reduced, slips=()))
     if reduced.level == "rigid":
@@ -186,10 +187,10 @@ class StockEfficiency(NamedTuple):
 
 
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
-    """Compute the efficiencies [%] of the joint with the brake shoe in MuJoCo and of the full model, at several loads.
+    """Compute the efficiencies [%] of joint and full model at several loads; the joint has the brake shoe in MuJoCo.
 
     The loads are shares of the nominal torque, `SHOE.compared`. All loads with the crank driving come first, then all
-    with the output driving.
+    with the output driving. `reduced` is the joint model of the drive.
     """
     return [
         StockEfficiency(
@@ -221,10 +222,10 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency [1] of the joint with the brake shoe at its rated speed, in MuJoCo without Python code.
+    """Measure the efficiency [1] of a joint with brake shoe at its rated speed, in MuJoCo without Python code.
 
     `share` is the torque on the output relative to the nominal torque. `driving` is True if the crank drives, False if
-    the output does; the result is 0 for a self-locking joint.
+    the output does; the result is 0 for a self-locking joint. `reduced` is the joint model of the drive.
     """
     scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}

@@ -52,11 +52,11 @@ def slip_name(joint: str, number: int) -> str:
 
 
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
-    """Compute armature and damping of each slip element of a reduced joint.
+    """Compute armature (added inertia) and damping of each slip element of a reduced joint in MuJoCo.
 
-    The armature is at least the smallest that is stable at the time step (`MJCF.slip_time`). Some are larger, so that
-    all elements creep equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit divided by
-    armature.
+    A slip element is a spring in series with constant friction; `reduced` has those of the joint. The armature is at
+    least the smallest that is stable at the time step (`MJCF.slip_time`). Some are larger, so that all elements creep
+    equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit divided by armature.
 
     Returns
     -------

@@ -98,7 +98,7 @@ class Population(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on random drives: ranges of drawn inputs, missing tolerances, drives that cannot be assembled."""
+        """Return sentences on random drives: ranges of drawn inputs, missing tolerances, unassembled drives."""
         ranges = "; ".join(
             f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
             for input_range in self.ranges
@@ -147,7 +147,7 @@ class Population(Tabular):
         }
 
     def _summary(self, key: str) -> dict[str, float]:
-        """Return mean, standard deviation and percentiles of the parameter `key` over the drives: name -> value.
+        """Return mean, standard deviation and percentiles of the parameter `key` over random drives: name -> value.
 
         The names are ``mean``, ``std``, and those of the percentiles, such as ``p05``.
         """
@@ -278,7 +278,7 @@ def _draw_drive(
     -------
     tuple of dict or None
         Parameters of the joint (`PARAMETERS`), and drawn values, each by key; None if the drive cannot be assembled or
-        balanced.
+        has no equilibrium.
     """
     uniform_numbers = np.random.default_rng([seed, INPUT_STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}

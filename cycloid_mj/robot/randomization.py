@@ -34,7 +34,9 @@ FILES: dict[Format, tuple[str, ...]] = {
 
 
 def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
-    """Compute the range of each parameter of `VARIED` over a population, relative to the nominal value.
+    """Compute the range of each parameter of `VARIED` over random drives, relative to the nominal value.
+
+    `population` has the parameters of these drives.
 
     Returns
     -------
@@ -50,9 +52,10 @@ def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
 
 
 def randomization_files(reduced: ReducedJoint, population: Population, file_format: Format) -> dict[str, bytes]:
-    """Return the files for domain randomization of a reduced joint in `file_format`: name -> content.
+    """Return the files in `file_format` for domain randomization of a reduced joint: name -> content.
 
-    A rigid joint has no such files, because it has neither play nor springs.
+    Domain randomization varies the parameters while a robot policy is trained. `population` has the joint parameters of
+    a sample of drives. A rigid joint has no such files, because it has neither play nor springs.
     """
     if reduced.level == "rigid":
         return {}
@@ -74,7 +77,8 @@ def _describe_ranges(population: Population) -> str:
 def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
     """Return a Python module with Isaac Lab's event terms, which draw a friction factor and limits of the play [rad].
 
-    Drawn limits are symmetric to the middle of the play of `reduced`.
+    Drawn limits are symmetric to the middle of the play of `reduced`. `population` has the joint parameters of a sample
+    of drives.
     """
     ranges = factor_ranges(population)
     play_middle, half_play = reduced.middle, 0.5 * reduced.backlash
@@ -118,7 +122,10 @@ class ReducerEventsCfg:
 
 
 def _mjx_randomization(reduced: ReducedJoint, population: Population) -> str:
-    """Return a Python module with a domain randomization function of a reduced joint for Brax and MuJoCo Playground."""
+    """Return a Python module with a domain randomization function of a reduced joint for Brax and MuJoCo Playground.
+
+    `population` has the joint parameters of a sample of drives.
+    """
     lines = "".join(f'    "{name}": {_format_pair(ends)},\n' for name, ends in factor_ranges(population).items())
     tendons = [f"{OUTPUT}_reducer" + (f"_{number + 1}" if number else "") for number in range(len(reduced.springs))]
     return f'''"""{_describe_ranges(population)}

@@ -231,7 +231,7 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the deviations L of the output [rad], shape (n,), at which the slope of the springs' torque changes.
+        """Return n deviations L of the output [rad], (n,), at which the slope of the springs' torque changes.
 
         L is the output's angle minus its ideal angle at the crank's angle. The bends are the stops, and the points
         beyond them at which further springs come into contact, in increasing order. At the level `full`, the
@@ -250,7 +250,9 @@ class ReducedJoint(Presented):
         )
 
     def _stop_deviations(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Compute transmission errors and deviations L of the output under load at both stops, at a crank angle [rad].
+        """Compute transmission errors and deviations of the output under load at both stops, at a crank angle [rad].
+
+        A deviation L is the output's angle minus its ideal angle.
 
         Returns
         -------
@@ -267,7 +269,7 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Return n loads between which transmission errors and springs' torques are linear, and their wind-ups.
+        """Return n loads between which transmission errors and spring torques are linear, and their wind-ups.
 
         The loads are shares of the nominal torque [1], the wind-ups are in rad; shape (n,) each, in increasing order.
         """
@@ -289,7 +291,7 @@ class ReducedJoint(Presented):
         return self.from_json({JOINT: varied(self._values(), factors)})
 
     def step(self, model: Any, data: Any) -> None:
-        """Write load-dependent friction and transmission error into a model; call it before each ``mj_step``.
+        """Write load-dependent friction and transmission error into a MuJoCo model; call it before each ``mj_step``.
 
         All joints of the model with this reducer are updated, each at the level of detail at which it was attached.
 
@@ -314,7 +316,8 @@ class ReducedJoint(Presented):
     def settle(self, model: Any, data: Any) -> None:
         """Set the cranks of all joints with this reducer to the middle of the play, turning along with their outputs.
 
-        Call it after you set joint angles and speeds in `data` (``MjData``); otherwise the springs start loaded.
+        `model` is the ``MjModel``. Call it after you set joint angles and speeds in `data` (``MjData``); otherwise the
+        springs start loaded.
         """
         for addresses in self.places(model):
             if addresses.tendons:
@@ -322,7 +325,7 @@ class ReducedJoint(Presented):
                 data.qvel[addresses.crank_speed] = -data.qvel[addresses.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
-        """Yield, for each joint of a MuJoCo model with this reducer, the addresses of its crank, output and tendons.
+        """Yield, for each joint of a MuJoCo model with this reducer, the indices of its crank, output and tendons.
 
         Raises
         ------

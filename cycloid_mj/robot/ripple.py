@@ -48,7 +48,7 @@ class Ripple:
         return np.asarray(waves @ np.concatenate([np.cos(phases), np.sin(phases)]))
 
     def harmonics(self, sense: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Yield the harmonics of the transmission error as JSON values: order, amplitude [arcsec] and phase [deg].
+        """Yield the harmonics of the transmission error as JSON values: order, amplitude [arcsec], phase [deg].
 
         Amplitudes and phases are those in either direction of the crank and at each load. The error is the amplitude
         times cos(order * crank angle + phase). Under a braking load, the output is at the stop opposite to its

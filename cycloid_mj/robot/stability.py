@@ -116,7 +116,7 @@ class StepTrial:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the trial of a time step to JSON values; keys end in their units, and errors are relative [1].
+        """Convert the trial simulation with a time step to JSON values; keys end in units, errors are relative [1].
 
         ``static_error`` is the error of the wind-up under the nominal torque, ``frequency_error`` the error of the
         vibration, and ``impact_error`` the error of the largest wind-up in an impact at ``impact_hz``. ``load`` is the
@@ -142,6 +142,7 @@ def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
     """Return a trial simulation of a joint for each level, integrator, load inertia (`INERTIAS`) and time step.
 
     The time steps are `STUDY.steps`. If the shortest of these is not accurate, `STUDY.finer_steps` are tried as well.
+    `reduced` is the joint model of the drive.
     """
     trials: list[StepTrial] = []
     for level, integrator in itertools.product(LEVELS, INTEGRATORS):
@@ -189,8 +190,9 @@ def try_time_step(
 ) -> StepTrial:
     """Try a time step [s] with an integrator: test stability, the static error, and the largest wind-up in an impact.
 
-    Stability is tested with a locked and with a free crank. `inertia` is the inertia on the output [kg m2], and `load`
-    names this inertia in the result, such as a key of `INERTIAS`. A rigid joint is only accelerated.
+    `reduced` is the joint model. Stability is tested with a locked and with a free crank. `inertia` is the inertia on
+    the output [kg m2], and `load` names this inertia in the result, such as a key of `INERTIAS`. A rigid joint is only
+    accelerated.
     """
 
     def scene() -> TrialScene:
@@ -208,7 +210,7 @@ def try_time_step(
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
-    """Return the trial with the longest accurate time step of a joint; None if none is accurate.
+    """Return the trial simulation with the longest accurate time step of a joint; None if none is accurate.
 
     Only trials of this level, integrator and load (a key of `INERTIAS`) count. Starting from the shortest accurate
     step, longer steps count up to the first that is not accurate.
@@ -228,7 +230,8 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
 
     Its keys are ``level``, ``integrator``, and ``timestep_s``, the longest step [s] that is accurate with all inertias.
     ``by_load`` has the longest accurate step [s] for each inertia (keys of `INERTIAS`), and ``impact_error`` the
-    relative error of the largest wind-up in an impact with that step. A step of 0 means that none is accurate.
+    relative error of the largest wind-up in an impact with that step. A step of 0 means that none is accurate. `trials`
+    are the simulated tests, one for each time step.
     """
     rows = []
     for level in LEVELS:
@@ -242,7 +245,10 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
 
 
 def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
-    """Tabulate the recommended time steps and their errors, by level and integrator (rows) and inertia (columns)."""
+    """Tabulate the recommended time steps and their errors, by level and integrator (rows) and inertia (columns).
+
+    `trials` are the simulated tests, one for each time step.
+    """
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
@@ -316,7 +322,7 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
     """Yield the trial simulations at the time steps `STUDY.steps` of a joint with an integrator and an inertia [kg m2].
 
     If the shortest step is not accurate, those at `STUDY.finer_steps` follow until one is. `load` is the name of the
-    inertia.
+    inertia. `reduced` is the joint model of the drive.
     """
     runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
     yield from runs
@@ -330,7 +336,7 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
 
 
 def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
-    """Return whether a vibration with a free crank does not grow, while the motor balances the nominal torque.
+    """Return whether a vibration with a free crank does not grow, while the motor carries the nominal torque.
 
     Crank and output vibrate against each other, faster than the output alone does with a locked crank. The square of
     their angular frequency is k (1/J + 1/(i^2 J_rotor)), with the stiffness k, the ratio i, the inertia J_rotor of the
@@ -358,9 +364,9 @@ def _count_steps(frequency: float, timestep: float) -> int:
 def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Simulate a rigid joint from rest under its rated input torque, and compare its speed with the closed form.
 
-    The closed form is (torque - friction) t / J after the time t, with the inertia J of reducer and load; `inertia` is
-    the inertia of the load [kg m2]. Return whether the simulation is stable, the relative error of the speed, and NaN,
-    because a rigid joint has no vibration frequency.
+    `scene` has the joint. The closed form is (torque - friction) t / J after the time t, with the inertia J of reducer
+    and load; `inertia` is the inertia of the load [kg m2]. Return whether the simulation is stable, the relative error
+    of the speed, and NaN, because a rigid joint has no vibration frequency.
     """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
@@ -376,10 +382,10 @@ def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, fl
 def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
     """Compute the mean angle of a vibration [rad] and its angular frequency [rad/s] from its upward zero crossings.
 
-    `angles` (n,) [rad] are the angles after each time step. The mean is that over complete periods. If there are none,
-    it is the mean over the second half, or the last angle if the vibration has decayed. The frequency is NaN if the
-    vibration has decayed, has fewer crossings than `STUDY.min_crossings`, or fewer time steps per period than
-    `STUDY.min_steps_per_period`.
+    `angles` (n,) [rad] are the angles after each of n time steps, `timestep` is in [s]. The mean is that over complete
+    periods. If there are none, it is the mean over the second half, or the last angle if the vibration has decayed. The
+    frequency is NaN if the vibration has decayed, has fewer crossings than `STUDY.min_crossings`, or fewer time steps
+    per period than `STUDY.min_steps_per_period`.
     """
     midpoint = 0.5 * (float(angles.max()) + float(angles.min()))
     if np.ptp(angles) < STUDY.min_vibration * abs(midpoint):

@@ -100,9 +100,9 @@ class Joint:
         return -self.values["way"] / self.values["ratio"]
 
     def varied(self, sample: Mapping[str, Any]) -> "Joint":
-        """Return a copy of the joint with the parameters of one sampled drive.
+        """Return a copy of the joint with the parameters of a random drive, one of those in samples.csv.
 
-        `sample` is a row of samples.csv, whose columns have the names of `PARAMETERS`. A parameter that is 0 in the
+        `sample` is a row of this file, whose columns have the names of `PARAMETERS`. A parameter that is 0 in the
         nominal design, such as the error of ideal parts, is not changed.
 
         Raises

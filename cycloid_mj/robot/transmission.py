@@ -99,7 +99,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_part: Callable
     Returns
     -------
     Array
-        Errors (n,) at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` of them in each mesh period.
+        Errors (n,) at n evenly spaced crank angles from 0, `RIPPLE.poses_per_period` of them in each mesh period.
     """
     model, torque = full_model(reducer), load * reducer.design.rated_torque
     errors = []
@@ -130,8 +130,8 @@ def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
     """Return the indices of the fewest harmonics that represent every spectrum well enough, in increasing order.
 
     The rms value of the harmonics left out of a spectrum must not exceed `RippleSettings.max_remainder` of that of the
-    spectrum. At most `max_harmonics` are selected, the strongest ones. The spectra are complex amplitudes (h,) by index
-    of the harmonic.
+    spectrum. At most `max_harmonics` are selected, the strongest ones. The spectra are complex amplitudes of h
+    harmonics (h,).
     """
     relative = [np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra]
     shares: Array = np.stack(relative).max(axis=0)

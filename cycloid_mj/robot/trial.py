@@ -52,7 +52,7 @@ class TrialScene:
         self.data.qfrc_applied[self.addresses.output_speed] = torque
 
     def press_to_stop(self, torque: float) -> None:
-        """Apply a torque to the output [N m], and set its angle to the one at which the springs balance this torque."""
+        """Apply a torque to the output [N m], and set its angle to that of equilibrium with the springs."""
         reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
         length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
@@ -122,7 +122,8 @@ def create_trial_scene(
 ) -> TrialScene:
     """Create a MuJoCo scene for tests of a reduced joint, with an inertia on its output [kg m2] and a time step [s].
 
-    The joint is `reduced`, at its own level of detail ("rigid", "backlash" or "full").
+    `integrator` is the value of MuJoCo's option. The joint is `reduced`, at its own level of detail ("rigid",
+    "backlash" or "full").
     """
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})

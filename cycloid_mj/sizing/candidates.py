@@ -91,8 +91,8 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     requirement
         Ratio, diameter, process and other limits of the drive.
     points
-        Points (n, `DIMENSIONS`). Each coordinate, 0 to 1, selects one of the sizes that are compatible with those of
-        the previous coordinates.
+        The n points (n, `DIMENSIONS`). Each coordinate, 0 to 1, selects one of the sizes that are compatible with those
+        of the previous coordinates.
 
     Returns
     -------
@@ -379,7 +379,7 @@ def _shaft_bearings(
 def _cores(
     choice: Array, roller_radius: Array, face: Array, stack: Array, usual_thickness: float, is_custom: bool
 ) -> tuple[Array, Array, Array, Mask]:
-    """Choose the cores of output pins for each of n candidates: dowels in needle bearings, or in plain sleeves.
+    """Choose the core pins of output rollers for each of n candidates: dowels in needle bearings or in plain sleeves.
 
     Parameters
     ----------
@@ -431,7 +431,8 @@ def _cores(
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
     """Build the drive of a candidate for an output torque [N m]; return None if it cannot be built or assembled.
 
-    `sizes` are the dimensions of the candidate. A metal drive gets preloaded output bearings if they fit.
+    `requirement` is that for the drive. `sizes` are the dimensions of the candidate. A metal drive gets preloaded
+    output bearings if they fit.
     """
     try:
         reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
@@ -455,7 +456,10 @@ def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reduc
 
 
 def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
-    """Return whether a drive passes its checks, its covers fit into the diameter, and its output pins are in stock."""
+    """Return whether a drive passes its checks, its covers fit into the diameter, and its output pins are in stock.
+
+    `requirement` is that for the drive.
+    """
     try:
         outer = casing_of(requirement, reducer).outer
         if _fails(sound_checks(reducer)) or 2.0 * outer > requirement.diameter + ROUNDING:
@@ -480,9 +484,10 @@ def _fails(checks: Iterable[Check]) -> bool:
 
 
 def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
-    """Return the design file of a candidate as tables by name, each with values in SI units by key.
+    """Return the design file of a candidate drive as tables by name, each with values in SI units by key.
 
-    `sizes` are the dimensions of the candidate with the fields `SIZES`, and `torque` is its output torque [N m].
+    `requirement` is that for the drive. `sizes` are the dimensions of the candidate with the fields `SIZES`, and
+    `torque` is its output torque [N m].
     """
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
@@ -572,7 +577,7 @@ def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[s
 
 
 def _tube_tolerance(requirement: Requirement, radius: float, clearance: float) -> dict[str, str]:
-    """Return the tolerance of the output pins' clearance with sleeves of a radius [m] from a tube in stock.
+    """Return the tolerance of the output pins' clearance with sleeves of a radius [m] cut from a tube in stock.
 
     The deviation of the tube adds to that of `tolerances`, in variance. Empty for turned sleeves and a required fit.
     """

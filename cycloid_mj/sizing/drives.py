@@ -50,14 +50,14 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 
 
 def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
-    """Yield the stiffest and the longest-lived of the rated candidates, if they are clearly better than the lightest.
+    """Yield the stiffest and the longest-lived of the evaluated candidates, if clearly better than the lightest.
 
     Both may be the same drive, which is then yielded once.
 
     Parameters
     ----------
     solution
-        Result of the search, with its rated candidates.
+        Result of the search, with the evaluated candidates.
     lightest
         The lightest drive.
     """
@@ -107,7 +107,10 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
 
 
 def _figures(rated: Rated) -> dict[str, float]:
-    """Compute the quantities of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value."""
+    """Compute the quantities of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value.
+
+    `rated` is the drive with its computed limits.
+    """
     reducer, design = rated.reducer, rated.reducer.design
     (continuous, _), (momentary, _) = rated_and_momentary_torque(
         rated.items.values(), design.rated_torque, design.service.life

@@ -69,11 +69,13 @@ FIGURES = ("mass", "length", "backlash")
 
 
 def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
-    """Estimate the torque limit of each item [N m], and mass, length and backlash (see `FIGURES`), of n candidates.
+    """Estimate torque limits [N m], mass, length and backlash of n candidate drives, without solving statics.
 
-    `sizes` are the dimensions of the candidates; materials and friction are those of `design`, one of them. As the
-    loads depend on the torque, a fixed-point iteration determines both. The limit ``other`` stands for all items that
-    have no estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is undercut.
+    There is a limit for each item, a part with a kind of failure; the keys are those of `FIGURES`. `requirement` is
+    that for the drive. `sizes` are the dimensions of the candidates; materials and friction are those of `design`, one
+    of them. As the loads depend on the torque, a fixed-point iteration determines both. The limit ``other`` stands for
+    all items that have no estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is
+    undercut.
     """
     torque = np.full(sizes.circle.shape, FIRST_TORQUE * requirement.diameter**3)
     for _ in range(ROUNDS):
@@ -138,11 +140,12 @@ class _Loads:
 
     @classmethod
     def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
-        """Compute the loads on the critical disc of n candidates at their output torques [N m], shape (n,).
+        """Compute the loads on the critical disc of n candidate drives at their output torques [N m], shape (n,).
 
         The critical disc carries the largest share of the torque, because its errors let it lead the other discs. Its
-        teeth share this part as springs, and so do its output pins. `requirement` has the ratio, the speed and the
-        number of discs, `sizes` are the dimensions of the candidates, and `design` has their materials and clearances.
+        teeth share this part like springs in parallel, and so do its output pins. `requirement` has the ratio, the
+        speed and the number of discs, `sizes` are the dimensions of the candidates, and `design` has their materials
+        and clearances.
         """
         teeth, discs = requirement.ratio + 1, requirement.discs or 1
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
@@ -195,11 +198,11 @@ def _modulus(design: Design, kind: str) -> float:
 
 
 def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
-    """Compute the output torques [N m] that tooth and output pin pressures allow, by item, shape (n,) each.
+    """Compute the output torques [N m] of n candidates allowed by the pressures on teeth and output pins.
 
-    The limit is pitting of steel or permanent set of a plastic, and yield at twice the torque.
-
-    `sizes` are the dimensions of n candidates, and `loads` their loads at some torque.
+    The result has the shape (n,) by name of the limit. The limit is pitting of steel or permanent set of a plastic, and
+    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
+    `requirement` is that for the drive.
     """
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
@@ -229,11 +232,11 @@ def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Desig
 
 
 def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
-    """Compute the output torques [N m] that bearings of cams, shaft, output and rollers allow, by item, (n,) each.
+    """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
-    The limits are their lives, and their static ratings at twice the torque.
-
-    `sizes` are the dimensions of n candidates, and `loads` their loads at some torque.
+    The result has the shape (n,) by name of the limit. The limits are their lives, and their static ratings at twice
+    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque. `requirement` is
+    that for the drive.
     """
     discs, stack = requirement.discs or 1, _stack(requirement, sizes)
     hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
@@ -286,10 +289,11 @@ def _stack(requirement: Requirement, sizes: Sizes) -> Array:
 
 
 def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
-    """Compute the output torques [N m] that output pins and the walls between holes allow, by item, shape (n,) each.
+    """Compute the output torques [N m] of n candidates allowed by output pins and by the walls between holes.
 
-    The pins are beams clamped at both ends: limits are fatigue, and yield at twice the torque. `sizes` are the
-    dimensions of n candidates, `loads` their loads at some torque, and `discs` is the number of discs.
+    The result has the shape (n,) by name of the limit. The pins are beams clamped at both ends: limits are fatigue, and
+    yield at twice the torque. `sizes` are the dimensions of the candidates, `loads` their loads at some torque, and
+    `discs` is the number of discs.
     """
     material = design.material_of("output")
     span = discs * sizes.face
@@ -315,12 +319,13 @@ def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) 
 
 
 def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
-    """Estimate the output torque [N m] at which the housing of each candidate reaches its allowed temperature, (n,).
+    """Estimate the output torque [N m] of n candidates at which the housing reaches its allowed temperature, (n,).
 
     The losses of teeth, output pins and cams are proportional to the torque; those of the seal of the crank and of the
     lubricant in the cams are constant. Convection removes them from the cylinder of the housing.
 
-    `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
+    `sizes` are the dimensions of the candidates, and `loads` their loads at some torque. `requirement` is that for the
+    drive.
     """
     reducer = Reducer(design)
     friction, speed = design.friction, requirement.speed
@@ -353,7 +358,7 @@ def _estimate_mass(requirement: Requirement, sizes: Sizes, design: Design) -> Ar
     """Estimate the mass of n candidates [kg], shape (n,), by its regression on the masses of five parts.
 
     These are ring, discs, cams, covers and output discs. `sizes` are the dimensions of the candidates, and `design` has
-    their materials.
+    their materials. `requirement` is that for the drive.
     """
     radius, inner_radius, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
     ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))

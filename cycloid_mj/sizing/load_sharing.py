@@ -8,7 +8,9 @@ from cycloid_mj.base.compiling import cacheable, njit
 
 @njit(cache=cacheable(), error_model="numpy")
 def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array) -> tuple[Array, Array]:
-    """Compute the forces of m springs with clearance that balance a torque by a common rotation, for n candidates.
+    """Compute the forces of m contact springs with clearance that share a torque by a common rotation.
+
+    This is done for n candidate drives.
 
     Parameters
     ----------
@@ -40,9 +42,10 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
 def protruding_forces(
     arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array, error: float
 ) -> Array:
-    """Compute the force of each of m springs [N], shape (n, m), if its clearance alone is reduced by an `error` [m].
+    """Compute the force [N] of each of m contact springs if its clearance alone is reduced by an `error` [m].
 
-    The other arguments are those of `share_torque`.
+    The result has the shape (n, m) for n candidate drives. `arms`, `weights`, `stiffness`, `clearance` and `torque` are
+    those of `share_torque`.
     """
     forces, reduced_clearance = np.empty_like(arms), clearance - error
     for row in range(len(arms)):
@@ -57,7 +60,7 @@ def protruding_forces(
 def _solve_rotation(
     arms: Array, weight: float, clearance: float, load: float, extra_arm: float, extra_clearance: float
 ) -> tuple[float, float]:
-    """Solve for the common rotation [rad] at which springs with clearance balance a moment.
+    """Solve for the common rotation [rad] at which contact springs with clearance carry a moment.
 
     The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs at each of
     `arms` (m,) [m], and one spring with `extra_arm` and a clearance of its own (none if the arm is 0). The moment is a

@@ -42,7 +42,7 @@ class Objective:
         return np.maximum(-_slack(self.limits, figures).min(axis=0), 0.0)
 
     def expected_improvement(self, figures: Mapping[str, Array | float], scale: Array, best: float) -> Array:
-        """Compute the expected improvement of the merit by a rating of each candidate, shape (n,).
+        """Compute by how much a full evaluation of each of n candidates is expected to improve the merit, shape (n,).
 
         The merit is the logarithm of the objective's quantity (`merit`). `figures` are the estimates of the candidates,
         by key, shape (n,) each. Their errors are normal with standard deviations of `DEVIATIONS` times `scale` (n,).

@@ -44,7 +44,7 @@ REASONS = {
 def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iterator[tuple[str, str]]:
     """Yield pairs of a key of the design file and the reason for its value, such as ("gear.discs", "required").
 
-    `weakest` is the name of the item that fails first.
+    `weakest` is the name of the part that fails first.
     """
     design = reducer.design
     ring, gear, output, housing = design.ring, design.gear, design.output, design.housing

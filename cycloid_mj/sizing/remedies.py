@@ -47,7 +47,8 @@ def remedies(
     max_torque
         Largest torque of the drives that meet its other limits [N m].
     pool
-        Candidates whose ratings predict by how much a change increases this torque; None if there are none.
+        Candidate drives whose computed torque limits predict by how much a change increases this torque; None if there
+        are none.
     length_changes
         Feasible changes of the length.
     """
@@ -96,12 +97,12 @@ class _RemedySearch:
         return any(find_drive(pool, study=False, max_ratings=SETTINGS.few_ratings) for pool in pools)
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
-        """Yield the smallest of some changes of a requirement that makes it feasible; nothing if none is found.
+        """Yield the smallest of several changes of a requirement that makes it feasible; nothing if there is none.
 
         `changes` are sorted from the smallest. The index of the result is searched in three stages. Predicted torques
-        lead to a first index: it is doubled until the torque suffices, then bisected. From there ratings decide, in
-        steps that double (galloping search). Complete searches, as for a new requirement, verify the result, again in
-        steps that double.
+        lead to a first index: it is doubled until the torque suffices, then bisected. From there computed torque limits
+        of candidates decide, in steps that double (galloping search). Complete searches, as for a new requirement,
+        verify the result, again in steps that double.
         """
         count = len(changes)
 
@@ -156,7 +157,7 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     """Yield series of changes of a single value, each series from the smallest change to the largest.
 
     The values are life, duty (share of the time under load), speed, cooling, material, discs, clearance and backlash,
-    in this order. With a duty file, life, duty and speed do not change.
+    in this order. With a duty file, life, duty and speed do not change. `requirement` is that for the drive.
     """
     if not requirement.duty:
         yield _change_series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")

@@ -152,7 +152,7 @@ def _parse_duty(duty: str | float | None, usual_share: float) -> tuple[float, tu
 
 
 def _film_coefficient(cooling: str | float) -> float:
-    """Return the heat transfer coefficient [W/(m2 K)] of `cooling`: a key of `COOLING`, or the coefficient itself."""
+    """Return the heat transfer coefficient [W/(m2 K)] for `cooling`: a key of `COOLING`, or the coefficient itself."""
     if cooling in COOLING:
         return COOLING[str(cooling)]
     try:
@@ -329,9 +329,9 @@ class Requirement:
 
     @property
     def kind(self) -> Self:
-        """Return the requirement with defaults for all that does not influence the sizes of candidates, as a cache key.
+        """Return the requirement without limits and conditions that do not influence the sizes of candidates.
 
-        Limits become infinite, and conditions those that are usual for the process.
+        It is a key of the cache. Limits become infinite, and conditions those that are usual for the process.
         """
         process = PROCESSES[self.process]
         return self.but(

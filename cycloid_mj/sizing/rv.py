@@ -153,7 +153,7 @@ class RatedRv:
 
 
 def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find the shortest RV reducer that meets a requirement, and the longest-lived of the candidates that were rated.
+    """Find the shortest RV reducer that meets a requirement, and the longest-lived of the evaluated candidates.
 
     If no reducer meets the requirement, the answer has the largest feasible torque, and changes of the requirement that
     make it feasible. `on_progress` is called with the answer before these changes are known.
@@ -176,7 +176,7 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
 
 
 def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
-    """Yield the candidates of a requirement that have room for their bearings, the shortest first."""
+    """Yield the candidate drives for a requirement that have room for their bearings, the shortest first."""
     pool = [
         candidate
         for cranks in (2, 3)
@@ -209,11 +209,11 @@ def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
 def _lay_out_candidate(
     requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
 ) -> Candidate | None:
-    """Return the candidate with some numbers of teeth and proportions; None if its parts do not fit.
+    """Return a candidate drive with given numbers of teeth and proportions; None if its parts do not fit.
 
     `teeth` are the numbers of teeth of sun, planet and ring. `trochoid` is the trochoid ratio K1 = c N/E, with
     eccentricity c, N ring pins and radius E of the pin circle. `bore` and `width` are the radius of the crank bores and
-    the width of a disc, divided by E; see `RvShares`.
+    the width of a disc, divided by E; see `RvShares`. `requirement` is that for the drive.
     """
     sun, planet, ring = teeth
     circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
@@ -295,11 +295,11 @@ def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
 
 
 def _search_shortest(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
-    """Rate candidates, the shortest first, until one carries the required torque; return it or None, and the strongest.
+    """Compute the torque limits of candidates, the shortest first, until one carries the required torque.
 
-    `pool` is sorted by length, and at most `MAX_RATINGS` of its candidates are rated. Candidates are skipped whose
-    estimated torque is too small; the ratios of rated and estimated torques correct these estimates. The strongest has
-    the largest torque of the rated candidates.
+    Returns this candidate or None, and the strongest candidate. `pool` is sorted by length, and at most `MAX_RATINGS`
+    of its candidates are evaluated. Candidates are skipped whose estimated torque is too small; the ratios of computed
+    and estimated torques correct these estimates. The strongest has the largest torque of the evaluated candidates.
     """
     strongest, correction, remaining = None, 1.0, list(pool)
     for _ in range(MAX_RATINGS):
@@ -321,7 +321,10 @@ def _search_shortest(requirement: RvRequirement, pool: list[Candidate]) -> tuple
 
 
 def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv | None:
-    """Check and rate a candidate at the required torque; return None if it fails a check or cannot be balanced."""
+    """Check a candidate and compute its torque limits; return None if it fails a check or has no equilibrium.
+
+    `requirement` is that for the drive.
+    """
     if any(item.severity == "error" and not item.passed for item in soundness(candidate.reducer)):
         return None
     torque = requirement.torque
@@ -337,10 +340,10 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
 
 
 def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which an item reaches its limit, or just lasts the required `life` [h].
+    """Extrapolate the torque [N m] at which a part reaches its limit, or just lasts the required `life` [h].
 
-    The item was rated at `torque` [N m]. Forces are assumed to be proportional to the torque, and Hertz pressures to
-    its square root. The safety factors of RV reducers are ratios of torques.
+    `item` is the part with a kind of failure, rated at `torque` [N m]. Forces are assumed to be proportional to the
+    torque, and Hertz pressures to its square root. The safety factors of RV reducers are ratios of torques.
     """
     if item.safety is not None:
         return float(torque * item.safety)
@@ -352,7 +355,7 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
     """Yield changes that make a requirement feasible, each verified by a search.
 
     They are a shorter life; where heat limits the torque, a smaller share of the time under load, and better cooling;
-    and a larger diameter. `strongest` is the strongest drive that was rated for the requirement, if any.
+    and a larger diameter. `strongest` is the strongest drive that was evaluated for the requirement, if any.
     """
     if strongest and (life := math.floor(strongest.rating.shortest_life)) >= 100:
         shorter = requirement.but(life=float(f"{life:.2g}") if life < requirement.life else requirement.life)
@@ -389,9 +392,10 @@ def _is_feasible(requirement: RvRequirement) -> bool:
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
-    """Return a rated candidate with its main quantities by key, and the reason for each value of its design file.
+    """Return a candidate with its main quantities by key, and the reason for each value of its design file.
 
-    `title` is its heading, such as "lightest", and `why` a sentence on why it was chosen.
+    `rated` is the candidate with its computed torque limits, `requirement` is that for the drive. `title` is its
+    heading, such as "lightest", and `why` a sentence on why it was chosen.
     """
     reducer, torque = rated.candidate.reducer, requirement.torque
     motion = {item.key: item.value for item in motion_figures(reducer, torque)}
@@ -413,7 +417,7 @@ def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: st
 def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
     """Yield pairs of a key of the design file and the reason for its value, such as ("drive.speed", "required").
 
-    Only keys whose value was chosen are included. `weakest` is the name of the item that fails first.
+    Only keys whose value was chosen are included. `weakest` is the name of the part that fails first.
     """
     assert design.planet is not None
     teeth = f"1 + {design.ring.teeth} x {design.planet.planet_teeth}/{design.planet.sun_teeth}"

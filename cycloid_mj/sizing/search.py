@@ -158,15 +158,15 @@ class Rated:
 def rate_drive(
     requirement: Requirement, reducer: Reducer, torque: float, sample: int | None = None, poses: int = POSES
 ) -> Rated | None:
-    """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
+    """Compute the torque limits of a drive within its tolerances at a torque [N m] and the required conditions.
 
-    The result has torque limits by item [N m], mass [kg], length [m] and, if the requirement limits it, backlash
-    [arcmin]. It is None if the drive has no equilibrium, all samples jam, or a part does not fit.
+    The result has torque limits by part and kind of failure [N m], mass [kg], length [m] and, if the requirement limits
+    it, backlash [arcmin]. It is None if the drive has no equilibrium, all samples jam, or a part does not fit.
 
     Parameters
     ----------
     requirement
-        Conditions of the rating.
+        Requirement with the conditions, such as speed and life.
     reducer, torque
         The drive, and its output torque [N m].
     sample
@@ -194,27 +194,28 @@ def rate_drive(
 
 
 def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, samples: Sequence[int] = ()) -> Rated | None:
-    """Rate a candidate at its capacity (the torque that it carries), or at the required torque if that is smaller.
+    """Compute the torque limits of a candidate at its capacity, or at the required torque if that is smaller.
 
-    The capacity depends on the torque of the rating, because more teeth carry at larger loads. So the rating is
-    repeated at the capacity of the previous rating (fixed-point iteration). Emergency stops and joints of metal drives
-    are left to the tolerance study: they take half of the time, and seldom limit the torque.
+    The capacity is the torque that it carries. It depends on the torque of the computation, because more teeth carry at
+    larger loads. So the computation is repeated at the capacity of the previous one (fixed-point iteration). Emergency
+    stops and joints of metal drives are left to the tolerance study: they take half of the time, and seldom limit the
+    torque.
 
     Parameters
     ----------
     requirement
-        Conditions of the rating, and the required torque.
+        Requirement with the conditions and the torque.
     sizes
         Dimensions of the candidate.
     torque
-        Torque of the first rating [N m].
+        Torque of the first computation [N m].
     samples
         Numbers of the tolerance samples of which the critical one determines the tooth forces (`find_critical_sample`).
 
     Returns
     -------
     Rated or None
-        The rated drive; None if the candidate cannot be built, or has no equilibrium.
+        The drive with its torque limits; None if the candidate cannot be built, or has no equilibrium.
     """
     max_torque = requirement.torque
     reducer, rated = build_drive(requirement, sizes, min(torque, max_torque)), None
@@ -233,9 +234,9 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, sample
 def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
     """Compute yield and backlash of a drive over samples of its tolerances: key -> value.
 
-    The keys are ``turning_percent``, the share of samples that do not jam [%]; ``yield_percent``, the share that also
-    has a backlash within the limit [%]; ``backlash_arcmin``, the median; and ``backlash_p05_arcmin``, p95 and p99, the
-    percentiles of the backlash.
+    `requirement` limits the backlash. The keys are ``turning_percent``, the share of samples that do not jam [%];
+    ``yield_percent``, the share that also has a backlash within the limit [%]; ``backlash_arcmin``, the median; and
+    ``backlash_p05_arcmin``, p95 and p99, the percentiles of the backlash.
     """
     if tolerance_zones(reducer):
         samples = select_rated_samples(reducer)
@@ -283,7 +284,7 @@ class Pool:
 
     @property
     def strong_part(self) -> Self:
-        """Return the candidates with the largest estimated torques as a new pool without ratings.
+        """Return the candidates with the largest estimated torques as a new pool, without computed limits.
 
         For each kind of torque limit (`_capacities`), these are the `SETTINGS.strong` best of all candidates, and the
         `SETTINGS.strong` best of those within the limits of length and backlash.
@@ -304,9 +305,10 @@ class Pool:
 
     @property
     def corrected(self) -> Estimate:
-        """Return the estimates of all candidates, corrected by the ratings of similar ones, with the key ``capacity``.
+        """Return the estimates of all candidates, corrected by the computed torque limits of similar ones.
 
-        They also include the expected effect of a tolerance study (`study_factors`).
+        The key ``capacity`` has the smallest torque limit. They also include the expected effect of a tolerance study
+        (`study_factors`).
         """
         records = [*self.corrections.values()]
         values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
@@ -317,9 +319,9 @@ class Pool:
 
     @property
     def study_factors(self) -> Mapping[str, Array]:
-        """Return the expected ratios of quantities by a tolerance study to those by one sample, by key, shape (n,).
+        """Return the ratios of torque limits and backlash by a tolerance study to those by one sample, by key, (n,).
 
-        Quantities are torque limits and backlash; those that a study does not change are left out.
+        The ratios are expected values for n candidates.
         """
         values = np.reshape([*self.biases.values()], (-1, 2))
         torque, backlash = np.exp(_interpolate(self.points, self.biases, values)).T
@@ -386,24 +388,24 @@ class Pool:
     def _search_step(
         self, objective: Objective, figures: Estimate, scale: Array, row: int | None, best: float
     ) -> float | None:
-        """Do one step of the search of `best`: rate the most promising candidate, or add neighbours of the best one.
+        """Do one step of the search of `best`: evaluate the most promising candidate, or add neighbours of the best.
 
-        Neighbours come first if the best candidate is within all limits, else last. Without any rated candidate, the
-        one that exceeds the limits least is rated even if it is unlikely to be within them.
+        Neighbours come first if the best candidate is within all limits, else last. Without any evaluated candidate,
+        the one that exceeds the limits least is evaluated even if it is unlikely to be within them.
 
         Parameters
         ----------
         objective
-            What is to be improved.
+            Quantity to be improved, such as mass.
         figures, scale
             Results of `_known_figures`.
         row, best
-            Index of the best rated candidate, or None; and its merit, or -inf if it exceeds a limit.
+            Index of the best evaluated candidate, or None; and its merit, or -inf if it exceeds a limit.
 
         Returns
         -------
         float or None
-            The cost in ratings, 0 for neighbours; None if no improvement is expected.
+            The number of evaluations, 0 for neighbours; None if no improvement is expected.
         """
         is_within = math.isfinite(best)
         if row is not None and is_within and self._add_neighbours(row):
@@ -434,9 +436,9 @@ class Pool:
         return min(rows, key=lambda index: (excesses[index], -merits[index]), default=None)
 
     def _rate(self, row: int, torque: float) -> bool:
-        """Rate the candidate with the index `row` and store the result; return whether it could be rated.
+        """Compute and store the torque limits of the candidate with the index `row`; return whether this succeeded.
 
-        `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated quantities
+        `torque` is that of the first computation [N m]. The logarithms of the ratios of rated to estimated quantities
         are stored in `corrections`.
         """
         self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque, self.samples)
@@ -448,7 +450,7 @@ class Pool:
         return drive is not None
 
     def study(self, row: int) -> Rated | None:
-        """Rate the candidate with the index `row` by a tolerance study; store and return the result.
+        """Compute the torque limits of the candidate with the index `row` by a tolerance study; store and return them.
 
         The torque is the required one, or the largest that the candidate is expected to carry. If a study shows that
         such a torque was too large, it is repeated once at a torque by a secant step with the slope 1/3: when the
@@ -476,9 +478,10 @@ class Pool:
         return studied
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
-        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last.
+        """Repeat the tolerance study of a drive at a larger torque; return the drive that passed last.
 
-        If a study failed at a larger torque, the torque is the geometric mean of both (bisection).
+        The torque is nearer to what the drive carries. If a study failed at a larger torque, the torque is the
+        geometric mean of both (bisection).
         """
         middle = math.sqrt(drive.torque * drive.too_large)
         torque = floor_digits(min(SETTINGS.study_share * drive.capacity, middle, self.requirement.torque))
@@ -486,7 +489,7 @@ class Pool:
         return full if full and full.passed else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
-        """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study to the result.
+        """Compute the torque limits of a drive with toleranced parts at a torque [N m], and its tolerance study.
 
         The backlash becomes the 99th percentile of the study, and `passed` says whether the drive carries the torque
         and enough samples are good. The result is None if the drive cannot be rated, or if too many samples jam (see
@@ -504,9 +507,9 @@ class Pool:
     def _known_figures(self) -> tuple[Estimate, Array]:
         """Return torque limits, mass, length and backlash of all n candidates, and the scale of their errors.
 
-        All have the shape (n,). The values are those of ratings, corrected by `study_factors`, or estimates. The
-        standard deviations of estimates are `DEVIATIONS` times the scale, which decreases with the distance to the
-        nearest rated candidate.
+        All have the shape (n,). The values are computed, corrected by `study_factors`, or estimated. The standard
+        deviations of estimates are `DEVIATIONS` times the scale, which decreases with the distance to the nearest
+        evaluated candidate.
         """
         figures, study_factors = self.corrected, self.study_factors
         for row, drive in self.rated.items():
@@ -604,11 +607,11 @@ def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
 
 @lru_cache(maxsize=32)
 def _find_elites(kind: Requirement) -> Array:
-    """Find a diverse set of good candidates for the requirements with the same `Requirement.kind`, by MAP-Elites.
+    """Find a diverse set of good candidates (elites) for requirements of the same `Requirement.kind`, by MAP-Elites.
 
-    The estimates decide. MAP-Elites keeps the best candidate (elite) of each cell of torque and length. There is an
-    archive of cells for each kind of torque limit (`_capacities`), so that the elites include good candidates for any
-    conditions.
+    Candidates are compared by their estimates. MAP-Elites keeps the best candidate (elite) of each cell of torque and
+    length. There is an archive of cells for each kind of torque limit (`_capacities`), so that the elites include good
+    candidates for any conditions.
 
     Returns
     -------
@@ -630,7 +633,7 @@ def _find_elites(kind: Requirement) -> Array:
 
 
 def _elites(guess: Estimate) -> Integers:
-    """Return the indices of the elites: the lightest candidate of each cell of torque and length.
+    """Return the indices of the lightest candidate in each cell of torque and length (elites).
 
     `guess` are the estimates of all candidates. There are elites for each kind of torque limit (`_capacities`).
     """

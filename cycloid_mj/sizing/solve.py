@@ -37,7 +37,7 @@ class Trial:
 
 
 def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
-    """Find the best drive for a requirement, or the largest feasible torque.
+    """Find the best drive for a requirement, or the largest feasible torque if there is none.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 
 
 def _search_pools(requirement: Requirement) -> tuple[Trial | None, list[Pool]]:
-    """Return the first drive found for a requirement, or None, and the pools searched before in vain."""
+    """Return the first drive that meets a requirement, or None, and the pools of candidates searched before in vain."""
     failed: list[Pool] = []
     for pool in pools_of(requirement):
         if drive := find_drive(pool, study=True):
@@ -91,11 +91,12 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
-    """Return a drive of a pool that carries the required torque within the limits; None if there is none.
+    """Return a drive of a pool of candidates that carries the required torque within the limits; None if there is none.
 
-    With `study`, it must pass its tolerance study; otherwise its rating is sufficient. At most `max_ratings` candidates
-    are rated. If the length is limited, the shortest drive is searched until one is short enough. The limit does not
-    enter the search otherwise, so that a drive which is found at one limit is found at all larger ones.
+    With `study`, it must pass its tolerance study; otherwise its computed torque limit is sufficient. At most
+    `max_ratings` candidates are evaluated. If the length is limited, the shortest drive is searched until one is short
+    enough. The limit does not enter the search otherwise, so that a drive which is found at one limit is found at all
+    larger ones.
     """
     requirement = pool.requirement
     torque, without_length_limit = requirement.torque, requirement.but(length=math.inf)
@@ -106,10 +107,10 @@ def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) 
 
 
 def _rated_merit(pool: Pool) -> float:
-    """Return a merit to compare pools: the largest torque [N m] that a candidate is rated for within the limits.
+    """Return a merit of a pool of candidates: the largest computed torque limit [N m] within the required limits.
 
     If all candidates exceed the required length or backlash, it is minus the logarithm of the smallest excess; -inf if
-    none can be rated. Tolerance studies are left out.
+    none can be evaluated. Tolerance studies are left out.
     """
     objective = strongest(pool.requirement)
     drive = pool.best(objective, study=False, max_ratings=SETTINGS.few_ratings) or pool.nearest(objective)
@@ -143,7 +144,7 @@ def is_feasible(requirement: Requirement) -> bool:
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
-    """Yield the pools of candidates to search for a requirement: one for each number of discs and clearance.
+    """Yield the pools of candidates to search for a requirement: one for each number of discs and each clearance.
 
     If no clearance is required, the first pool has the usual clearance. Pools with finer clearances follow, because
     more teeth carry with them. The next clearance is always the largest for which the estimates nearly reach the torque
@@ -167,7 +168,7 @@ def finer_requirements(requirement: Requirement) -> list[Requirement]:
 
 
 def _describe_torque_limit(pool: Pool) -> str:
-    """Describe what limits the torque of the best drive that was rated in a pool."""
+    """Describe what limits the torque of the best drive that was evaluated in a pool."""
     requirement = pool.requirement
     drive = pool.nearest(strongest(requirement))
     if not drive:

@@ -229,7 +229,7 @@ def basis_of(grid: Grid, vector: bool, order: int) -> Any:
     """Return the scikit-fem basis of the quadratic elements of a finite-element mesh.
 
     It is a basis for displacements if `vector` is true, otherwise for scalars. Its quadrature is exact up to the
-    polynomial degree `order`.
+    polynomial degree `order`. `grid` is the finite-element mesh.
     """
     skfem = import_package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()

@@ -44,6 +44,7 @@ def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSur
     """Return nodes, normals and quadrature points (order 6) of selected faces on the surface of a solid mesh.
 
     `is_selected` maps the centres (3, f) [m] of all f surface faces to a mask (f,): true for the faces to select.
+    `grid` is the finite-element mesh.
     """
     skfem, quadrature = import_package("skfem"), import_package("skfem.quadrature")
     mesh = grid.mesh
