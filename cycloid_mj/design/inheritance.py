@@ -47,7 +47,7 @@ class Inheritance:
 
     @property
     def note(self) -> str:
-        """List the values that a design file takes from its preset in a sentence; empty if there are none."""
+        """Return a sentence that lists the values which a design file takes from its preset, or an empty text."""
         if not self.values:
             return ""
         value_texts = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())

@@ -68,7 +68,7 @@ def _entry(
     surface_yield: float = 0.0,
     endurance_pressure: float = 0.0,
 ) -> Entry:
-    """Return an entry of the library of materials, with its values converted to SI units.
+    """Return the values of a material for the library, converted to SI units.
 
     Parameters
     ----------

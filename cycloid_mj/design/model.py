@@ -1061,7 +1061,7 @@ class Design(Section, Presented):
         return make_frame([*_value_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return the main properties as pairs of name and text: name, ratio, ring, eccentricity, speed, torques."""
+        """Return the main properties of a design as pairs of name and text: name, ratio, ring, torques and others."""
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -1202,7 +1202,7 @@ class Design(Section, Presented):
 
     @property
     def ratio(self) -> float:
-        """Input turns per output turn [1]; negative if they rotate in opposite directions.
+        """Return the input turns per output turn [1]; negative if they rotate in opposite directions.
 
         It is R with the carrier as output and 1 - R with the ring as output. With N teeth of the ring, R is -(N - 1)
         for a central crank. For an RV reducer, whose input is the sun, R is 1 + N z_p/z_s with z_p teeth of a planet
@@ -1273,7 +1273,7 @@ class Design(Section, Presented):
 
     @property
     def socket_play(self) -> float:
-        """Clearance of the housing around a ring pin or sleeve of ``ring.pin_radius`` [m]; 0 for a pressed-in pin.
+        """Return the clearance of the housing around a ring pin or sleeve [m]; 0 for a pressed-in pin.
 
         A pin with a sleeve is supported by the housing at both ends. The sleeve must not touch the housing, so its
         clearance is `SHARES.sleeve_room` times its radius.
@@ -1306,7 +1306,7 @@ class Design(Section, Presented):
 
     @property
     def mesh_friction(self) -> float:
-        """Friction force per normal force [1] where the teeth of a disc slide on the ring.
+        """Return the friction force per normal force [1] where the teeth of a disc slide on the ring.
 
         A pin or sleeve that can turn slides where its friction is lower: on the disc, or in its socket or on its core.
         The friction in a sleeve acts at the smaller radius of its bore.

@@ -643,7 +643,7 @@ def splines_around(shaft: float) -> tuple[StockSpline, ...]:
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
-    """Round lengths [m], shape (n,), to those of dowels in stock with a diameter [m], or of equal dowels in line.
+    """Round n lengths [m], shape (n,), to those of dowels in stock with a diameter [m], or of equal dowels in line.
 
     At most `max_count` dowels are in line. A length is returned unchanged if the nearest length in stock differs by
     more than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.

@@ -103,7 +103,7 @@ def _quote(value: Any) -> str:
 
 
 def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
-    """Return file keys and declaration of a wrong value.
+    """Return file keys and declaration (type, unit, bounds) of a wrong value.
 
     `details` are those of pydantic, `root` is the model that was validated. Items of lists have their number in
     brackets, from 1 on.

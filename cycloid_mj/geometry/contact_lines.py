@@ -39,9 +39,9 @@ class ContactLines:
 
 
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
-    """Compute every contact line of disc and ring at some crank angles [rad], without clearance.
+    """Compute every contact line of disc and ring at several crank angles [rad], for parts without clearance.
 
-    `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
+    `gear` is the profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
 
     Raises
     ------
@@ -60,11 +60,11 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
 
 
 def peak_pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
-    """Compute Hertz's peak pressure (n,) [Pa] of each contact line under a force [N] over a face width `length` [m].
+    """Compute Hertz's peak pressure [Pa] of each of n contact lines under a force [N], shape (n,).
 
-    `lines` are the contact lines, `modulus` E* [Pa] is the plane-strain modulus of both bodies together. Where an arc
-    of an internal gear joins the flank Sigma next to it, the relative curvature vanishes and the pressure tends to 0:
-    Hertz's assumption of a strip that is narrow against both bodies is not valid there.
+    `length` [m] is the face width. `lines` are the contact lines, `modulus` E* [Pa] is the plane-strain modulus of both
+    bodies together. Where an arc of an internal gear joins the flank Sigma next to it, the relative curvature vanishes
+    and the pressure tends to 0: Hertz's assumption of a strip that is narrow against both bodies is not valid there.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure
@@ -93,7 +93,7 @@ def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> 
 def _collect_lines(
     crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]
 ) -> ContactLines:
-    """Convert the contacts of the disc with one part of the ring, at a crank angle [rad], to contact lines.
+    """Convert the n contacts of the disc with one part of the ring, at a crank angle [rad], to contact lines.
 
     `tooth` are the indices of the ring's teeth and `part` the names of their parts: pin, arc, sigma1 or sigma2. Arrays
     have shape (n,).

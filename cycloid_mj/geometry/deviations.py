@@ -124,9 +124,10 @@ def profile_error(waves: Array, t: Array) -> Array:
 
 
 def _errors_by_disc(design: Design, name: str, standard_deviation: float, count: int) -> Array:
-    """Return the errors of a kind [m] of `count` equal parts on every disc, shape (D, count): listed, or drawn.
+    """Return the manufacturing errors of a kind [m] of `count` equal parts on each of D discs, (D, count).
 
-    `name` is the list in ``design.errors``; `standard_deviation` [m] applies to drawn errors.
+    They are listed in the design or drawn at random. `name` is the list in ``design.errors``; `standard_deviation` [m]
+    applies to drawn errors.
     """
     listed = getattr(design.errors, name)
     if listed:
@@ -144,9 +145,10 @@ def _errors_of_parts(design: Design, name: str, standard_deviation: float, count
 
 
 def _draw_errors(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
-    """Draw normally distributed errors [m], shape (count,), from the random stream of a list and of a `disc`.
+    """Draw normally distributed manufacturing errors [m], shape (count,), from the random stream of a list and a disc.
 
-    `name` is the list of the design file, such as ``pin_dr``. The errors are 0 if the `standard_deviation` [m] is.
+    `disc` is the index of the disc. `name` is the list of the design file, such as ``pin_dr``. The errors are 0 if the
+    `standard_deviation` [m] is.
     """
     if not standard_deviation:
         return np.zeros(count)

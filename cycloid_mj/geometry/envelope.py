@@ -88,7 +88,7 @@ class Sigma:
 
     @property
     def points(self) -> Array:
-        """Points (..., 2) [m] of the flank in the ring frame, on the common normal through the pitch point.
+        """Return points (..., 2) [m] of the flank in the ring frame, on the common normal through the pitch point.
 
         They are c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l), K = E^2 - c^2 N^2 and u(b) = (sin b,
         cos b). `crank` is `crank_angle_cw`, psi is `normal_angle`, l is `profile.pitch_distance`; N, c, E and rho are
@@ -132,11 +132,11 @@ class Sigma:
 
     @property
     def _arc_integral(self) -> Array:
-        """Arc length [m] plus a constant, in the shape of B: the antiderivative of `arc_rate` over the phase B [rad].
+        """Return the arc length along Sigma [m] plus a constant, in the shape of the phase B.
 
-        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + M] + rho psi. N, E, c and rho are those of `CycloidGear`; Ell is
-        the incomplete elliptic integral of the second kind with the parameter m of `profile.trochoid_ellipse`; M is
-        `profile.moment_arm` and psi is `normal_angle`, both at B.
+        It is the antiderivative of `arc_rate` over B [rad]: (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + M] + rho psi. N, E,
+        c and rho are those of `CycloidGear`; Ell is the incomplete elliptic integral of the second kind with the
+        parameter m of `profile.trochoid_ellipse`; M is `profile.moment_arm` and psi is `normal_angle`, both at B.
         """
         N, _, _, rho = self.gear.symbols
         scale, m = profile.trochoid_ellipse(self.gear)
@@ -250,10 +250,10 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Compute phases B (n,) [rad] of few points on half a flank Sigma, which joins two arcs of the internal gear.
+    """Compute n phases B (n,) [rad] of points on half a flank Sigma, which joins two arcs of the internal gear.
 
-    The half is from the junction with the arc to the middle of the root. The chords between the points deviate about
-    equally from Sigma, by at most `chord_error` [m].
+    The half is from the junction with the arc to the middle of the root. There are as few points as possible. The
+    chords between the points deviate about equally from Sigma, by at most `chord_error` [m].
 
     Raises
     ------
@@ -273,7 +273,8 @@ def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
 def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
     """Compute the contacts of the gear with the N arcs (or pins) at a counter-clockwise `crank_angle` [rad].
 
-    For crank angles of shape (k, 1), numbers have shape (k, N) and vectors (k, N, 2).
+    `gear` is the profile of the disc. For k crank angles of shape (k, 1), numbers have shape (k, N) and vectors (k, N,
+    2).
     """
     zeta = profile.pin_angles(gear)
     B = zeta + crank_angle
@@ -363,9 +364,9 @@ def _rotate(points: Array, angle: Array) -> Array:
 
 
 def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingOutline:
-    """Compute points of the internal gear's outline at arc lengths (n,) [m] from the tips of lobes, up to half a lobe.
+    """Compute points of the internal gear's outline at n arc lengths [m] from the tips of lobes, up to half a lobe.
 
-    Arc lengths are positive clockwise. `lobe` (n,) are the indices of the lobes, 0 on +y, clockwise.
+    Arc lengths are positive clockwise. `lobe` (n,) are the n indices of the lobes, 0 on +y, clockwise.
     """
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)

@@ -40,7 +40,7 @@ def _expansion(design: Design, part: str) -> float:
 
 
 def warm_clearances(design: Design) -> dict[str, float]:
-    """Compute the clearance [m] of each kind of pair at the temperatures of ``[thermal]``; negative if it is lost.
+    """Compute the clearance [m] of each kind of mating pair at the temperatures of ``[thermal]``; negative if lost.
 
     Keys are ``pin_gear`` or ``tooth`` (teeth of the disc on the ring), ``pin_socket`` if the ring has sockets, and
     ``cam`` and ``output`` except for an RV reducer.
@@ -203,7 +203,7 @@ def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple
 
 
 def _describe_jam(design: Design, pair: str, warm_clearance: float) -> str:
-    """Return the error message for a pair whose parts jam because of thermal expansion.
+    """Return the error message for a mating pair whose parts jam because of thermal expansion.
 
     `pair` is a key of `PARTNERS`, such as "cam". `warm_clearance` [m] is its clearance at the temperatures of the
     parts, zero or negative.

@@ -58,7 +58,7 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
     """Share a torque among equally stiff contacts, and return their forces (..., n) [N], 0 for those that cannot push.
 
     F_i = -T l_i / sum l^2 with the torque T (...) [N m], counter-clockwise on the gear, and the `arms` l (..., n) [m],
-    as in `LoadSharing`; the sum is over the loaded contacts.
+    as in `LoadSharing`, for n contacts; the sum is over the loaded contacts.
     """
     arms, torque = np.asarray(arms, float), np.asarray(torque, float)[..., np.newaxis]
     relative_force = -torque * arms
@@ -85,7 +85,7 @@ def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: np
 def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
     """Share a torque on the gear among its contacts with an internal gear, and compute the eccentric's reaction.
 
-    The arrays have shape (n,). They contain first the contacts with the N arcs, in the order of
+    The arrays have shape (n,) for n contacts. They contain first the contacts with the N arcs, in the order of
     `envelope.arc_contacts`, then those with the flanks Sigma between the arcs, in the order of
     `envelope.sigma_contacts`. All contacts are equally stiff. `torque` [N m] acts on the gear; it and `crank_angle`
     [rad] are counter-clockwise.
@@ -130,7 +130,9 @@ def ideal_output_forces(
 def cam_force(
     ring: LoadSharing, output_forces: npt.ArrayLike, crank_angle: npt.ArrayLike, body_force: npt.ArrayLike = (0.0, 0.0)
 ) -> Array:
-    """Compute the force of the cam on the gear (..., 2) [N] that balances ring, output pins and the gear's own forces.
+    """Compute the force of the cam on the gear (..., 2) [N], which is in equilibrium with all other forces on it.
+
+    These are the forces of the ring and of the output pins, and the body force of the gear.
 
     Parameters
     ----------
@@ -162,7 +164,7 @@ def contact_modulus(
 def hertz_line_contact(
     force: npt.ArrayLike, length: npt.ArrayLike, relative_curvature: npt.ArrayLike, modulus: float
 ) -> HertzContact:
-    """Compute half width, peak pressure and shear stress of Hertz's line contact.
+    """Compute half width, peak pressure and largest shear stress of Hertz's line contact.
 
     The half width is 2 sqrt(F / (pi L kappa E*)), the peak pressure sqrt(F kappa E* / (pi L)). `force` F >= 0 [N] acts
     over the contact `length` L [m], `relative_curvature` kappa [1/m] is the sum of the curvatures of both bodies,
@@ -268,7 +270,7 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 
 
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
-    """Share a torque [N m] among contacts by their lever arms (..., n) [m], and compute the eccentric's reaction.
+    """Share a torque [N m] among n contacts by their lever arms (..., n) [m], and compute the eccentric's reaction.
 
     The reaction acts on the gear. `gear_normals` (..., n, 2) are the directions in which the contacts push the gear.
     `torque` and `crank_angle` [rad] have the shape (...).

@@ -140,7 +140,7 @@ class InvoluteGear:
         return np.asarray(-1.0 / (self.base_radius * np.asarray(roll, dtype=np.float64)))
 
     def fillet(self, corner: npt.ArrayLike) -> Array:
-        """Compute points (n, 2) [m] of the fillet, which the corner of the rack cuts.
+        """Compute n points (n, 2) [m] of the fillet of a tooth, which the corner of the rack cuts.
 
         `corner` (n,) [m] is the position of the corner's centre along the rack, from the pitch point: 0 at the root
         circle, `last_corner` at the involute. The contact normal of rack and gear passes through the pitch point.

@@ -91,7 +91,7 @@ def gear_centre_velocity(gear: CycloidGear, crank_angle: npt.ArrayLike, crank_sp
 def gear_centre_acceleration(
     gear: CycloidGear, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike, crank_acceleration: npt.ArrayLike = 0.0
 ) -> Array:
-    """Compute the acceleration of the gear's centre (..., 2) [m/s^2] (Hsieh 2014, Eq. 14 corrected).
+    """Compute the acceleration of the centre of a cycloidal gear (..., 2) [m/s^2] (Hsieh 2014, Eq. 14 corrected).
 
     It is the sum of c omega_i^2 towards the axis and c domega_i/dt along the tangent, with the eccentricity c. Crank
     angle [rad], speed omega_i [rad/s] and acceleration [rad/s^2] are counter-clockwise and broadcast to the shape
@@ -153,7 +153,7 @@ def point_path(
 def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
     """Compute position p + R q and velocity dp/dt + w x R q of a point q of a body.
 
-    p is the position of the body, R its rotation matrix and w its angular speed, at n instants.
+    q is fixed to the body. p is the position of the body, R its rotation matrix and w its angular speed, at n instants.
 
     Parameters
     ----------

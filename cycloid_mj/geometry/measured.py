@@ -81,7 +81,7 @@ class MeasuredProfile:
 
     @property
     def words(self) -> str:
-        """Sentence on a measured profile: number of points, mean, highest order of waves, rms of the rest, position."""
+        """Return a sentence on a measured profile: number of points, mean, highest order of waves, rms of the rest."""
         waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
         mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
         text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
@@ -185,7 +185,7 @@ def _fit_profile(measured_files: Measured, gear: CycloidGear, offset: float) -> 
 
 
 def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
-    """Compute the trochoid parameters t (n,) [rad] of an outline at polar angles (n,) [rad], clockwise from +y.
+    """Compute the trochoid parameters t [rad] of an outline at n polar angles [rad], clockwise from +y, (n,).
 
     The outline is the parallel of the trochoid at the `offset` [m]. Its polar angle is a monotone function of t, which
     is inverted by linear interpolation. `gear` is the profile of the disc.
@@ -197,7 +197,7 @@ def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
 
 
 def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array, Alignment]:
-    """Align measured points (n, 2) [m] with an outline by least squares, in position and rotation.
+    """Align n measured points (n, 2) [m] with an outline by least squares, in position and rotation.
 
     The outline is the parallel of the trochoid at the `offset` [m]. The deviations from their mean are minimised by
     Gauss-Newton steps, with new foot points in each. The rotation is at most half a pitch, as lobes are identical.
@@ -231,12 +231,13 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
 
 
 def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
-    """Fit mean and harmonics (waves) to outward deviations (n,) [m] at t (n,) [rad], by weighted least squares.
+    """Fit mean and harmonics (waves) to n outward deviations [m] at parameters t [rad] of an outline, (n,).
 
-    The parameter t of the trochoid increases by 2 pi per turn. The weight of a point is the part of the range of t that
-    is nearest to it. The highest order is `max_order`, or less if the points are too far apart: it must be below pi
-    over the largest gap (Gröchenig 1992, "Reconstruction algorithms in irregular sampling"). The highest orders are
-    left out as long as their rms is at most `FIT.tail`. `alignment` is stored in the result.
+    The fit is by weighted least squares. The parameter t of the trochoid increases by 2 pi per turn. The weight of a
+    point is the part of the range of t that is nearest to it. The highest order is `max_order`, or less if the points
+    are too far apart: it must be below pi over the largest gap (Gröchenig 1992, "Reconstruction algorithms in irregular
+    sampling"). The highest orders are left out as long as their rms is at most `FIT.tail`. `alignment` is stored in the
+    result.
     """
     from scipy.linalg import lstsq
 
@@ -258,7 +259,7 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
 
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
-    """Estimate centre and rotation of measured points (n, 2) [m] by a circle fit (Kasa 1976) and the lobes' phase.
+    """Estimate centre and rotation of n measured points (n, 2) [m] by a circle fit (Kasa) and the lobes' phase.
 
     `gear` is the profile of the disc.
 
@@ -280,9 +281,10 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
 
 
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
-    """Compute parameters (n,) [rad] of the foot points of `points` (n, 2) [m] on the outline at an `offset` [m].
+    """Compute the parameters [rad] of the foot points of n `points` (n, 2) [m] on an outline, shape (n,).
 
-    Newton's method starts from the parameters `t` (n,) [rad], which must be close. `gear` is the profile of the disc.
+    The outline has an `offset` [m] from the trochoid. Newton's method starts from the parameters `t` (n,) [rad], which
+    must be close. `gear` is the profile of the disc.
     """
     for _ in range(FIT.foot_point_steps):
         offset_vectors = points - profile.outline(gear, t, offset)

@@ -100,7 +100,7 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
 
 
 def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
-    """Compute the outline of a gear with rotated flanks as a polygon (n, 2) [m], clockwise from the valley on +y.
+    """Compute the outline of a gear with rotated flanks as n points (n, 2) [m], clockwise from the valley on +y.
 
     Its chords deviate from the flanks by at most `chord_error` [m]. All lobes have the same points, which include the
     corners. The flanks are at the distance `offset` [m] outside of the trochoid, and rotated into the disc by

@@ -176,10 +176,10 @@ def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Arm c (N-1) E sin B / l [m] about the gear centre of the common normal at phase B [rad].
+    """Return the lever arm [m] about the gear centre of the common normal at phase B [rad].
 
-    It is positive where the pin's push turns the gear counter-clockwise. l is the `pitch_distance`, other symbols are
-    as in `CycloidGear`.
+    It is c (N-1) E sin B / l, and positive where the pin's push turns the gear counter-clockwise. l is the
+    `pitch_distance`, other symbols are as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)
@@ -291,7 +291,7 @@ def length(gear: CycloidGear, offset: float | None = None) -> float:
 
 
 def area(gear: CycloidGear, offset: float | None = None) -> float:
-    """Area inside the disc's outline [m^2], without bore or holes.
+    """Return the area inside the disc's outline [m^2], without bore or holes.
 
     It is pi (E^2 + N c^2) - offset L + pi offset^2, with the length L of the trochoid and the symbols of `CycloidGear`.
     `offset` [m] is that of the outline from the trochoid, by default the pin radius.
@@ -373,11 +373,11 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 
 @lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
-    """Compute few parameters t (n,) [rad] of the disc's outline whose chords deviate by at most `chord_error` [m].
+    """Compute n parameters t (n,) [rad] of the disc's outline whose chords deviate by at most `chord_error` [m].
 
-    `offset` [m] is that of the outline from the trochoid, by default the pin radius. All lobes have the same
-    parameters. Each half lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The
-    array is cached and read-only. `gear` is the profile of the disc.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius. There are as few as possible. All
+    lobes have the same parameters. Each half lobe is divided at its inflection, so that a chord spans a purely concave
+    or convex arc. The array is cached and read-only. `gear` is the profile of the disc.
 
     Raises
     ------
@@ -416,7 +416,7 @@ class SmoothArc:
 
 
 def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -> Array:
-    """Compute parameters (n,) from `low` to `high` of points of `arc` whose chords have about equal deviations from it.
+    """Compute n parameters (n,) from `low` to `high` of points of `arc` whose chords deviate about equally from it.
 
     The deviation is at most `chord_error` [m]. Chords of equal sagitta have equal shares of the integral of
     sqrt(|curvature|) ds.
@@ -493,7 +493,7 @@ def _curvature_bracket(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
-    """Return points, normals, curvature and arc length of the disc's outline at trochoid parameters t (n,) [rad].
+    """Return points, normals, curvature and arc length of the disc's outline at n trochoid parameters t (n,) [rad].
 
     `offset` [m] is that of the outline from the trochoid; None is the pin radius. `gear` is the profile of the disc.
     """
@@ -507,7 +507,7 @@ def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
 
 
 def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
-    """Compute the largest distance [m] of each chord from its arc, shape (n - 1,), for chords between `nodes` (n,).
+    """Compute the largest distance [m] of each chord from its arc, (n - 1,), for chords between n `nodes` (n,).
 
     The distance is largest where the tangent of the arc is parallel to the chord.
     """

@@ -63,7 +63,7 @@ class RvKinematics:
 
     @property
     def orders(self) -> dict[str, Fraction]:
-        """Orders of periodic errors, in cycles per turn of the output, by the source of the error.
+        """Return the orders of periodic errors, in cycles per turn of the output, by the source of the error.
 
         "crank against the ring" counts turns of the crank relative to the ring, "crank against the carrier" relative to
         the carrier; likewise for the sun. "planet mesh" and "pin mesh" count pairs of teeth that pass each other.

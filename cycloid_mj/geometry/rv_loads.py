@@ -88,11 +88,12 @@ class IdealRvLoads:
 def ideal_rv_loads(
     stage: RvStage, torque: float, crank_angles: npt.ArrayLike, floating_sun: bool = False
 ) -> IdealRvLoads:
-    """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at `crank_angles` (m,) [rad].
+    """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at m crank angles [rad].
 
-    The torque on the ring, T (R - 1)/R with the ratio R = `RvStage.to_carrier`, is shared equally by the discs, and by
-    the pins of each disc as in `ideal_loads.share_load`. The crank bearings are equally stiff: their forces are the
-    least-squares forces that balance the pins on each disc. With a floating sun, the cranks also have equal torques.
+    `stage` has the geometry; the angles have the shape (m,). The torque on the ring, T (R - 1)/R with the ratio R =
+    `RvStage.to_carrier`, is shared equally by the discs, and by the pins of each disc as in `ideal_loads.share_load`.
+    The crank bearings are equally stiff: their forces are the least-squares forces in equilibrium with the pins on each
+    disc. With a floating sun, the cranks also have equal torques.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     discs, lobes = len(stage.phases), stage.gear.lobes
@@ -117,12 +118,12 @@ def ideal_rv_loads(
 def _crank_forces(
     stage: RvStage, crank_angles: Array, disc_force: Array, disc_torque: float, floating_sun: bool
 ) -> Array:
-    """Compute least-squares forces (m, D, n, 2) [N] of n cranks on D discs, which balance the load on each disc.
+    """Compute least-squares forces (m, D, n, 2) [N] of n cranks on D discs in equilibrium with the load on each disc.
 
     Parameters
     ----------
     stage, crank_angles
-        Geometry of the stage, and crank angles [rad], shape (m,).
+        Geometry of the stage, and m crank angles [rad], shape (m,).
     disc_force, disc_torque
         Force (m, D, 2) [N] and torque [N m] on the centre of each disc.
     floating_sun
@@ -153,8 +154,8 @@ def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffn
     """Compute the torsional stiffness [N m/rad] of the carrier against the ring in closed form, sun and ring fixed.
 
     Its inverse is the sum of the compliances of teeth and of crank bearings. The bearings have one for the rotation of
-    the discs, and one each for forces tangential and radial to the eccentric. The compliance of n equal springs is n
-    f^2/k, with the stiffness k and the force f of a spring per unit torque.
+    the discs, and one each for forces tangential and radial to the eccentric. The compliance of n equal contact springs
+    is n f^2/k, with the stiffness k and the force f of a spring per unit torque.
 
     Parameters
     ----------
@@ -181,16 +182,16 @@ def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffn
 
 
 def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
-    """Compute the error of the carrier's angle (m,) [rad] in closed form, ring and sun fixed, without clearance.
+    """Compute the error of the carrier's angle [rad] at m crank angles in closed form, without clearance, (m,).
 
     Parameters
     ----------
     stage
         The stage.
     crank_angles
-        Crank angles [rad], shape (m,).
+        The m crank angles [rad], shape (m,).
     phase_error
-        Error of the angle of each crank [rad], shape (m, n).
+        Error of the angle of each of n cranks [rad], shape (m, n).
     misfit
         Displacement of each eccentric from its bore [m], shape (m, D, n, 2), for D discs and n cranks.
 

@@ -55,7 +55,7 @@ def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float
 
 
 def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
-    """Compute thickness, fillet radius, bending arm and force angle at the critical section of a tooth root.
+    """Compute thickness, fillet radius, bending arm and force angle at the critical section of a gear tooth's root.
 
     The tooth of `gear` is loaded at the outer point of single contact with its `mate`. `centre_distance` is the
     distance of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile

@@ -19,7 +19,7 @@ __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Return the figures of a run by name, each with its load and speed in the heading.
+    """Draw the diagrams of a run; return them by name, each with its load and speed in the heading.
 
     ``fig5_input`` covers the entire run, all others one crank turn.
 

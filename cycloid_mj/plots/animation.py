@@ -99,7 +99,7 @@ def animate(
 def select_samples(
     run: Run, magnification: float = 1.0, frames: int = ANIMATION.frames, turns: float = 1.0, disc: int = 0
 ) -> Take:
-    """Select evenly spaced samples of a run to animate: settled crank turns, or the last turns of a ramp.
+    """Select evenly spaced samples of a run for an animation: settled crank turns, or the last turns of a ramp.
 
     Parameters
     ----------

@@ -16,7 +16,10 @@ MODEL = {"color": style.VERMILION, "linewidth": 1.1}
 
 @style.with_style
 def calibration_figure(calibration: Calibration) -> Figure:
-    """Draw deflection against torque for each measured loop and the fitted model, and the residual below each loop."""
+    """Draw deflection against torque for each measured loop and the fitted model, and the residual below each loop.
+
+    `calibration` is the result of the fit.
+    """
     fit, loops = calibration.fitted, calibration.fitted.loops
     figure = style.create_figure(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
@@ -42,9 +45,10 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 @style.with_style
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw the hysteresis loops of a test protocol: deflection of the output against its torque, model and measurement.
+    """Draw the hysteresis loops of a test protocol, model and measurement: rotation of the output over its torque.
 
-    The crank is fixed. Each loop is shifted so that the middle of its range of deflection is at zero.
+    `result` has the loops. The crank is fixed. Each loop is shifted so that the middle of its range of deflection is at
+    zero.
     """
     figure = style.create_figure(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
@@ -71,7 +75,7 @@ def _centred_turn(loop: MeasuredLoop) -> Array:
 def comparison_figure(result: BenchComparison) -> Figure:
     """Draw measured and modelled transmission error against the crank angle; the lower panel has their spectra.
 
-    The spectra are bars with the amplitude at each order, in cycles per crank turn.
+    `result` has both curves. The spectra are bars with the amplitude at each order, in cycles per crank turn.
     """
     figure = style.create_figure(4.4)
     error_axes, order_axes = figure.subplots(2, 1)

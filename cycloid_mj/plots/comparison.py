@@ -51,7 +51,7 @@ ROW, HEAD = 1.25, 0.75
 
 
 def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
-    """Return the captions of a comparison's figures: figure name -> one sentence.
+    """Return the captions of the diagrams of a comparison: name of the diagram -> one sentence.
 
     `designs` are the names of the compared designs.
     """
@@ -69,7 +69,7 @@ def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
 
 
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
-    """Return the figures of a comparison by name: a figure for each signal over one crank turn, and one of the spectra.
+    """Draw a comparison of runs: a diagram for each signal over one crank turn, and one of the spectra, by name.
 
     The crank turn is `Series.one_turn`.
 

@@ -55,7 +55,7 @@ def datasheet_pages(sheet: Datasheet) -> list[Figure]:
 
 @with_style
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
-    """Return the figures of a data sheet's HTML page: ``views`` (dimensioned views) and ``curves`` (all its curves)."""
+    """Draw the diagrams of a data sheet's HTML page: ``views`` (dimensioned views) and ``curves`` (all its curves)."""
     views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), reducer_of(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
@@ -142,7 +142,7 @@ def format_ratio(ratio: float) -> str:
 def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
     """Draw the main quantities of a data sheet in a row of boxes.
 
-    `bottom` is the vertical position of the row, as a fraction of the page height.
+    `figure` is the page. `bottom` is the vertical position of the row, as a fraction of the page height.
     """
     by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, count = 0.012, len(KEYS)
@@ -161,7 +161,8 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
 def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
     """Draw a table with name, value, unit and condition of each quantity, and return the position below it.
 
-    `top` is the position of the heading. Both are vertical positions as a fraction of the page height, from its bottom.
+    `figure` is the page. `top` is the position of the heading. Both are vertical positions as a fraction of the page
+    height, from its bottom.
     """
     _draw_heading(figure, heading, top)
     name, unit, condition = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)

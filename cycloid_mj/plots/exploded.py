@@ -94,8 +94,8 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 def exploded_groups(components: Sequence[PlacedPart]) -> tuple[tuple[PlacedPart, ...], ...]:
     """Return the parts of a drive in groups that stay together in the exploded view, from input to output.
 
-    Families of parts that are not in `ALONG`, such as rollers, are left out. Equal parts are one group, but cams and
-    spacers of several discs stand alone, because each spacer is between two cams.
+    `components` are all parts. Families of parts that are not in `ALONG`, such as rollers, are left out. Equal parts
+    are one group, but cams and spacers of several discs stand alone, because each spacer is between two cams.
     """
     by_family: dict[str, list[PlacedPart]] = {}
     for component in components:

@@ -69,7 +69,7 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
-    """Return a figure with a panel for each quantity, in two columns; `draw` is called with axes and name of each."""
+    """Return a figure with a panel for each quantity of a sweep; `draw` is called with axes and name of each."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = style.NotebookFigure(figsize=(style.WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
@@ -110,7 +110,10 @@ def _draw_over_input(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
 
 
 def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: str) -> None:
-    """Draw the quantity `name` against the input `abscissa`, with a line for each value of the input `parameter`."""
+    """Draw the quantity `name` against the input `abscissa`, with a line for each value of `parameter`.
+
+    `sweep` has the values of all points.
+    """
     positions, values = _input_positions(axes, sweep, abscissa), sweep.frame.numbers[name]
     for colour, value in zip(COLOURS, dict.fromkeys(sweep[parameter].tolist()), strict=False):
         rows = sweep[parameter] == value
@@ -123,7 +126,7 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
     """Draw a line through n points in the order of x; `x` and `y` have shape (n,).
 
-    Every point has a marker if there are at most `SWEEP.max_markers`. `label` is the entry in the legend.
+    Every point has a marker if there are at most `SWEEP.max_markers`. `label` is its text in the legend.
     """
     order = np.argsort(x, kind="stable")
     has_markers = len(x) <= SWEEP.max_markers
@@ -175,7 +178,7 @@ def _spans_a_plane(points: Array) -> bool:
 
 
 def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
-    """Draw the quantity `name` as a contour map over two inputs, on a Delaunay triangulation of the points."""
+    """Draw the quantity `name` of a sweep as a contour map over two inputs, triangulated between the points."""
     numbers = sweep.frame.numbers
     x_input, y_input = number_inputs(sweep)
     x, y, z = numbers[x_input], numbers[y_input], numbers[name]
@@ -196,7 +199,7 @@ def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
 
 
 def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw every quantity against every input as points; numeric pairs have Spearman's rank correlation above.
+    """Draw every quantity of a sweep against every input as points, with Spearman's rank correlation for numbers.
 
     There is a row of panels for each quantity, and a column for each input.
     """

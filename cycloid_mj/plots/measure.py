@@ -60,7 +60,7 @@ def measurement_figure(measurement: Measurement) -> Figure:
 
 @with_style
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
-    """Draw curves in panels one below the other, under a `title`; curves of one panel have the same `Curve.panel`."""
+    """Draw curves in panels one below the other, under a `title`; curves with the same `Curve.panel` share one."""
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)

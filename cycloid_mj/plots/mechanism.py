@@ -85,7 +85,10 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
 
 def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Return the log columns (1,) by name that `poses` needs, for the ideal mechanism at a crank angle [rad]."""
+    """Return the log columns by name that `poses` needs, one sample each, for the ideal mechanism.
+
+    `crank_angle` is in [rad].
+    """
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = reducer.member.gear_angle(crank)
@@ -219,7 +222,7 @@ def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, swee
 
 
 def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
-    """Return the legend entries of the parts and, if `forces` is True, of the forces on each disc."""
+    """Return the legend of the parts of a mechanism and, if `forces` is True, of the forces on each disc."""
     has_pins = reducer.design.ring.kind == "pin"
     names = {"ring": "ring" if has_pins else "internal gear", "pins": "ring pins" if has_pins else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}

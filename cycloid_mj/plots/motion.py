@@ -19,7 +19,10 @@ SPAN_MARGIN, MIN_SPAN = 1.2, 1e-9
 
 @style.with_style
 def input_figure(motion: Series) -> Figure:
-    """Draw prescribed and simulated crank speed over the entire run, and their difference (Hsieh 2014, Fig. 5)."""
+    """Draw prescribed and simulated crank speed over the entire run, and their difference (Hsieh 2014, Fig. 5).
+
+    `motion` are the time series of the run.
+    """
     figure, top, bottom = _draw_speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
     top.axhline(0.0, color=style.BLACK, linewidth=0.5)
     top.margins(y=0.08)
@@ -31,7 +34,10 @@ def input_figure(motion: Series) -> Figure:
 
 @style.with_style
 def gear_speed_figure(motion: Series) -> Figure:
-    """Draw the disc speed over a crank turn, simulated and by Eq. 12 of Hsieh 2014, above its error (Fig. 6 there)."""
+    """Draw the disc speed over a crank turn, simulated and by Eq. 12 of Hsieh 2014, above its error (Fig. 6 there).
+
+    `motion` are the time series of the run.
+    """
     degrees = style.turn_degrees(motion)
     figure, top, bottom = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.select(motion.one_turn)
@@ -82,7 +88,10 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
 
 @style.with_style
 def transmission_error_figure(motion: Series) -> Figure:
-    """Draw the transmission errors of output and disc over a crank turn, with their means and peak-to-peak values."""
+    """Draw the transmission errors of output and disc over a crank turn, with their means and peak-to-peak values.
+
+    `motion` are the time series of the run.
+    """
     figure, degrees = style.create_figure(3.6), style.turn_degrees(motion)
     parts = (("output", "output_te", style.BLUE), ("cycloid disc", "gear_te", style.ORANGE))
     for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):

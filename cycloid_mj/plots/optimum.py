@@ -35,6 +35,7 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     The upper panel has the second objective against the first, or a single objective against the number of the
     evaluation. Each lower panel has the first objective against a varied key of the design. Keys with a list of values
     and keys beyond the first `MAX_KEYS` have no panel. The axes cover the feasible points and the starting design.
+    `optimum` is the result of the optimisation.
     """
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied_ranges) // COLUMNS)
@@ -79,7 +80,7 @@ def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
     """Draw the n evaluated points of an optimisation at coordinates x and y, (n,), with start and best point marked.
 
     Points with a coordinate that is not finite are left out. The limits of the axes cover the feasible points and the
-    starting design.
+    starting design. `optimum` is the result of the optimisation.
     """
     has_values = np.isfinite(x) & np.isfinite(y)
     is_feasible = np.zeros(len(x), dtype=bool)

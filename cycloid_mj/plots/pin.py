@@ -51,7 +51,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
 
 
 def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) -> Array:
-    """Compute the curve that the centre of a pin can reach in its seat, as points (2, n) [um]: x, then y.
+    """Compute the curve that the centre of a pin can reach in its seat, as n points (2, n) [um]: x, then y.
 
     The origin is the centre of the seat, and y points away from the reducer's axis. Where the pin touches the arc of
     the seat, the curve is a circle with the radius `clearance` [um]. At either end of the arc of an open socket, the
@@ -70,9 +70,9 @@ def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) ->
 
 
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
-    """Draw the path of a pin's centre, `position` (n, 2) [um], and the curve that it can reach, `limit` (2, m) [um].
+    """Draw the path of a pin's centre at n samples [um] and the curve of m points that it can reach [um].
 
-    `part` is the name of the pin in the title.
+    They are `position` (n, 2) and `limit` (2, m). `part` is the name of the pin in the title.
     """
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **style.SIMULATED)

@@ -16,6 +16,7 @@ def path_figure(motion: Series) -> Figure:
     """Draw the path of point q of the disc over a crank turn, simulated and by Eq. 16 of Hsieh 2014 (Fig. 7 there).
 
     Further panels magnify the path where the difference of both is largest, and show this error over the crank angle.
+    `motion` are the time series of the run.
     """
     figure = style.create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
@@ -32,7 +33,8 @@ def path_figure(motion: Series) -> Figure:
 def velocity_figure(motion: Series) -> Figure:
     """Draw the velocity of point q of the disc over a crank turn, by simulation and closed form (Hsieh 2014, Fig. 8).
 
-    The closed form is Eqs 17 and 18 there. The lower panel has the difference of both.
+    The closed form is Eqs 17 and 18 there. The lower panel has the difference of both. `motion` are the time series of
+    the run.
     """
     figure = style.create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
@@ -118,7 +120,7 @@ def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> N
     Parameters
     ----------
     degrees
-        Crank angles [deg], shape (n,).
+        The n crank angles [deg], shape (n,).
     position
         Simulated and closed-form path [m].
     worst

@@ -78,7 +78,7 @@ SIZING_FIGURES = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm
 
 
 def figure_of(result: object, name: str = "") -> Figure:
-    """Return the figure of a result that is called `name`, or its first figure if `name` is empty.
+    """Return the diagram of a result that is called `name`, or its first diagram if `name` is empty.
 
     Raises
     ------
@@ -129,7 +129,10 @@ def _draw_comparison(comparison: Comparison) -> Figures:
 @figures_of.register
 @with_style
 def _draw_prediction(prediction: Prediction) -> Figures:
-    """Draw measured loops next to those of the model, a panel for each loop."""
+    """Draw measured loops next to those of the model, a panel for each loop.
+
+    `prediction` has the loops of both.
+    """
     figure = create_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
     for axes, loop, model_angles in zip(panels, prediction.loops, prediction.turns, strict=True):
@@ -205,7 +208,10 @@ def _draw_sheet(sheet: Sheet) -> Figures:
 @figures_of.register
 @with_style
 def _draw_sizing(answer: Answer) -> Figures:
-    """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive of a sizing result."""
+    """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive of a search.
+
+    `answer` has the drives.
+    """
     if not answer.drives:
         raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
@@ -222,7 +228,7 @@ def _draw_sizing(answer: Answer) -> Figures:
 
 @with_style
 def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
-    """Draw an output angle against the torque on the output [N m], shape (n,) each.
+    """Draw an output angle over the torque on the output [N m], at n points (n,).
 
     `label` names the angle with its unit, `condition` is printed below.
     """
@@ -237,7 +243,7 @@ def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figu
 
 @with_style
 def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
-    """Draw the amplitude at each order as a vertical line, arrays of shape (n,); `condition` is printed below."""
+    """Draw the amplitude at each of n orders as a vertical line, arrays of shape (n,); `condition` is printed below."""
     figure = create_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)

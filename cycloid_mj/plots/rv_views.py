@@ -55,7 +55,7 @@ def draw_rv_views(axes: Axes, reducer: RvReducer) -> None:
 def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, Solid]) -> None:
     """Draw ring, pins, last disc, posts, needles and crank eccentrics, seen from the output, with dimensions.
 
-    `frame` is that of the views, with the axes; `solids` are the solids of the parts by name.
+    `frame` has the axes and the scale of the views; `solids` are the solids of the parts by name.
     """
     cranks, axes, places = reducer.cranks, frame.axes, list(place_rv_parts(reducer))
     disc = next(place for place in places if place.part == reducer.gears[-1])

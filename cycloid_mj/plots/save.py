@@ -30,7 +30,7 @@ class FigureError(CycloidError):
 
 @with_style
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write figures as ``folder/name.format``, and return the paths; if a file fails, none is written.
+    """Write diagrams as ``folder/name.format``, and return the paths; if a file fails, none is written.
 
     The folder is created if necessary.
 
@@ -76,7 +76,7 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 
 @with_style
 def encode_figure(figure: Figure, form: str) -> bytes:
-    """Return a figure as the bytes of a picture in the format `form` ("png", "svg" or "pdf").
+    """Return a diagram as the bytes of a picture in the format `form` ("png", "svg" or "pdf").
 
     The layout of the figure is fixed at its first encoding, so that all formats look the same.
     """

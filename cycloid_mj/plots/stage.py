@@ -101,7 +101,7 @@ class Script:
 
 
 def create_stage(script: Script, width: int) -> AnimatedFigure:
-    """Draw the first picture of an animation, and return the figure with the artists that later pictures change.
+    """Draw the first picture of an animation; return it with the drawn elements that later pictures change.
 
     `script` has the motion and the forces of all pictures.
     `width` is the width of the figure [pixels].
@@ -125,7 +125,10 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Change the figure `stage` to the picture `row` of an animation: move the parts, force arrows and load bars."""
+    """Change the figure `stage` to the picture `row` of an animation: move the parts, force arrows and load bars.
+
+    `script` has the motion and the forces of all pictures.
+    """
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
     _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
@@ -153,7 +156,7 @@ def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
 def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
     """Set the force arrows and load bars of `stage` to the contact forces in picture `row` of an animation.
 
-    Contacts without force have no arrow.
+    `script` has the forces of all pictures. Contacts without force have no arrow.
     """
     for kind, arrows in stage.arrows.items():
         forces = script.acting.of(kind)
@@ -187,8 +190,8 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 def _other_disc_poses(script: Script, row: int) -> list[Array]:
     """Return the ideal poses of the other discs, drawn as dashed outlines, in picture `row` of an animation.
 
-    The other discs are all but the disc that is shown with its forces. A pose has shape (3,): x [m], y [m] and angle
-    [rad].
+    `script` has the motion of all parts. The other discs are all but the disc that is shown with its forces. A pose has
+    shape (3,): x [m], y [m] and angle [rad].
     """
     gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
@@ -337,7 +340,10 @@ def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
 
 
 def _add_legend(figure: Figure, forces: ContactForces) -> None:
-    """Add a legend of the force arrows, with the largest force [N] of each kind of contact over all frames."""
+    """Add a legend of the force arrows, with the largest force [N] of each kind of contact over all frames.
+
+    `figure` is the picture, `forces` are the contact forces.
+    """
     entries = [
         Patch(color=colour, label=f"{name}: at most {forces.of(kind).size.max():.4g} N")
         for kind, (name, colour) in FORCES.items()
@@ -352,8 +358,8 @@ def _add_legend(figure: Figure, forces: ContactForces) -> None:
 def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
     """Draw the force on each pin or lobe of the ring in the first frame as bars, and the closed form as a step line.
 
-    `ring` are the contact forces of the ring, and `ideal` are the forces by the closed form [N], shape (frames, pins),
-    or None.
+    `figure` is the picture. `ring` are the contact forces of the ring, and `ideal` are the forces by the closed form
+    [N], shape (frames, pins), or None.
 
     Returns
     -------

@@ -48,6 +48,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
     The upper panel has the bulk stress (away from the contacts), the lower panel the stress below the contacts by
     Hertz. For designs of Hsieh 2014 at the load of that paper, a dashed line marks the largest stress that it reports.
+    `findings` are the stresses of the parts, one for each design.
     """
     studies = [
         (index, findings_of_design, findings_of_design[part])
@@ -127,7 +128,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     """Draw the mesh convergence of each part: its largest bulk stress against the number of unknowns of the mesh.
 
     The stress is drawn as relative deviation [%] from the stress with the finest mesh. The grey band is the allowed
-    change per refinement, `MAX_CHANGE`.
+    change per refinement, `MAX_CHANGE`. `findings` are the stresses of the parts, one for each design.
     """
     figure = create_figure(3.4)
     axes = figure.subplots()
@@ -201,7 +202,7 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
 
 
 def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
-    """Draw nodal values (n,) of a part as colours on the mesh of `stress`, and return the artist of its triangles.
+    """Draw n nodal values (n,) of a part as colours on the mesh of `stress`, and return the drawn triangles.
 
     Values are interpolated linearly between nodes. A solid part is drawn in its view (`VIEWS`), visible faces only. The
     colour scale ends at the value `top`.
@@ -216,7 +217,10 @@ def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
 
 
 def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
-    """Draw the element edges of a planar mesh, or the visible faces of a solid mesh; `width` is the line width [pt]."""
+    """Draw the element edges of a planar mesh, or the visible faces of a solid mesh; `width` is the line width [pt].
+
+    `grid` is the mesh.
+    """
     points, cells = grid.points, grid.cells
     line_style: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
@@ -252,7 +256,7 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
     Parameters
     ----------
     points, cells
-        Nodes [m], shape (n, 3), and quadratic tetrahedra (node indices), shape (m, 10).
+        The n nodes [m], shape (n, 3), and m quadratic tetrahedra (node indices), shape (m, 10).
     part
         Name of the part.
 
@@ -280,8 +284,8 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
 def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
     """Find the f outer faces of quadratic tetrahedra, which belong to one tetrahedron only.
 
-    `cells` (m, 10) are node indices: corners 0 to 3, then the midside nodes of the edges between the corners 0-1, 1-2,
-    0-2, 0-3, 1-3 and 2-3.
+    `cells` (m, 10) are node indices of m tetrahedra: corners 0 to 3, then the midside nodes of the edges between the
+    corners 0-1, 1-2, 0-2, 0-3, 1-3 and 2-3.
 
     Returns
     -------

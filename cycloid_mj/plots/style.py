@@ -122,7 +122,7 @@ def add_degree_axis(axes: Axes) -> None:
 
 
 def crank_axis(axes: Axes, degrees: Array) -> None:
-    """Set up the x axis for curves against crank angles `degrees`, shape (n,): label, limits at whole degrees, ticks.
+    """Set up the x axis for curves against n crank angles `degrees`, (n,): label, limits at whole degrees, ticks.
 
     Ticks are at multiples of 45 deg if the angles cover about a turn (180 to 400 deg).
     """

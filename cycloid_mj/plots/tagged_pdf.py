@@ -134,7 +134,8 @@ class FigureCanvasTaggedPdf(FigureCanvasPdf):
     ) -> None:
         """Write the figure to a file name or stream as PDF, or append it as a page if `filename` is a `TaggedPdfFile`.
 
-        `Figure.savefig` calls this method, after it has applied its arguments `_others` to the figure.
+        `bbox_inches_restore` and `metadata` are arguments of Matplotlib without effect here. `Figure.savefig` calls
+        this method, after it has applied its arguments `_others` to the figure.
         """
         appended = isinstance(filename, TaggedPdfFile)
         file = filename if appended else TaggedPdfFile(filename, metadata=metadata)

@@ -74,7 +74,10 @@ def budget_figure(tolerances: Tolerances) -> Figure:
 
 @style.with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
-    """Draw a histogram of each computed quantity over the samples that do not jam, with lines at its limits."""
+    """Draw a histogram of each computed quantity over the samples that do not jam, with lines at its limits.
+
+    `tolerances` is the result of the tolerance study.
+    """
     figure_keys = list(tolerances.figures)
     rows = -(-len(figure_keys) // HISTOGRAM.columns)
     figure = style.create_figure(HISTOGRAM.row_height * rows + 0.4)
@@ -95,7 +98,7 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
 
 
 def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    """Draw the histogram of the `values` (n,) of the quantity `key`, with lines at its limits.
+    """Draw the histogram of n `values` (n,) of the quantity `key`, with lines at its limits.
 
     Values that are not finite are dropped, and the share `HistogramSettings.outlier_share` of the smallest and of the
     largest values is not shown. If the quantity is constant or has no values, a text says so.

@@ -70,7 +70,7 @@ class ViewFrame:
     def draw_section(self, parts: Iterable[tuple[tuple[str, str], Prism]]) -> None:
         """Draw the axial section of prisms in the frame of the reducer, with centre line and title.
 
-        Each item of `parts` has a pair, the key of a style in `PART_STYLES` and a hatching of matplotlib, and the
+        `parts` has for each prism a pair, the key of a style in `PART_STYLES` and a hatching of Matplotlib, and the
         prism.
         """
         for (style, hatch), prism in parts:

@@ -51,7 +51,8 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
 def _draw_front_view(frame: ViewFrame, reducer: Reducer) -> None:
     """Draw ring, pins, last disc, output pins and cam, seen from the output, with their dimensions.
 
-    Labels state number and diameter of the ring pins, or the number of lobes, and the same for the output pins.
+    `frame` has the axes and the scale of the views. Labels state number and diameter of the ring pins, or the number of
+    lobes, and the same for the output pins.
     """
     design, axes, origin = reducer.design, frame.axes, np.zeros(3)
     solids, output = parts(reducer, VISUAL_CHORD_ERROR), design.output
@@ -93,10 +94,11 @@ def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism]]:
 
 
 def _draw_dimensions(frame: ViewFrame, reducer: Reducer) -> None:
-    """Draw the dimensions of the section.
+    """Draw the dimensions of the axial section of a reducer.
 
-    Below it are the lengths of the stack of discs, the output disc and, at the bottom, the whole reducer. The diameter
-    of the input journal is on the left, those of output disc and housing are on the right.
+    `frame` has the axes and the scale of the views. Below it are the lengths of the stack of discs, the output disc
+    and, at the bottom, the whole reducer. The diameter of the input journal is on the left, those of output disc and
+    housing are on the right.
     """
     mm, outer, (left, right) = MILLIMETRES, frame.outer, frame.ends
     disc, shaft = body_solids(reducer)[OUTPUT].prisms[0], MILLIMETRES * reducer.design.shaft.radius

@@ -16,7 +16,8 @@ PANEL_HEIGHT = 2.0
 def wear_figure(result: WearLife) -> Figure:
     """Draw the lost motion against the operating hours, and below it the wear depth of each unevenly worn surface.
 
-    The wear depth is drawn along the section of the surface, after the last hour of the typical case.
+    `result` is that of the wear computation. The wear depth is drawn along the section of the surface, after the last
+    hour of the typical case.
     """
     unevenly_worn = [item for item in result.surfaces if item.surface.contact_coordinate is not None]
     figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
@@ -36,7 +37,8 @@ def wear_figure(result: WearLife) -> Figure:
 def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
     """Draw the lost motion against the operating hours, with the limit, for each case of the wear coefficients.
 
-    The cases are "low", "typical" and "high" coefficients: 5 % quantile, typical value and 95 % quantile.
+    `result` is that of the wear computation. The cases are "low", "typical" and "high" coefficients: 5 % quantile,
+    typical value and 95 % quantile.
     """
     courses = {
         case: (wear_course.hours, wear_course.lost_motion / ARCMINUTE) for case, wear_course in result.courses.items()

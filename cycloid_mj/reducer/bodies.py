@@ -249,7 +249,7 @@ def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
 
 
 def build_mechanism(design: Design) -> Mechanism:
-    """Build the mechanism of a design: its bodies, and the pairs of surfaces that mate.
+    """Build the mechanism of a design: its bodies, and the pairs of surfaces that may touch.
 
     Raises
     ------
@@ -275,9 +275,10 @@ def build_mechanism(design: Design) -> Mechanism:
 
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies at crank angle 0 with their joints: fixed member, crank, discs, output and moving pins.
+    """Yield the bodies of a mechanism at crank angle 0 with their joints.
 
-    `errors` displace the ring pins. If the ring is the output, its pins move relative to it.
+    They are the fixed member, crank, discs, output and moving pins. `errors` displace the ring pins. If the ring is the
+    output, its pins move relative to it.
     """
     axis, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
@@ -436,13 +437,13 @@ def surfaces_on_circle(
     circle_radius
         Radius of the circle [m].
     radius
-        Radius of the surfaces [m], common or of shape (n,).
+        Radius of the surfaces [m], a number or of shape (n,).
     error
         Displacement of the centres from the circle [m], shape (n, 2).
     angles
         Angles of the centres, clockwise from +y [rad], shape (n,); by default evenly spaced from 0.
     play
-        Clearance of massless pins in their seats [m], common or of shape (n,).
+        Clearance of massless pins in their seats [m], a number or of shape (n,).
     disc
         Index of the disc whose width the surfaces have; None if they span all discs.
     """

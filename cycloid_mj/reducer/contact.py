@@ -111,9 +111,9 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Working force of the pair [N], at which its secant stiffness is computed; for a cam, the force on all of it.
+        """Return the working force of the pair [N], at which its secant stiffness is computed.
 
-        The first of these values that exists is used:
+        For a cam it is the force on all rollers. The first of these values that exists is used:
 
         - ``working_force`` of this kind of pair in the design file;
         - ``contact.working_force`` in the design file, for all pairs. A rolling cam has this force on its most loaded
@@ -137,7 +137,7 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Origin of the working force (`force`), at which the stiffness of the pair is computed.
+        """Return the origin of the working force (`force`), at which the stiffness of the pair is computed.
 
         It is "given" if the design file states the force. Otherwise it is the load from which the force is computed,
         one of the values of `Source`.
@@ -176,7 +176,7 @@ class Contact:
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """Parameters of the Adams law IMPACT for each line contact of the pair; None with another ``contact.law``.
+        """Return the parameters of the Adams contact law IMPACT for a line contact of the pair; None with another law.
 
         If a massless pin transmits the force, the parameters are those of its two contacts in series.
         """
@@ -187,9 +187,10 @@ class Contact:
 
     @property
     def curvature_law(self) -> CurvatureLaw:
-        """Stiffness of a line contact as a function of its curvature, for the pair's material, width and working force.
+        """Return the stiffness of a line contact of the pair as a function of its curvature.
 
-        With the law IMPACT, or with another ``contact.stiffness_law`` than "local", the stiffness is constant.
+        It is valid for the pair's material, width and working force. With the law IMPACT, or with another
+        ``contact.stiffness_law`` than "local", the stiffness is constant.
 
         Raises
         ------
@@ -200,7 +201,7 @@ class Contact:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness of the pair [N/m]: that of the design file, or the secant stiffness at the working force.
+        """Return the stiffness of the pair [N/m]: that of the design file, or the secant one at the working force.
 
         The secant stiffness depends on the kind of pair:
 
@@ -216,7 +217,7 @@ class Contact:
 
     @property
     def stiffness_by_disc(self) -> tuple[float, ...]:
-        """Stiffness [N/m] of a simulated contact on each of the D discs, shape (D,), including parts in series with it.
+        """Return the stiffness [N/m] of a simulated contact on each of D discs, (D,), with parts in series with it.
 
         Parts in series are the seat of a massless pin and, with ``structure = "springs"``, an output pin, which bends.
 
@@ -239,7 +240,7 @@ class Contact:
 
     @property
     def relative_curvature(self) -> float:
-        """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
+        """Return the relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
         A pin or a plain cam is a cylinder in a bore, whose curvatures are subtracted. With rollers, a roller and the
         cam are both convex, so that the pressure is higher than at the bore. The raceway of the cam is assumed to have
@@ -306,7 +307,7 @@ class Contact:
 
     @property
     def _thinner_radius(self) -> float:
-        """Radius of the smaller body of the pair [m]: roller, pin, or the bore of a sleeve."""
+        """Return the radius of the smaller body of the pair [m]: roller, pin, or the bore of a sleeve."""
         design = self._reducer.design
         if self.kind == "cam":
             return self._reducer.contacts.roller_radius if self._has_rollers else design.gear.bore_radius
@@ -427,7 +428,7 @@ class Contacts:
 
     @property
     def working_load(self) -> float:
-        """Output torque [N m] whose ideal sharing among the contacts determines the working forces.
+        """Return the output torque [N m] whose ideal sharing among the contacts determines the working forces.
 
         It is ``contact.working_load`` if the design sets it. Otherwise it is the larger one of the load and `own_load`,
         the torque that corresponds to weight and inertia of the discs. A preloaded ring, whose contacts are loaded at
@@ -439,7 +440,7 @@ class Contacts:
 
     @property
     def own_load(self) -> float:
-        """Output torque [N m] that causes contact forces as large as those of the discs' weight and inertia.
+        """Return the output torque [N m] that causes contact forces as large as those of the discs' weight and inertia.
 
         A disc of mass m presses on its cam by weight and inertia force W = m (g + c w^2), with the gravity g, the crank
         speed w and the eccentricity c. A load torque T on N ring teeth presses the disc on its cam by T/(c (N-1)). So W
@@ -466,7 +467,7 @@ class Contacts:
 
     @property
     def creep_speed(self) -> float:
-        """Sliding speed [m/s] from which friction at the working force has its full value.
+        """Return the sliding speed [m/s] from which on friction at the working force has its full value.
 
         Below it, friction is proportional to the speed (regularised Coulomb friction). If the design file does not set
         it, it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at rest,
@@ -481,7 +482,7 @@ class Contacts:
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """Parameters of the Adams law IMPACT for a contact across the full disc; None with another ``contact.law``.
+        """Return the parameters of the Adams contact law IMPACT for the full width of a disc; None with another law.
 
         `ImpactLaw` is in SI units. In a design file, the stiffness is in N/mm^e, with the exponent e of the law: its
         value is the force [N] at a depth of 1 mm.
@@ -518,7 +519,10 @@ class Contacts:
         return ", ".join(forces)
 
     def _describe_source(self, source: Source) -> str:
-        """Describe a `source` of working forces (`Contact.source`) in words, with the torque from which they follow."""
+        """Describe in words from which load working forces are computed, with its torque.
+
+        `source` is the load (`Contact.source`).
+        """
         return {
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",
@@ -545,7 +549,8 @@ def tooth_stiffness(reducer: "Reducer", curvature: Array) -> Array:
 def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
     """Compute the mean force on the cam of a disc over a turn per output torque [1/m], under ideal load sharing.
 
-    `pins` and `radius` [m] are the number of output pins and the radius of their circle.
+    `gear` is the profile of the disc, `pins` and `radius` [m] are the number of output pins and the radius of their
+    circle.
     """
     crank = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)

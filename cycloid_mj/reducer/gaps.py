@@ -116,7 +116,7 @@ def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
 
 
 def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
-    """Compute the gaps of all round contacts (pins or arcs of the ring, and output pins) at crank angles [rad].
+    """Compute the gaps of all round contacts (pins or arcs of the ring, and output pins) at k crank angles [rad].
 
     `crank_angle` is in the frame of the ring, shape (k,) or (). At each angle, the contacts of all discs with the ring
     come first, disc by disc, then those with the output pins. In a ring of two halves, each disc has the contacts with

@@ -77,11 +77,11 @@ def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
-    """Convert a pose of discs and output to a `Fit` with displacements [m] and rotations [rad] of the parts.
+    """Convert a pose of discs and output to displacements [m] and rotations [rad] of the parts (`Fit`).
 
-    `pose` (u,) [m] has x, y and rotation of each disc, and the rotation of the output, relative to the ring; rotations
-    are multiplied by the radius of the circle of output pins. Angles in `Fit` are not relative to the ring: if the ring
-    is the output, a rotation of the ring by its `output_turn` also rotates each disc, by N/(N-1) as much with N ring
+    `pose` [m] has x, y and rotation of each disc, and the rotation of the output, relative to the ring; rotations are
+    multiplied by the radius of the circle of output pins. Angles in `Fit` are not relative to the ring: if the ring is
+    the output, a rotation of the ring by its `output_turn` also rotates each disc, by N/(N-1) as much with N ring
     teeth, which is added to `gear_turn`. `mesh_gaps` are the gaps at this crank angle, from which `pin_shift` is
     computed, and `min_gap` [m] is the smallest gap in this pose.
     """
@@ -96,7 +96,7 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
-    """Compute the minimum gap in the best pose at a crank angle [rad], and how much each kind of pair limits it.
+    """Compute the minimum gap in the best pose at a crank angle [rad], and which mating pairs limit it.
 
     The best pose is that with the largest minimum gap. Clearances may be negative here, unlike in a design file.
 
@@ -117,9 +117,9 @@ def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Arr
     Returns
     -------
     tuple
-        Gaps (n,) of teeth and output pins; the pose (u,) [m]: x, y and rotation of each disc, and rotation of the
-        output, times the radius of the circle of output pins; its minimum gap [m]; and the dual values [1] of the
-        constraints: one for each of the n gaps, then one for each side of each cam's polygon.
+        Gaps (n,) of teeth and output pins; the pose [m]: x, y and rotation of each disc, and rotation of the output,
+        times the radius of the circle of output pins; its minimum gap [m]; and the dual values [1] of the constraints:
+        one for each of the n gaps, then one for each side of each cam's polygon.
     """
     from scipy.optimize import linprog
 
@@ -216,7 +216,7 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the limits on the pose z (u,) [m] of discs and output as inequalities ``slope @ z + gap >= 0``.
+    """Return the limits on the pose z [m] of discs and output as inequalities ``slope @ z + gap >= 0``.
 
     The pose is x, y and rotation of each disc, and the rotation of the output, times the radius of the circle of output
     pins. There is an inequality for each contact, then one for each side of each cam's polygon, which has `sides`
@@ -225,7 +225,7 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
     Returns
     -------
     tuple of Array
-        ``slope`` [1], shape (m, u), and ``gap`` [m], shape (m,).
+        ``slope`` [1] of m inequalities by u unknowns, shape (m, u), and ``gap`` [m], shape (m,).
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
@@ -249,8 +249,8 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     mesh_gaps
         Gaps at this crank angle.
     pose
-        x, y and rotation of each disc, and rotation of the output, shape (u,) [m]; rotations are multiplied by the
-        radius of the circle of output pins.
+        x, y and rotation of each disc, and rotation of the output [m]; rotations are multiplied by the radius of the
+        circle of output pins.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

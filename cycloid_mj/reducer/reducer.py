@@ -129,7 +129,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Reducer for simulations with mesh contact, in which working surfaces are divided into convex slices.
+        """Return the reducer for simulations with mesh contact, in which surfaces are divided into convex slices.
 
         Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. A smaller load does
         not reduce them, because the contact of slices becomes softer at a small depth anyway. Its creep speed is
@@ -177,7 +177,7 @@ class Reducer:
 
     @property
     def shape(self) -> Self:
-        """Reducer with the same parts, but without load, speed and contact law.
+        """Return the reducer with the same parts, but without load, speed and contact law.
 
         Results that depend on the parts only are cached on it, so that reducers with equal parts share them.
         """
@@ -303,7 +303,7 @@ class Reducer:
 
     @property
     def disc_section(self) -> float:
-        """Cross-section area of a disc [m2]: area within its outline minus bore and holes.
+        """Return the cross-section area of a disc [m2]: area within its outline minus bore and holes.
 
         Outline, bore and holes include the clearances. A flank rotation of the outline is not included.
         """

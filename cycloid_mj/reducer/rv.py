@@ -76,7 +76,7 @@ class RvReducer(Reducer):
 
     @property
     def kinematics(self) -> "RvKinematics":
-        """Speed ratios of an RV reducer, and orders of periodic errors, which follow from the numbers of teeth."""
+        """Return speed ratios of an RV reducer, and orders of periodic errors, from the numbers of teeth."""
         from cycloid_mj.geometry.rv import RvKinematics
 
         design, planet = self.design, self.planet
@@ -97,7 +97,7 @@ class RvReducer(Reducer):
 
     @property
     def stage(self) -> "RvStage":
-        """Cycloidal stage (discs on their cranks), for the closed forms of loads and errors in `geometry.rv_loads`."""
+        """Return the cycloidal stage (discs on their cranks), for closed forms in `geometry.rv_loads`."""
         from cycloid_mj.geometry.rv_loads import RvStage
 
         return RvStage(
@@ -196,7 +196,7 @@ class RvReducer(Reducer):
 
     @property
     def mesh_stiffness(self) -> float:
-        """Stiffness of a planet mesh along its line of action [N/m]."""
+        """Return the stiffness of a planet mesh along its line of action [N/m]."""
         from cycloid_mj.geometry.rv import mesh_stiffness
 
         planet = self.planet
@@ -273,7 +273,7 @@ class RvReducer(Reducer):
 
     @property
     def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
-        """Kind of mating pair -> table and key of its clearances in the design, from the ring to the sun."""
+        """Return table and key of the clearances in the design by kind of mating pair, from the ring to the sun."""
         ring = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
         return {
             **{kind: (("clearance", kind),) for kind in ring},

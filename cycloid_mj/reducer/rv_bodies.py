@@ -119,7 +119,7 @@ def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
 
 
 def build_rv_mechanism(reducer: "RvReducer") -> Mechanism:
-    """Build the mechanism of an RV reducer: its bodies, and the pairs of surfaces that mate."""
+    """Build the mechanism of an RV reducer: its bodies, and the pairs of surfaces that may touch."""
     design, errors = reducer.design, reducer.deviations
     axis = np.array([reducer.crank_errors.axis_x, reducer.crank_errors.axis_y])
     errors = replace(errors, pin_displacement=errors.pin_displacement - axis)
@@ -240,7 +240,7 @@ def needle_share(needles: int) -> float:
 
 
 def needle_directions(reducer: "Reducer", crank: Array) -> Array:
-    """Return the directions of the Z separate needles of a bearing as unit vectors, shape (m, Z, 2).
+    """Return the directions of the Z separate needles of a bearing at m angles as unit vectors, shape (m, Z, 2).
 
     They are equal for all cams or eccentrics, because the cage rolls with the crank in the disc. A needle is on +y at
     the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).

@@ -45,9 +45,10 @@ def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
-    """Return the data of a report page as JSON values, in lists ``figures`` and ``runs``.
+    """Return the data of a report page of runs as JSON values, in lists ``figures`` (charts) and ``runs``.
 
-    ``figures`` has name and panels of each chart (`_panel_json`), ``runs`` the data of each run (`_run_data`).
+    `reviewed` are the analysed runs. ``figures`` has name and panels of each chart (`_panel_json`), ``runs`` the data
+    of each run (`_run_data`).
     """
     return {
         "figures": [
@@ -59,10 +60,10 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Return the curves of a run over its n samples in the units of `SIGNALS`, as a mapping from name to values (n,).
+    """Return the curves of a run over its n samples in the units of `SIGNALS`: name -> values (n,).
 
-    They are those of the figures that apply to the run. Names are keys of `SIGNALS`; the name of a closed form is that
-    of its signal with ``_theory`` appended.
+    `motion` are the time series of the run. They are those of the charts that apply to the run. Names are keys of
+    `SIGNALS`; the name of a closed form is that of its signal with ``_theory`` appended.
     """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
@@ -96,10 +97,10 @@ def _theory(key: str) -> str:
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     """Return the data of a run as JSON values: curves, paths, mechanism and spectrum.
 
-    `runs` is the number of runs on the page: curves are decimated so that all runs together have at most
-    `CHARTS.max_values` values. ``time`` [s] counts from the first sample, which is at the time ``start`` [s] of the
-    run. ``spans`` has the first and last time [s] of the evaluated part (``hold``), of one crank turn (``turn``), and
-    of the run (``all``).
+    `item` is the analysed run. `runs` is the number of runs on the page: curves are decimated so that all runs together
+    have at most `CHARTS.max_values` values. ``time`` [s] counts from the first sample, which is at the time ``start``
+    [s] of the run. ``spans`` has the first and last time [s] of the evaluated part (``hold``), of one crank turn
+    (``turn``), and of the run (``all``).
     """
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
@@ -120,10 +121,10 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
 
 
 def _path_json(key: str, motion: Series) -> dict[str, Any]:
-    """Return the path `key` of `SIGNALS` over one crank turn as JSON values: points (m, 2), and their unit.
+    """Return a path over one crank turn as JSON values: points (m, 2) of m samples, and their unit.
 
-    The keys are ``simulated`` and ``unit``, and ``theory`` if the path has a closed form. The path of pin 1 has its
-    clearance as ``circle`` [um].
+    `key` is the name of the path in `SIGNALS`, `motion` are the time series of the run. The keys are ``simulated`` and
+    ``unit``, and ``theory`` if the path has a closed form. The path of pin 1 has its clearance as ``circle`` [um].
     """
     signal, turn = SIGNALS[key], motion.one_turn
     path = {"unit": signal.unit, "simulated": encode_array(signal.simulated(motion)[turn])}
@@ -141,7 +142,7 @@ def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
 
     ``output`` and ``gear`` are the amplitudes [mrad/s] at the orders ``order``, in cycles per crank turn. ``mesh`` is
     the order of the tooth mesh; spectra reach `CHARTS.max_mesh_orders` times this order. They are evaluated over the
-    first `CHARTS.max_spectrum_turns` crank turns at constant speed.
+    first `CHARTS.max_spectrum_turns` crank turns at constant speed. `item` is the analysed run.
     """
     motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":

@@ -11,7 +11,7 @@ from cycloid_mj.report.page import environment
 
 
 def datasheet_page(sheet: Datasheet) -> str:
-    """Return a data sheet as one HTML page with figures and tables."""
+    """Return a data sheet as one HTML page with diagrams and tables."""
     pictures = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
     design = sheet.design
     return (

@@ -16,7 +16,7 @@ def encode_array(values: npt.ArrayLike) -> dict[str, Any]:
 
 
 def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array]:
-    """Reduce columns to about `max_samples` samples that include every extreme (min-max decimation).
+    """Reduce k columns of n samples to about `max_samples` samples with every extreme (min-max decimation).
 
     Parameters
     ----------
@@ -30,8 +30,9 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     Returns
     -------
     tuple
-        Times (m,) and values (m, k). They are unchanged if there are at most `max_samples` samples. Otherwise each
-        column has its smallest and its largest value in each of m/2 spans of time, in the order in which they occur.
+        Times (m,) and values (m, k) of m samples. They are unchanged if there are at most `max_samples` samples.
+        Otherwise each column has its smallest and its largest value in each of m/2 spans of time, in the order in which
+        they occur.
     """
     count = time.size
     if count <= max_samples:

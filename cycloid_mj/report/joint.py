@@ -83,7 +83,10 @@ def joint_page(
 
 
 def _main_values(reduced: ReducedJoint) -> dict[str, str]:
-    """Return the main quantities of a joint as texts with units: ratio, backlash, stiffness, efficiency and inertia."""
+    """Return the main quantities of a joint as texts with units: ratio, backlash, stiffness, efficiency and inertia.
+
+    `reduced` is the joint model.
+    """
     quantities = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",
@@ -96,7 +99,10 @@ def _main_values(reduced: ReducedJoint) -> dict[str, str]:
 
 
 def _quantity_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate all identified quantities of a joint with units and numerical errors."""
+    """Tabulate all identified quantities of a joint with units and numerical errors.
+
+    `reduced` is the joint model.
+    """
     rows = [
         (
             quantity.name,
@@ -141,7 +147,7 @@ def _friction_table(reduced: ReducedJoint) -> TextTable:
     """Tabulate constant friction [N m] and damping [N m s/rad] for simulators without load-dependent friction.
 
     Each row has the values that are correct at the rated speed under one of `FRICTION_LOADS`: friction with the crank
-    driving, friction with the output driving, and damping.
+    driving, friction with the output driving, and damping. `reduced` is the joint model.
     """
     rows = []
     for load_share in FRICTION_LOADS:
@@ -160,7 +166,8 @@ def _friction_table(reduced: ReducedJoint) -> TextTable:
 def _efficiency_table(reduced: ReducedJoint) -> Table:
     """Tabulate the efficiency [%]: a row for each output torque, and two columns for each crank speed.
 
-    The two columns have the efficiencies with the crank driving and with the output driving.
+    The two columns have the efficiencies with the crank driving and with the output driving. `reduced` is the joint
+    model.
     """
     friction = reduced.friction
     header = ["output torque [N m]"]
@@ -176,7 +183,7 @@ def _efficiency_table(reduced: ReducedJoint) -> Table:
 def _harmonics_table(reduced: ReducedJoint) -> TextTable:
     """Tabulate the harmonics of the transmission error at nominal torque: amplitudes and numerical errors [arcsec].
 
-    Harmonics below `MIN_HARMONIC` of the largest are left out.
+    Harmonics below `MIN_HARMONIC` of the largest are left out. `reduced` is the joint model.
     """
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated_harmonics = [

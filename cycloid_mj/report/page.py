@@ -31,7 +31,10 @@ def environment() -> Environment:
 
 
 def page(reviewed: Sequence[Reviewed]) -> str:
-    """Return the report of one or more runs as the text of one HTML page; several runs are compared side by side."""
+    """Return the report of one or more runs as the text of one HTML page; several runs are compared side by side.
+
+    `reviewed` are the analysed runs.
+    """
     data = page_data(reviewed)
     mechanisms = [run["mechanism"] for run in data["runs"]]
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
@@ -75,7 +78,8 @@ def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
 
     They are efficiency, transmission and speed errors of output and disc, largest contact force, number of contacts,
     and backlash and stiffness in static equilibrium. The last two are omitted if there is no equilibrium. The text of
-    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed.
+    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed. `item` is the
+    analysed run.
     """
     findings = item.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"

@@ -15,7 +15,7 @@ STYLES = {
 
 
 def rating_page(rating: Rating) -> str:
-    """Return a rating as one HTML page with its items, the weakest first, and its assumptions."""
+    """Return a rating as one HTML page with its parts and kinds of failure, the weakest first, and its assumptions."""
     states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
     table = rating.table()
     return (

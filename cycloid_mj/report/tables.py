@@ -47,9 +47,9 @@ def setup(reviewed: Sequence[Reviewed]) -> TextTable:
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     """Tabulate simulation, closed form and error of the evaluated quantities of runs.
 
-    There is a row for each quantity, with three columns for each run; cells are empty if a run has no such quantity.
-    Rows are grouped below headings in the order of `GROUPS`. With several runs, another head row has their names and
-    conditions.
+    `reviewed` are the analysed runs. There is a row for each quantity, with three columns for each run; cells are empty
+    if a run has no such quantity. Rows are grouped below headings in the order of `GROUPS`. With several runs, another
+    head row has their names and conditions.
     """
     rows_by_run = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(item.findings)} for item in reviewed
@@ -74,7 +74,7 @@ def losses(reviewed: Sequence[Reviewed]) -> TextTable:
     """Tabulate the mean losses by friction and by contact damping [W]: a row for each kind of mating pair of each run.
 
     The last column is the share in the input power [%]; it is empty if the crank receives no power. Without losses, the
-    table has no rows.
+    table has no rows. `reviewed` are the analysed runs.
     """
     rows = []
     for item in reviewed:
@@ -102,7 +102,7 @@ def provenance(item: Reviewed) -> TextTable:
 def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield the rows of a run's setup as pairs of name and text with units: design, drive, load, time, ...
 
-    The row "accuracy at this time step" is omitted if the run does not state it.
+    The row "accuracy at this time step" is omitted if the run does not state it. `item` is the analysed run.
     """
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load

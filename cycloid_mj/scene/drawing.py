@@ -179,7 +179,7 @@ def widest_gap(reducer: Reducer, gaps: Separations) -> float:
 
 
 def fitting_magnification(reducer: Reducer, max_gap: float, choices: Sequence[float]) -> float:
-    """Return the largest of some magnifications at which all gaps can be drawn; if all are too large, the smallest.
+    """Return the largest of several magnifications of clearances at which all gaps can be drawn, else the smallest.
 
     `choices` are the magnifications. The widest gap, `max_gap` [m], is drawn at most `DRAWING.max_gap_share` of any
     radius wide, because pins would appear outside their holes otherwise.
@@ -235,7 +235,7 @@ def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
     """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at n samples of a log.
 
-    `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc.
+    `columns` are the log columns by name, n samples each, in SI units. `disc` is the index of the disc.
     """
     poses_by_part = poses(reducer, columns)
     gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
@@ -291,7 +291,7 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 
 
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
-    """Compute the poses of all parts at n times for a drawing with gaps magnified along the ideal normals.
+    """Compute the poses of all parts at n times for a drawing with `gaps` magnified along the ideal normals.
 
     `magnification` is the factor of the `gaps`. Raises the UsageError of `drawn_radii`.
     """
@@ -312,7 +312,7 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 
 
 def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -> MeshDrawing:
-    """Compute the poses of disc and ring at n times for a drawing with the `gaps` magnified along the ideal normals.
+    """Compute the poses of disc and ring at n times for a drawing with `gaps` magnified along the ideal normals.
 
     `magnification` is the factor of the gaps.
     """
@@ -329,14 +329,14 @@ def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -
 
 
 def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: MeshDrawing, frame: int) -> Array:
-    """Compute the outline of an internal gear in a frame of a drawing [m], shape (m, 2), displaced by magnified gaps.
+    """Compute the outline of an internal gear in a frame of an animation [m], displaced by magnified gaps, (m, 2).
 
     Parameters
     ----------
     outline, normals
-        Points of the true outline [m], and unit normals that point into the bore, shape (m, 2) each.
+        The m points of the true outline [m], and unit normals that point into the bore, shape (m, 2) each.
     drawing
-        The drawing.
+        The drawing of all frames.
     frame
         Index of the frame.
     """

@@ -101,7 +101,7 @@ def contact_forces(
     drawing: Drawing | RvDrawing | None = None,
     kinds: Container[str] = names.KINDS.values(),
 ) -> ContactForces:
-    """Compute force and point of action of mating pairs at the n samples of a log, for pairs with force columns.
+    """Compute force and point of action of mating pairs at the n samples of a log, for pairs with logged forces.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are force and moment about the origin of the loaded
     body, which determine the line of action. The point of action is the contact point without friction, shifted onto
@@ -277,10 +277,10 @@ def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerPa
 
 
 def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Radii) -> _InnerParts:
-    """Return centres and radii of the inner parts of all pairs (pins, cams) of a reducer with a central crank.
+    """Return centres and radii of the inner parts of all mating pairs (pins, cams) with a central crank.
 
-    `ring` (n, N, 2), `cam_centres` (n, D, 2) and `pins` (n, k, 2) are the centres of ring pins, cams and output pins
-    [m].
+    `ring` (n, N, 2), `cam_centres` (n, D, 2) and `pins` (n, k, 2) are the centres of N ring pins, D cams and k output
+    pins at n samples [m].
     """
     count, discs, _ = cam_centres.shape
     pins_of_discs = np.broadcast_to(pins[:, np.newaxis], (count, discs, *pins.shape[1:]))
@@ -290,19 +290,19 @@ def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Ra
     )
 
 
-def _rv_inner_parts(reducer: RvReducer, by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
-    """Return centres and radii of the inner parts of all pairs (pins, needles) of an RV reducer.
+def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring: Array) -> _InnerParts:
+    """Return centres and radii of the inner parts of all mating pairs (pins, needles) of an RV reducer.
 
-    `by_part` has the poses by name, shape (n, 3), and `ring` (n, N, 2) the centres of the ring pins [m]. The force of a
-    planet acts at the pitch point on the line to the sun.
+    `poses_by_part` has the poses of each part by its name at n samples, shape (n, 3), and `ring` (n, N, 2) the centres
+    of the N ring pins [m]. The force of a planet acts at the pitch point on the line to the sun.
     """
     cranks, ring_design = crank_names(reducer), reducer.design.ring
-    crank_poses = np.stack([by_part[name] for name in cranks], axis=1)
+    crank_poses = np.stack([poses_by_part[name] for name in cranks], axis=1)
     bearings = [
         reducer.mechanism.mating(names.CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)
     ]
     eccentrics = np.stack([transform(crank_poses, crank_place) for crank_place in bearings], axis=1)
-    pitch_points = _pitch_points(reducer, by_part[names.SUN], crank_poses)
+    pitch_points = _pitch_points(reducer, poses_by_part[names.SUN], crank_poses)
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
     return _InnerParts(
@@ -319,9 +319,9 @@ def _pitch_points(reducer: RvReducer, sun: Array, cranks: Array) -> Array:
 
 
 def _drawn_rv_parts(reducer: RvReducer, drawing: RvDrawing) -> _InnerParts:
-    """Return centres and radii of the inner parts of all pairs (pins, needles) of an RV reducer as drawn.
+    """Return centres and radii of the inner parts of all mating pairs (pins, needles) of an RV reducer as drawn.
 
-    The pairs of all discs have the positions of those of the drawn disc.
+    `drawing` has the poses of the drawn parts. The pairs of all discs have the positions of those of the drawn disc.
     """
     eccentrics = np.repeat(drawing.eccentrics[:, np.newaxis], reducer.design.gear.discs, axis=1)
     pitch_points = _pitch_points(reducer, drawing.sun, drawing.cranks)

@@ -41,7 +41,10 @@ class _File:
         }
 
     def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
-        """Add the mesh of a piece: points and normals (n, 3) as 32-bit floats, faces (m, 3) as 32-bit integers."""
+        """Add the mesh of a piece to a glTF file: n points and normals (n, 3), and m faces (m, 3).
+
+        Points and normals become 32-bit floats, faces 32-bit integers.
+        """
         attributes = {"POSITION": self._append_array(points, "VEC3"), "NORMAL": self._append_array(normals, "VEC3")}
         indices = self._append_array(faces.ravel(), "SCALAR")
         number = len(self._sections["meshes"])
@@ -66,7 +69,7 @@ class _File:
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
     def _append_array(self, values: Any, kind: str) -> int:
-        """Append an array to the buffer, together with the buffer view and the accessor that glTF requires.
+        """Append `values` to the buffer of a glTF file, with the buffer view and the accessor that glTF requires.
 
         `kind` is the type of an element: "SCALAR" for indices, "VEC3" for points and normals. Return the accessor's
         index.

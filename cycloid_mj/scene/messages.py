@@ -135,7 +135,7 @@ class Scene:
         Parameters
         ----------
         time
-            Times [s], shape (k,).
+            The k times [s], shape (k,).
         columns
             Log columns by name, shape (k,), in SI units.
         """
@@ -156,7 +156,7 @@ class Scene:
     def _transforms(self, parts: list[str], poses: Array, nanoseconds: int) -> bytes:
         """Encode the transforms of parts at a time stamp [ns]: translation, and rotation about z as a quaternion.
 
-        `poses` (parts, 3) has x [m], y [m] and angle [rad] of each part.
+        `poses` (parts, 3) has x [m], y [m] and angle [rad] of each of `parts`. `nanoseconds` is the time stamp.
         """
         message, half_angle = FrameTransforms(), 0.5 * poses[:, 2]
         values = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()
@@ -168,10 +168,10 @@ class Scene:
         return bytes(message.SerializeToString(deterministic=True))
 
     def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, nanoseconds: int) -> bytes:
-        """Encode the arrows of all forces at a time stamp [ns]: an entity for each kind of pair, an arrow per force.
+        """Encode the arrows of all forces at a time stamp [ns] for a viewer: one entity for each kind of mating pair.
 
-        `arrows` (k, 7) are those of `_arrows` at this time, and `rows_by_kind` has the row indices of each kind of
-        pair. Forces of zero have no arrow.
+        `nanoseconds` is the time stamp. `arrows` (k, 7) are those of k forces from `_arrows` at this time, and
+        `rows_by_kind` has the row indices of each kind of pair. Forces of zero have no arrow.
         """
         message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
         for kind, rows in rows_by_kind.items():
@@ -215,7 +215,7 @@ def _nanoseconds(time: float) -> int:
 
 
 def _descriptors(message: Any) -> bytes:
-    """Return the serialized FileDescriptorSet of a message type: its definition, with dependencies first."""
+    """Return the serialized FileDescriptorSet of a Protobuf message type: its definition, with dependencies first."""
     files: dict[str, Any] = {}
 
     def add(file: Any) -> None:

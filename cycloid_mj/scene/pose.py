@@ -21,7 +21,7 @@ def pose_columns(reducer: Reducer) -> tuple[str, ...]:
 
 
 def ring_places(reducer: Reducer) -> Array:
-    """Compute the nominal centres of the ring's pins or lobes [m], shape (N, 2): the first on +y, then clockwise.
+    """Compute the nominal centres of the N ring pins or lobes [m], shape (N, 2): the first on +y, then clockwise.
 
     In a ring of two halves, those of the first half come first; each half is rotated by its preload angle (`ahead`).
     """
