@@ -18,15 +18,17 @@ from cycloid_mj.base.result import Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.figures.statics import no_load_spread
 from cycloid_mj.measure import spread
-from cycloid_mj.reducer import Reducer, reducer_of
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import count_parts, solve_ripple
 from cycloid_mj.statics.film import film_text
+from cycloid_mj.statics.film_spread import Spread, back_driving_efficiency_spread
 from cycloid_mj.statics.locked import slip_elements
-from cycloid_mj.statics.sheet import describe_self_locking, shaft_powers, solve_back_driving
+from cycloid_mj.statics.sheet import describe_self_locking, sampled_efficiency, shaft_powers, solve_back_driving
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import STRAIGHT
 
@@ -289,8 +291,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     numerical error.
     """
     model = full_model(reducer)
-    condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
-    friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
+    rated_torque = joint.rated_torque
 
     def value_and_error(figure: Callable[[Play], float]) -> tuple[float, float]:
         """Return a quantity of the fine play, and its difference to the coarse play."""
@@ -308,28 +309,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     name = "torsional stiffness, 50 to 100 % of the nominal torque"
     stiffness = value_and_error(lambda item: item.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
-    efficiency = 100.0 * friction.efficiency(rated_torque, speed, joint.ratio, driving=True)
-    error, note = 100.0 * _efficiency_error(reducer, 1.0), f"{film_text(reducer)}; {_efficiency_spread(reducer)}"
-    yield Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=note)
-    back_driving_powers, driving_torque = solve_back_driving(reducer, rated_torque)
-    is_self_locking = math.isnan(driving_torque)
-    yield Quantity(
-        "back_driving_efficiency",
-        f"efficiency of back-driving against {rated_torque / joint.ratio:.4g} N m on the crank",
-        0.0 if is_self_locking else 100.0 * back_driving_powers.efficiency,
-        "%",
-        0.0 if is_self_locking else 100.0 * _efficiency_error(reducer, -driving_torque / rated_torque),
-        note=describe_self_locking(reducer, rated_torque) if is_self_locking else "",
-    )
-    first, second = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
-    yield Quantity(
-        "no_load_torque_nm",
-        f"no-load torque on the crank at {speed / RPM:.0f} rpm",
-        joint.no_load_torque,
-        "N m",
-        abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first, second))),
-        note=model.no_load_note,
-    )
+    yield from _list_friction(reducer, joint, model.no_load_note)
     name = f"inertia on the crank: {model.crank_parts}"
     yield Quantity("rotor_inertia_kg_m2", name, joint.rotor_inertia, "kg m2", 0.0)
     yield Quantity("output_inertia_kg_m2", "inertia of discs and output", joint.output_inertia, "kg m2", 0.0)
@@ -338,8 +318,55 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", joint.damping, "N m s/rad", None)
 
 
+def _list_friction(reducer: Reducer, joint: ReducedJoint, no_load_note: str) -> Iterator[Quantity]:
+    """Yield both efficiencies [%] and the no-load torque [N m] of a joint, with intervals under film friction.
+
+    `no_load_note` names the causes of friction without load.
+    """
+    friction, torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
+    efficiency = 100.0 * friction.efficiency(torque, speed, joint.ratio, driving=True)
+    error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)
+    name = f"efficiency at {torque:.4g} N m, {speed / RPM:.0f} rpm"
+    row = Quantity("efficiency", name, efficiency, "%", error, note=spread_note)
+    yield _with_interval(row, reducer, sampled_efficiency, torque)
+    powers, driving_torque = solve_back_driving(reducer, torque)
+    key, name = (
+        "back_driving_efficiency",
+        f"efficiency of back-driving against {torque / joint.ratio:.4g} N m on the crank",
+    )
+    if math.isnan(driving_torque):
+        yield Quantity(key, name, 0.0, "%", 0.0, note=describe_self_locking(reducer, torque))
+    else:
+        error = 100.0 * _efficiency_error(reducer, -driving_torque / torque)
+        row = Quantity(key, name, 100.0 * powers.efficiency, "%", error)
+        if not isinstance(reducer, RvReducer):
+            row = _with_interval(row, reducer, back_driving_efficiency_spread, driving_torque)
+        yield row
+    first, second = ((load, friction.torque(load, speed, driving=True)) for load in friction.torques[1:3])
+    error = abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first, second)))
+    name = f"no-load torque on the crank at {speed / RPM:.0f} rpm"
+    row = Quantity("no_load_torque_nm", name, joint.no_load_torque, "N m", error, note=no_load_note)
+    yield _with_interval(row, reducer, no_load_spread)
+
+
+def _with_interval(row: Quantity, reducer: Reducer, compute: Callable[..., Spread], *arguments: float) -> Quantity:
+    """Return a row with the 5 to 95 % interval that it has under film friction; unchanged under Coulomb friction.
+
+    `compute` is a function of the reducer and the `arguments`.
+    """
+    if not reducer.design.has_film:
+        return row
+    interval = compute(reducer, *arguments)
+    return replace(row, low=interval.low, high=interval.high, causes=interval.causes)
+
+
 def _efficiency_spread(reducer: Reducer) -> str:
-    """Return a sentence on how much the efficiency changes if assumed inputs are varied, one at a time."""
+    """Return the friction law, and how much the efficiency changes if assumed inputs are varied, one at a time.
+
+    Under film friction the interval of the efficiency has this information, and the text is the law only.
+    """
+    if reducer.design.has_film:
+        return film_text(reducer)
 
     def rate(varied_reducer: Reducer) -> float:
         try:
@@ -348,7 +375,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
             return 0.0
 
     assumed_inputs = spread.assumed_inputs(reducer)
-    return spread.spread_text(
+    return f"{film_text(reducer)}; " + spread.spread_text(
         rate(reducer),
         spread.input_effects(
             assumed_inputs, {end: rate(reducer_of(end)) for item in assumed_inputs for end in item.ends}
