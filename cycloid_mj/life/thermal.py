@@ -45,8 +45,8 @@ class ThermalSettings:
     largest
         Largest multiple of torque or speed that is searched.
     solved, corrections, resolution
-        Up to this multiple a limit is corrected by the losses there, so many times at most, or until it changes by no
-        more than the relative resolution.
+        Up to this multiple of the duty or of the nominal torque, a limit is corrected by the losses there, so many
+        times at most, or until the losses and the limit change by no more than the relative resolution.
     approach
         Share of the temperature rises at a limit at which these losses are computed: the parts do not yet jam.
     smallest_step
@@ -58,15 +58,16 @@ class ThermalSettings:
     duty_shares
         Shares of the time of intermittent duties (S3) whose torque limit is reported: those of IEC 60034-1.
     light_load
-        Load over that of the duty which, with the duty's own, determines how losses grow with the torque.
+        Load over that of the duty which, with the duty's own, determines how losses grow with the torque. The nominal
+        torque is used instead if it is less than half or more than twice the torque of the duty.
     """
 
     tolerance: float = 0.05
     rounds: int = 12
     hottest: float = 300.0
     largest: float = 100.0
-    solved: float = 1.5
-    corrections: int = 5
+    solved: float = 3.0
+    corrections: int = 8
     resolution: float = 0.01
     approach: float = 0.99
     smallest_step: float = 0.125
@@ -164,7 +165,12 @@ def _find_speed_limit(
     search.
     """
     share, _ = _find_scale_limit(
-        reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
+        reducer,
+        lambda share: [replace(point, speed=share * point.speed) for point in points],
+        steady_state.losses,
+        steady_state,
+        settings.solved,
+        settings,
     )
     return share * max(point.speed for point in points)
 
@@ -349,18 +355,18 @@ def _find_torque_limit(
     settings
         Settings of the search.
     """
-    factor, name = _find_scale_limit(
-        reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
-    )
-    temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
-    if steady_state.converged:
-        temperatures = steady_state.temperatures
-    light = [replace(point, torque=settings.light_load * point.torque) for point in points]
-    by_point, _ = _solve_losses(reducer, light, temperatures, steady_state.network.capacities, settings)
     largest, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
-    loaded = steady_state.warm if steady_state.converged else steady_state.cold
-    full, least = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
-    growth = (full - least) / (1.0 - settings.light_load)
+    loaded_losses = _mean(points, steady_state.warm if steady_state.converged else steady_state.cold)
+    growth_by_source = _loss_growth(reducer, points, steady_state, loaded_losses, settings)
+    factor, name = _find_scale_limit(
+        reducer,
+        lambda share: [replace(point, torque=share * point.torque) for point in points],
+        growth_by_source,
+        steady_state,
+        settings.solved * max(1.0, reducer.design.rated_torque / largest),
+        settings,
+    )
+    full, growth = (sum(losses.values()) / running for losses in (loaded_losses, growth_by_source))
 
     def factor_at(losses: float) -> float:
         """Return the factor [1] on the torques at which the running drive loses a power [W], at least 0."""
@@ -374,6 +380,35 @@ def _find_torque_limit(
         if in_cycle < factor:
             factor, name = in_cycle, f"{limit.name}, at times of a cycle"
     return _TorqueLimit(factor * largest, name, by_duty)
+
+
+def _loss_growth(
+    reducer: Reducer,
+    points: Sequence[DutyPoint],
+    steady_state: _Steady,
+    losses: Mapping[str, float],
+    settings: ThermalSettings,
+) -> dict[str, float]:
+    """Return the increase of the losses by source [W] if all torques of a duty grow by their own size.
+
+    It is the slope between the mean `losses` [W] of the duty and those at the nominal torque, or at a quarter of the
+    duty's torques (`ThermalSettings.light_load`), at the steady temperatures, or at 20 °C if there is no steady state.
+    """
+    temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
+    if steady_state.converged:
+        temperatures = steady_state.temperatures
+    nominal = reducer.design.rated_torque / max(abs(point.torque) for point in points)
+    factors = [settings.light_load] if 0.5 <= nominal <= 2.0 else [nominal, settings.light_load]
+    for factor in factors:
+        scaled = [replace(point, torque=factor * point.torque) for point in points]
+        try:
+            by_point, _ = _solve_losses(reducer, scaled, temperatures, steady_state.network.capacities, settings)
+        except RunError:
+            if factor == factors[-1]:
+                raise
+            continue  # no equilibrium at the nominal torque
+        break
+    return {source: (other - losses[source]) / (factor - 1.0) for source, other in _mean(points, by_point).items()}
 
 
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
@@ -402,20 +437,26 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
 def _find_scale_limit(
     reducer: Reducer,
     scale_duty: Callable[[float], Sequence[DutyPoint]],
+    growth: Mapping[str, float],
     steady_state: _Steady,
+    largest_corrected: float,
     settings: ThermalSettings,
 ) -> tuple[float, str]:
     """Return the largest factor on torque or speed of a duty cycle at which no thermal limit is exceeded.
 
-    The first estimate assumes losses in proportion to the factor. The secant method corrects it with the losses at that
-    factor and the temperatures of the limit. An estimate above `ThermalSettings.solved` is not corrected.
+    The first estimate assumes losses that are linear in the factor. The secant method corrects it with the losses at
+    that factor and the temperatures of the limit. An estimate above `largest_corrected` is not corrected.
 
     Parameters
     ----------
     scale_duty
         Function from a factor to the points of the duty with their torque or speed times that factor.
+    growth
+        Increase of the losses by source [W] when the factor increases by 1.
     steady_state
         Steady losses and temperatures of the duty.
+    largest_corrected
+        Largest factor that is corrected [1].
     settings
         Settings of the search.
 
@@ -425,26 +466,46 @@ def _find_scale_limit(
         The factor [1], and the limit that is then reached, in words.
     """
     network, previous = steady_state.network, None
-    limit = _find_loss_limit(reducer, network, steady_state.losses, settings)
-    scale = limit.factor
+    limit = _estimate_limit(reducer, steady_state, growth, settings)
+    scale, slope = limit.factor, sum(growth.values())
     for _ in range(settings.corrections):
-        if not 0.0 < scale < settings.solved:
+        if not 0.0 < scale < largest_corrected:
             break
         points = scale_duty(scale)
         try:
             by_point, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
         except RunError:
             break
-        limit = _find_loss_limit(reducer, network, _mean(points, by_point), settings)
+        losses = _mean(points, by_point)
+        limit = _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
         excess = 1.0 / limit.factor - 1.0  # relative; linear in the factor where losses are
-        step = (limit.factor - 1.0) * scale
+        step = (limit.factor - 1.0) * (sum(losses.values()) / slope if slope > 0.0 else scale)
         if previous is not None and excess != previous[1]:
             secant = -excess * (scale - previous[0]) / (excess - previous[1])
-            step = secant if secant * step > 0.0 and scale + secant > 0.0 else step
-        previous, scale = (scale, excess), scale + step
-        if abs(step) < settings.resolution * scale:
+            step = secant if secant * step > 0.0 else step
+        following = min(max(scale + step, 0.5 * scale), 2.0 * scale)
+        error = max(abs(excess), abs(following / scale - 1.0))
+        has_converged = previous is not None and error < settings.resolution
+        previous, scale = (scale, excess), following
+        if has_converged:
             break
     return scale, limit.name
+
+
+def _estimate_limit(
+    reducer: Reducer, steady_state: _Steady, growth: Mapping[str, float], settings: ThermalSettings
+) -> "_LossLimit":
+    """Return the factor on torque or speed at which a limit is reached if the losses are linear in this factor.
+
+    `growth` is the increase of the losses by source [W] when the factor increases by 1. If the part of the losses
+    without torque alone exceeds a limit, all losses are assumed to be in proportion to the factor.
+    """
+    idle = {source: losses - growth[source] for source, losses in steady_state.losses.items()}
+    rises, idle_rises = (
+        steady_state.network.rises(heat_by_node(reducer, losses)) for losses in (steady_state.losses, idle)
+    )
+    limit = _find_limit(reducer, rises, settings, idle_rises)
+    return limit if limit.factor > 0.0 else _find_limit(reducer, rises, settings)
 
 
 @dataclass(frozen=True)
@@ -459,22 +520,17 @@ class _LossLimit:
     temperatures: dict[str, float]
 
 
-def _find_loss_limit(
-    reducer: Reducer, network: Network, losses: Mapping[str, float], settings: ThermalSettings
+def _find_limit(
+    reducer: Reducer,
+    rises: Mapping[str, float],
+    settings: ThermalSettings,
+    idle_rises: Mapping[str, float] | None = None,
 ) -> _LossLimit:
-    """Return the factor on all losses at which the first temperature limit is reached in the steady state.
+    """Return the factor on temperature rises over the air at which the first temperature limit is reached.
 
-    `network` has the heat conductances. `losses` [W] are by source. The temperature rises of the parts over the air are
-    in proportion to them. `settings` are those of the thermal computation.
-    """
-    return _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
-
-
-def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> _LossLimit:
-    """Return the factor on all temperature rises over the air at which the first temperature limit is reached.
-
-    `rises` [K] are the temperature rises of the parts. The factor is inf if no limit is reached up to
-    `settings.largest`, and 0 if a limit is exceeded without any rise.
+    `rises` [K] are the temperature rises of the parts. The factor does not apply to their part `idle_rises` [K], by
+    default none. It is inf if no limit is reached up to `settings.largest`, and 0 if a limit is already exceeded with
+    the factor 0.
     """
     from scipy.optimize import brentq
 
@@ -482,7 +538,8 @@ def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalS
 
     def temperatures_at(loss_factor: float) -> dict[str, float]:
         """Return the temperatures [°C] for rises times a factor."""
-        return {part: ambient + loss_factor * rise for part, rise in rises.items()}
+        idle = idle_rises or dict.fromkeys(rises, 0.0)
+        return {part: ambient + idle[part] + loss_factor * (rise - idle[part]) for part, rise in rises.items()}
 
     def tightest_margin(loss_factor: float) -> tuple[float, str]:
         """Return the smallest margin and its limit in words, for temperature rises times a factor."""
@@ -511,7 +568,7 @@ def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
         yield "conductivities by the kind of material"
     yield (
         "losses change linearly with the temperature of the disc during the warm-up, with the torque by duty, and "
-        f"beyond {SETTINGS.solved:g} times the torque or speed of the duty: such limits are extrapolated"
+        f"beyond {SETTINGS.solved:g} times the nominal torque or the speed of the duty: such limits are extrapolated"
     )
     if not steady_state.converged:
         reason = "losses and temperatures do not agree" if isinstance(reducer, RvReducer) else "the parts jam"

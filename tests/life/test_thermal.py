@@ -276,3 +276,14 @@ def test_a_constant_duty_ends_at_its_steady_temperatures() -> None:
     assert state.smallest_play == pytest.approx(state.play, abs=1e-7), "the teeth close while the drive warms up"
     assert state.tightest.pair == "cam"
     assert state.tightest.time == 0.0
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "rv80e"])
+def test_the_thermal_torque_does_not_depend_on_the_torque_of_the_duty(name: str) -> None:
+    """Losses without load are no share of the torque: a duty of 3 % of the nominal torque has the limit of 100 %."""
+    design = override(PRESETS[name], ["friction.law=film"])
+    full, light = (
+        thermal(design, constant_duty(share * design.rated_torque, design.drive.speed)) for share in (1.0, 0.03)
+    )
+    assert light.torque == pytest.approx(full.torque, rel=0.02)
+    assert light.limited_by == full.limited_by
