@@ -30,10 +30,8 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
     """
     springs, carrier_torque = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     loads = solve_rv_loads(springs, carrier_torque, running_friction(reducer, crank, float(np.sign(carrier_torque))))
+    normal = springs.tooth_slope[..., :2]
     discs, count, shape = springs.discs, reducer.cranks.count, (len(crank), springs.discs, -1)
-    columns = 3 * springs.disc[:, np.newaxis] + np.arange(2)
-    slopes = springs.slope[:, : springs.pins]
-    normal = np.take_along_axis(slopes, np.broadcast_to(columns, (len(crank), *columns.shape)), axis=2)
     bearing_forces = loads.bearings
     bearing_directions = loads.cranks / np.maximum(bearing_forces, np.finfo(float).tiny)[..., np.newaxis]
     axes = reducer.stage.crank_positions(crank)[:, np.newaxis]

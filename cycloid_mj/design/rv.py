@@ -103,6 +103,7 @@ class CrankTolerance(Section):
     carrier_position: str = _zone("position of each crank axis in the carrier, along x and along y")
     planet_runout: str = _zone("offset of the teeth of each planet from its crank's axis, along x and along y")
     axis_position: str = _zone("offset of the carrier's axis from that of the ring, along x and along y")
+    pin_position: str = _zone("position of each ring pin, along x and along y")
 
 
 class CrankErrors(Section):

@@ -1,7 +1,8 @@
-"""Samples of an RV reducer within its tolerances: transmission error of cranks, bores and planets, in closed form.
+"""Samples of an RV reducer within its tolerances: transmission error by cranks, bores, planets and ring pins.
 
-The closed form is linear in the errors: a sample is a sum of the responses to unit errors. The variance of the
-transmission error at each crank angle is therefore the sum of those of the tolerances, which is the error budget.
+The closed form of cranks, bores and planets is linear in the errors: a sample is a sum of the responses to unit errors.
+Errors of the pins add a rotation by statics. The variance of the transmission error at each crank angle is the sum of
+those of the tolerances, as these are independent: this is the error budget.
 """
 
 from collections.abc import Mapping
@@ -17,7 +18,13 @@ from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.explore.budget import Share
 from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import closed_rotation, largest_mean_force, solve_rv_equilibrium
+from cycloid_mj.statics.rv_sheet import (
+    closed_form_angles,
+    closed_rotation,
+    largest_mean_force,
+    pin_equilibrium,
+    solve_rv_equilibrium,
+)
 
 FIGURE = "te_errors_arcsec"
 """The figure of the samples."""
@@ -36,8 +43,12 @@ ERRORS: Mapping[str, tuple[str, ...]] = {
     "carrier_position": ("carrier_x", "carrier_y"),
     "planet_runout": ("planet_x", "planet_y"),
     "axis_position": ("axis_x", "axis_y"),
+    "pin_position": ("pin_x", "pin_y"),
 }
-"""Key of the table [crank_tolerance] -> the errors in [crank_errors] that it varies."""
+"""Key of the table [crank_tolerance] -> the errors that it varies, in [errors] for pins, else in [crank_errors]."""
+
+PIN_FIELDS = ERRORS["pin_position"]
+"""Errors of the pins' positions along x and y, in the table [errors]."""
 
 BLOCK = 2_000
 """Samples that are evaluated at a time, which bounds the memory."""
@@ -69,6 +80,7 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
         "carrier_position": 2.0 * cranks.taper_radius,
         "planet_runout": reducer.planet.module * reducer.planet.planet_teeth,
         "axis_position": 2.0 * reducer.design.ring.pin_circle_radius,
+        "pin_position": 2.0 * reducer.design.ring.pin_circle_radius,
     }
     texts = {key: getattr(reducer.crank_tolerance, key) for key in ERRORS}
     zones_by_key = {key: parse_zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
@@ -90,7 +102,7 @@ def draw_rv_drive(reducer: RvReducer, seed: int, number: int) -> tuple[Design, d
         columns = (column for field in ERRORS[key] for column in _columns_of_field(reducer, field))
         deviations |= {column: zone.quantiles(rng.random(1)) for column in columns}
     errors = {f"drawn_{column}_um": MICROMETRES * float(values[0]) for column, values in deviations.items()}
-    return reducer.design.but(crank_errors=_errors_of_sample(reducer, deviations, 0)), errors
+    return reducer.design.but(**_errors_of_sample(reducer, deviations, 0)), errors
 
 
 def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) -> dict[str, Array]:
@@ -131,8 +143,9 @@ def compute_rv_forces(reducer: RvReducer, samples: int, seed: int, angles: int) 
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
     """Draw random samples of an RV reducer within its tolerances, with their transmission errors and error budget.
 
-    The budget has the share of each tolerance in the variance of the transmission error over the turn. As the closed
-    form is linear, shares are exact: first-order and total index are equal, and the interval has no width.
+    The budget has the share of each tolerance in the variance of the transmission error over the turn. Shares of linear
+    responses are exact; that of the pins is a mean over the samples. As tolerances add up, first-order and total index
+    are equal. The intervals have no width.
 
     Parameters
     ----------
@@ -159,20 +172,24 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     nominal, responses = closed_rotation(reducer), dict[str, Array]()
     deviations, variances = dict[str, Array](), dict[str, float]()
     for key, zone_of_key in zones.items():
+        fields = [field for field in ERRORS[key] if field not in PIN_FIELDS]
         responses_of_key = {
             column: response
-            for field in ERRORS[key]
+            for field in fields
             for column, response in _compute_responses(reducer, field, nominal).items()
         }
-        deviations |= {column: zone_of_key.quantiles(rng.random(samples)) for column in responses_of_key}
+        columns = [column for field in ERRORS[key] for column in _columns_of_field(reducer, field)]
+        deviations |= {column: zone_of_key.quantiles(rng.random(samples)) for column in columns}
         variances[key] = zone_of_key.standard_deviation**2 * sum(
             float(np.var(response)) for response in responses_of_key.values()
         )
         responses |= responses_of_key
-    values = (
-        _transmission_errors(nominal, np.array(list(responses.values())), np.array(list(deviations.values())))
-        / ARCSECOND
-    )
+    pin_rotations = _rotations_by_pins(reducer, deviations, samples)
+    if "pin_position" in zones:
+        variances["pin_position"] = float(np.mean(np.var(pin_rotations, axis=1)))
+    linear_deviations = np.array([deviations[column] for column in responses]).reshape(len(responses), samples)
+    linear_responses = np.array(list(responses.values())).reshape(len(responses), nominal.size)
+    values = _transmission_errors(reducer, nominal, linear_responses, linear_deviations, pin_rotations) / ARCSECOND
     total = sum(variances.values())
     share_of_key = {key: variance / total if total else 0.0 for key, variance in variances.items()}
     sorted_keys = sorted(share_of_key, key=lambda key: -share_of_key[key])
@@ -188,21 +205,50 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     )
 
 
-def _transmission_errors(nominal: Array, responses: Array, deviations: Array) -> Array:
+def _rotations_by_pins(reducer: RvReducer, deviations: Mapping[str, Array], samples: int) -> Array:
+    """Compute the rotation of the output by position errors of the pins of each sample [rad], shape (samples, m).
+
+    `deviations` are the errors of all samples [m], shape (samples,), by column. m is the number of angles of a
+    `PinErrorEquilibrium`; without errors of pins, it is 0. Those of the nominal reducer are added to a sample.
+    """
+    nominal = reducer.deviations.pin_displacement
+    columns = [_columns_of_field(reducer, field) for field in PIN_FIELDS]
+    if columns[0][0] not in deviations:
+        if not nominal.any():
+            return np.zeros((samples, 0))
+        return np.repeat(pin_equilibrium(reducer).rotation(nominal)[np.newaxis], samples, axis=0)
+    drawn = np.stack([np.stack([deviations[name] for name in names], axis=1) for names in columns], axis=2)
+    equilibrium = pin_equilibrium(reducer)
+    return np.stack([equilibrium.rotation(nominal + displacements) for displacements in drawn])
+
+
+def _transmission_errors(
+    reducer: RvReducer, nominal: Array, responses: Array, deviations: Array, pin_rotations: Array
+) -> Array:
     """Compute the peak-to-peak transmission error of each sample [rad], shape (samples,).
 
     Parameters
     ----------
+    reducer
+        Nominal reducer.
     nominal
-        Deviation of the nominal reducer's output angle from the ideal angle at m angles of a turn [rad], shape (m,).
+        Deviation of the nominal reducer's output angle from the ideal angle at m angles of a turn [rad], shape (m,),
+        without errors of pins.
     responses
         Change of this deviation by each of n errors of parts [rad/m], shape (n, m).
     deviations
         Errors of parts of each sample [m], shape (n, samples).
+    pin_rotations
+        Rotation by errors of the pins of each sample, as `_rotations_by_pins` returns it.
     """
-    starts = range(0, deviations.shape[1], BLOCK)
-    blocks = (deviations[:, start : start + BLOCK].T @ responses + nominal for start in starts)
-    return np.concatenate([np.ptp(block, axis=1) for block in blocks])
+    crank, values = closed_form_angles(reducer), []
+    for start in range(0, deviations.shape[1], BLOCK):
+        block = deviations[:, start : start + BLOCK].T @ responses + nominal
+        if pin_rotations.size:
+            equilibrium = pin_equilibrium(reducer)
+            block += [equilibrium.interpolate(rotation, crank) for rotation in pin_rotations[start : start + BLOCK]]
+        values.append(np.ptp(block, axis=1))
+    return np.concatenate(values)
 
 
 def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[str, Array]:
@@ -230,6 +276,8 @@ def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
 
 def _list_length(reducer: RvReducer, field: str) -> int:
     """Return the length of a list of errors; 0 of a single number."""
+    if field in PIN_FIELDS:
+        return reducer.design.ring.teeth
     if isinstance(CrankErrors.model_fields[field].default, float):
         return 0
     of_eccentrics = field.startswith(("eccentric", "bore"))
@@ -237,7 +285,9 @@ def _list_length(reducer: RvReducer, field: str) -> int:
 
 
 def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
-    """Return the errors of a field [m]; an empty list has zeros."""
+    """Return the errors of a field [m]; an empty list has zeros, or for pins those that the design draws."""
+    if field in PIN_FIELDS:
+        return list(reducer.deviations.pin_displacement[:, PIN_FIELDS.index(field)].tolist())
     values = getattr(reducer.crank_errors, field)
     if isinstance(values, float):
         return [values]
@@ -247,18 +297,18 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
 def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
     """Return the sample with the index `row` as a design, whose name ends in ``-worst-`` and the number `rank`."""
     errors = _errors_of_sample(reducer, deviations, row)
-    return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", crank_errors=errors)
+    return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", **errors)
 
 
 def _errors_of_sample(
     reducer: RvReducer, deviations: Mapping[str, Array], row: int
-) -> dict[str, float | tuple[float, ...]]:
-    """Return the errors of the parts of one sample [m], by key of the table [crank_errors].
+) -> dict[str, dict[str, float | tuple[float, ...]]]:
+    """Return the errors of the parts of one sample [m] as changes of the design: by table, then by key.
 
     They are its deviations plus the errors of the nominal reducer. `deviations` are the errors of all samples [m],
     shape (samples,), by names such as ``bore_x_1``. `row` is the index of the sample.
     """
-    changes: dict[str, float | tuple[float, ...]] = {}
+    changes: dict[str, dict[str, float | tuple[float, ...]]] = {"crank_errors": {}, "errors": {}}
     for field in (field for fields in ERRORS.values() for field in fields):
         names = _columns_of_field(reducer, field)
         if names[0] in deviations:
@@ -266,5 +316,6 @@ def _errors_of_sample(
                 nominal + float(deviations[name][row])
                 for nominal, name in zip(_errors_of_field(reducer, field), names, strict=True)
             ]
-            changes[field] = tuple(values) if _list_length(reducer, field) else values[0]
+            table = changes["errors" if field in PIN_FIELDS else "crank_errors"]
+            table[field] = tuple(values) if _list_length(reducer, field) else values[0]
     return changes

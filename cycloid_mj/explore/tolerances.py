@@ -392,7 +392,7 @@ def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerance
 
 
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
-    """Return the tolerance study of an RV reducer, from its closed form of the transmission error; no sample jams.
+    """Return the tolerance study of an RV reducer of its transmission error; no sample jams.
 
     `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities.
 
@@ -411,7 +411,8 @@ def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Seque
     drawn_samples = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(
         design=reducer.design.name,
-        condition="closed form with ring and sun fixed, without clearance and load, over a turn of the carrier",
+        condition="ring and sun fixed, over a turn of the carrier; cranks, bores and planets in closed form without "
+        "clearance and load, pins by statics under the nominal torque",
         samples=samples,
         asked=samples,
         seed=seed,

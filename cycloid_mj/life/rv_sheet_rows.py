@@ -152,7 +152,9 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, sun locked")
     yield with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow")
     if quantities["te_errors"].value:
-        condition = "cranks, bores, carrier, planets; without clearance and load"
+        condition = (
+            "cranks, bores, carrier, planets without clearance and load; positions of pins at the nominal torque"
+        )
         yield with_name(quantities["te_errors"], "Transmission error by errors, peak to peak", condition)
 
 
@@ -169,8 +171,8 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
             "Transmission error, toleranced parts",
             float(np.percentile(samples.values, percentile)),
             "arcsec",
-            note=f"{percentile:g} % percentile of {ERROR_SAMPLES} samples, peak to peak; without clearance, load and "
-            "errors of the pins",
+            note=f"{percentile:g} % percentile of {ERROR_SAMPLES} samples, peak to peak; positions of pins at the "
+            "nominal torque, all else without clearance and load",
         ),
     )
 

@@ -75,10 +75,12 @@ class RvSprings:
         shape (m, c, u). The pins of all discs come first, then two flanks of each planet.
     pins
         Number of contacts with the ring.
-    disc, shift, shift_slope, bend, twist, phase
+    disc, shift, bend, twist, phase
         Attributes of the contacts with the ring as in `reducer.gaps.Gaps`: index of the disc, shape (pins,);
-        displacement along the flank at z = 0 [m], shape (m, pins), and its gradient [1], shape (m, pins, u);
-        `curvature` [1/m], `curvature_rate` [1/m2] and `phase` [rad], shape (m, pins).
+        displacement along the flank at z = 0 [m], `curvature` [1/m], `curvature_rate` [1/m2] and `phase` [rad], shape
+        (m, pins).
+    tooth_slope, shift_slope
+        Gradients of gap and shift of these contacts by x, y and rotation of their disc [1], shape (m, pins, 3).
     curvature, slip
         Relative curvature of these [1/m], and sliding of the disc per turn of the crank against the ring [m/rad], shape
         (m, pins).
@@ -100,6 +102,7 @@ class RvSprings:
     pins: int
     disc: Integers
     shift: Array
+    tooth_slope: Array
     shift_slope: Array
     bend: Array
     twist: Array
@@ -122,6 +125,11 @@ class RvSprings:
     def carrier(self) -> int:
         """Index of the carrier's unknown."""
         return 3 * self.discs
+
+    @property
+    def disc_unknowns(self) -> Integers:
+        """Indices of the unknowns of the disc of each contact with the ring: x, y and rotation, shape (pins, 3)."""
+        return np.asarray(3 * self.disc[:, np.newaxis] + np.arange(3))
 
 
 @dataclass(frozen=True)
@@ -242,6 +250,7 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     offset, offset_slope = _crank_offsets(reducer, crank)
     unknowns = offset_slope.shape[-1]
     stiffness = tooth_stiffness(reducer, teeth.relative_curvature)
+    contact, own = np.arange(teeth.disc.size)[:, np.newaxis], 3 * teeth.disc[:, np.newaxis] + np.arange(3)
     return RvSprings(
         crank=crank,
         gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
@@ -250,7 +259,8 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         pins=stiffness.shape[1],
         disc=teeth.disc,
         shift=teeth.shift,
-        shift_slope=_pad_gradient(teeth.shift_slope, unknowns),
+        tooth_slope=teeth.slope[:, contact, own],
+        shift_slope=teeth.shift_slope[:, contact, own],
         bend=teeth.curvature,
         twist=teeth.curvature_rate,
         phase=teeth.phase,
@@ -423,7 +433,9 @@ def compute_rv_friction(
     return RvFriction(_pad_gradient(sliding, count), bearings, meshes)
 
 
-def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningFriction | None = None) -> RvLoads:
+def solve_rv_loads(
+    springs: RvSprings, torque: float | Array, friction: RunningFriction | None = None, start: Array | None = None
+) -> RvLoads:
     """Solve for the static equilibrium of an RV reducer under a torque on the carrier.
 
     Parameters
@@ -436,6 +448,8 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
     friction
         Friction at these angles, which depends on the forces and is determined by fixed-point iteration; None: no
         friction.
+    start
+        Displacements (m, u) [m] at which the Newton method starts; None: 0.
 
     Raises
     ------
@@ -444,7 +458,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
     """
     load = np.zeros((springs.crank.size, springs.slope.shape[2]))
     load[:, springs.carrier] = torque / springs.lever
-    displacements = _minimise_energy(springs, load, np.zeros(load.shape))
+    displacements = _minimise_energy(springs, load, np.zeros(load.shape) if start is None else start)
     if friction is None:
         return _loads_at(springs, displacements)
     friction_load, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
@@ -544,15 +558,14 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     tuple
         Gaps of all c contacts, pins before planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
     """
-    column = displacements[..., np.newaxis]
-    gaps = springs.gap + (springs.slope @ column)[..., 0]
-    contact, turning = np.arange(springs.pins), 3 * springs.disc + 2
-    turn = displacements[:, turning] / springs.lever
-    along = springs.shift + (springs.shift_slope @ column)[..., 0]
-    by_turn = springs.shift_slope[:, contact, turning] * displacements[:, turning]
+    own, pins = displacements[:, springs.disc_unknowns], springs.pins
+    gaps = springs.gap.copy()
+    gaps[:, pins:] += (springs.slope[:, pins:] @ displacements[..., np.newaxis])[..., 0]
+    turn, by_turn = own[..., 2] / springs.lever, springs.shift_slope[..., 2] * own[..., 2]
+    along = springs.shift + np.einsum("mci,mci->mc", springs.shift_slope, own)
     rise = along * (springs.bend + 0.5 * springs.twist * along)
     curved = along**2 * (0.5 * springs.bend + springs.twist * along / 6.0)
-    gaps[:, : springs.pins] += curved - turn * (along - 0.5 * by_turn)
+    gaps[:, :pins] += np.einsum("mci,mci->mc", springs.tooth_slope, own) + curved - turn * (along - 0.5 * by_turn)
     return gaps, rise - turn, along - by_turn
 
 
@@ -560,9 +573,18 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
     """Return the gradients of the gaps of pins and planet flanks at displacements (m, u) [m], shape (m, c, u) [1]."""
     _, rise, arm = _contact_gaps(springs, displacements)
     gradients = springs.slope.copy()
-    gradients[:, : springs.pins] += rise[..., np.newaxis] * springs.shift_slope
-    gradients[:, np.arange(springs.pins), 3 * springs.disc + 2] -= arm / springs.lever
+    gradients[:, np.arange(springs.pins)[:, np.newaxis], springs.disc_unknowns] = _tooth_gradients(springs, rise, arm)
     return gradients
+
+
+def _tooth_gradients(springs: RvSprings, rise: Array, arm: Array) -> Array:
+    """Return the gradients of the gaps of pins by x, y and rotation of their disc [1], shape (m, pins, 3).
+
+    `rise` and `arm` are the factors a and b of `_contact_gaps`, shape (m, pins).
+    """
+    gradients = springs.tooth_slope + rise[..., np.newaxis] * springs.shift_slope
+    gradients[..., 2] -= arm / springs.lever
+    return np.asarray(gradients)
 
 
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
@@ -635,13 +657,14 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
     """
     gaps, rise, arm = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
-    on_teeth = force[:, : springs.pins]
     bearing_forces, bearing_energy, _ = _bearing_forces(springs, displacements)
     energy = 0.5 * np.sum(force * np.maximum(-gaps, 0.0), axis=1) + bearing_energy.sum(axis=(1, 2))
     energy -= np.sum(load * displacements, axis=1)
-    residual = load + _sum_along(springs.slope, force) + _sum_along(springs.shift_slope, on_teeth * rise)
-    for disc in range(springs.discs):
-        residual[:, 3 * disc + 2] -= np.sum((on_teeth * arm)[:, springs.disc == disc], axis=1) / springs.lever
+    residual = load + _sum_along(springs.slope[:, springs.pins :], force[:, springs.pins :])
+    by_disc = force[:, : springs.pins, np.newaxis] * _tooth_gradients(springs, rise, arm)
+    residual[:, : springs.carrier] += (
+        by_disc.reshape(len(load), springs.discs, -1, 3).sum(axis=2).reshape(len(load), -1)
+    )
     residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing_forces)
     return energy, residual
 
@@ -656,10 +679,15 @@ def _tangent(springs: RvSprings, displacements: Array) -> Array:
 
     `springs` are the contact springs at m crank angles. The curvature of the flanks is neglected.
     """
-    gaps, _, _ = _contact_gaps(springs, displacements)
-    slopes = contact_gradients(springs, displacements)
-    slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
-    tangent = np.swapaxes(slopes, 1, 2) @ slopes
+    gaps, rise, arm = _contact_gaps(springs, displacements)
+    weights = np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
+    flanks = springs.slope[:, springs.pins :] * weights[:, springs.pins :]
+    tangent = np.swapaxes(flanks, 1, 2) @ flanks
+    teeth = (_tooth_gradients(springs, rise, arm) * weights[:, : springs.pins]).reshape(len(gaps), springs.discs, -1, 3)
+    blocks = np.swapaxes(teeth, 2, 3) @ teeth
+    for disc in range(springs.discs):
+        own = slice(3 * disc, 3 * disc + 3)
+        tangent[:, own, own] += blocks[:, disc]
     count = displacements.shape[1]
     _, _, bearing_tangents = _bearing_forces(springs, displacements)
     weighted = bearing_tangents @ springs.offset_slope

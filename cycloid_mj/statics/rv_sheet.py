@@ -33,6 +33,7 @@ from cycloid_mj.statics.rv_film import (
     running_friction,
     rv_film_assumption,
 )
+from cycloid_mj.statics.rv_pin_errors import PinErrorEquilibrium, pin_error_equilibrium
 from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.stops import stop_width
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
@@ -185,14 +186,37 @@ def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
     return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, torque), carrier_turn_angles(reducer))
 
 
-def closed_rotation(reducer: RvReducer) -> Array:
-    """Compute the rotation of the output due to manufacturing errors over a turn of the carrier, in closed form [rad].
+def closed_form_angles(reducer: RvReducer) -> Array:
+    """Return `RvSheetSettings.closed_angles` crank angles against the ring [rad] over a turn of the carrier."""
+    return np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
 
-    Clearance and load are not included, and the sun is fixed. The shape is (`RvSheetSettings.closed_angles`,).
+
+def closed_rotation(reducer: RvReducer) -> Array:
+    """Compute the rotation of the output due to errors of cranks, bores and planets, in closed form [rad].
+
+    Clearance and load are not included, and the sun is fixed. The angles are those of `closed_form_angles`.
     """
-    crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
+    crank = closed_form_angles(reducer)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
     return reducer.share * rotation
+
+
+def pin_equilibrium(reducer: RvReducer) -> PinErrorEquilibrium:
+    """Return the equilibrium under the nominal torque, for the rotation due to position errors of pins."""
+    return pin_error_equilibrium(reducer, torque_on_carrier(reducer, reducer.design.rated_torque))
+
+
+def error_rotation(reducer: RvReducer) -> Array:
+    """Compute the rotation of the output [rad] due to errors of cranks, bores, planets and positions of pins.
+
+    It is the sum of `closed_rotation` and of the rotation by the pins (`pin_equilibrium`) under the nominal torque, at
+    the angles of `closed_form_angles`.
+    """
+    rotation, displacements = closed_rotation(reducer), reducer.deviations.pin_displacement
+    if not displacements.any():
+        return rotation
+    pins = pin_equilibrium(reducer)
+    return rotation + pins.interpolate(pins.rotation(displacements), closed_form_angles(reducer))
 
 
 def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
@@ -249,7 +273,7 @@ def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
         yield sheet_quantity(f"crank_bearing_{name}mean_force", largest_mean_force(loads.bearings))
     yield sheet_quantity("planet_mesh_force", float(running_loads.flanks.max()))
     yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(equilibrium_loads.carrier_turn) / ARCSECOND)
-    yield sheet_quantity("te_errors", peak_to_peak(closed_rotation(reducer)) / ARCSECOND)
+    yield sheet_quantity("te_errors", peak_to_peak(error_rotation(reducer)) / ARCSECOND)
     ideal_peak = float(ideal_loads.pins.max())
     yield sheet_quantity(f"{kind}_peak_force", float(force.max()), reference=ideal_peak, source="ideal sharing")
     yield sheet_quantity(f"{kind}_mean_force", float(force[is_loaded].mean()))

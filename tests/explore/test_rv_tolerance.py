@@ -7,13 +7,15 @@ import pytest
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.units import ARCSECOND
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.explore import tolerances
-from cycloid_mj.explore.rv_samples import FIGURE
+from cycloid_mj.explore.rv_samples import FIGURE, draw_rv_drive
 from cycloid_mj.explore.tolerances import StudyInterrupted, tolerance
 from cycloid_mj.explore.verify import DynamicsCheck
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics import main as statics
+from cycloid_mj.statics.rv_sheet import closed_rotation, pin_equilibrium
 
 ZONES = {
     "eccentricity": "uniform 3",
@@ -92,3 +94,51 @@ def test_a_run_of_the_worst_sample_has_the_transmission_error_of_statics() -> No
     assert check.statics["te_loaded_forward_arcsec"] > 10.0
     for key, difference in check.differences.items():
         assert abs(difference) < 0.02, key
+
+
+PINS = {"pin_position": "uniform 3"}
+
+
+def test_pins_have_a_share_of_the_budget_and_add_to_the_transmission_error() -> None:
+    """The variances of independent sources add up, and no error changes a range by more than its own."""
+    samples = 30
+    study, other = tolerance(toleranced(**ZONES, **PINS), samples), tolerance(toleranced(**ZONES), samples)
+    shares, (bores, *_) = {share.source: share.total for share in study.budget}, other.budget
+    assert sum(shares.values()) == pytest.approx(1.0)
+    assert bores.total / shares["bore_position"] == pytest.approx(1.0 / (1.0 - shares["pin_position"]))
+    drawn = np.array([[study.drawn[f"pin_{axis}_{pin}"] for axis in "xy"] for pin in range(1, 41)])
+    assert np.abs(drawn).max() == pytest.approx(3.0, rel=0.01)
+    balance = pin_equilibrium(RvReducer(toleranced()))
+    rotations = np.array([balance.rotation(1e-6 * drawn[..., row]) for row in range(samples)]) / ARCSECOND
+    change = np.abs(study.figures[FIGURE] - other.figures[FIGURE])
+    assert np.all(change <= np.ptp(rotations, axis=1) + 1e-9)
+    variance = np.var(closed_rotation(RvReducer(toleranced().but(crank_errors={"bore_x": (1e-6, *[0.0] * 5)}))))
+    # uniform 4: variance 16/3; 12 coordinates of bores
+    expected = 12.0 * 16.0 / 3.0 * variance / ARCSECOND**2
+    measured = np.var(rotations, axis=1).mean() * shares["bore_position"] / shares["pin_position"]
+    assert measured == pytest.approx(expected, rel=0.01)
+
+
+def test_a_drawn_drive_has_the_pins_of_its_sample() -> None:
+    reducer = RvReducer(toleranced(**PINS))
+    drive, errors = draw_rv_drive(reducer, 3, 7)
+    assert drive.errors.pin_x[4] == pytest.approx(1e-6 * errors["drawn_pin_x_5_um"])
+    assert drive.errors.pin_y[39] == pytest.approx(1e-6 * errors["drawn_pin_y_40_um"])
+    own = toleranced(**PINS).but(errors={"pin_x": (1e-6,) * 40})
+    shifted, _ = draw_rv_drive(RvReducer(own), 3, 7)
+    assert np.subtract(shifted.errors.pin_x, drive.errors.pin_x) == pytest.approx(1e-6)
+
+
+def test_errors_of_the_nominal_pins_are_in_all_samples() -> None:
+    own = np.random.default_rng(1).normal(0.0, 2e-6, (40, 2))
+    pins = {"pin_x": tuple(own[:, 0].tolist()), "pin_y": tuple(own[:, 1].tolist())}
+    design = toleranced(phase="uniform 0.001").but(errors=pins)
+    expected = np.ptp(pin_equilibrium(RvReducer(design)).rotation(own)) / ARCSECOND
+    assert tolerance(design, 10).figures[FIGURE] == pytest.approx(expected, abs=0.02)
+
+
+@pytest.mark.slow
+def test_the_worst_sample_with_pins_has_its_error_in_the_balance_of_springs() -> None:
+    (worst, *_) = tolerance(toleranced(**ZONES, **PINS), 200).worst
+    computed = {key: item.value for key, item in statics(worst).quantities.items()}
+    assert computed["te_ideal"] == pytest.approx(computed["te_errors"], rel=0.05)
