@@ -286,7 +286,7 @@ def test_the_function_of_a_command_describes_its_result(name: str) -> None:
 def test_help_of_a_package_that_is_called_is_that_of_its_function() -> None:
     text = pydoc.render_doc(cm.statics, renderer=pydoc.plaintext)
     head = text.split("PACKAGE CONTENTS")[0]
-    assert "cycloid_mj.statics - Compute the data-sheet figures of a reducer by statics" in head
+    assert "cycloid_mj.statics - Compute the data-sheet quantities of a reducer by statics" in head
     assert "Call: cm.statics(design, load_nm=None)" in head
     for heading in ("Parameters", "Returns", "Raises"):
         assert f"{heading}\n    -" in head

@@ -198,9 +198,9 @@ class JobKind(NamedTuple):
 
 
 def create_job(content: Content) -> JobKind:
-    """Return the job that a request of the page describes: its queue, name, function and arguments.
+    """Return the background job that a request of the page describes: its queue, name, function and arguments.
 
-    ``kind`` in the request selects the job; ``design`` and the other keys are its arguments.
+    `content` is the request. ``kind`` in it selects the job; ``design`` and the other keys are its arguments.
 
     Raises
     ------

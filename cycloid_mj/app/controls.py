@@ -181,7 +181,7 @@ def controls(design: Design) -> tuple[Control, ...]:
 
 
 def find_controls(design: Design, text: str) -> tuple[Control, ...]:
-    """Return controls for the keys of the design file that match a text and for which `controls` returns none.
+    """Return input controls for the keys of a design file that match a text and have no control by default.
 
     A key matches if its name, its label and its description together contain each word of the text. Only keys with a
     number, an option or a switch as value are searched.
@@ -196,7 +196,10 @@ def find_controls(design: Design, text: str) -> tuple[Control, ...]:
 
 
 def _all_controls(design: Design) -> Iterator[Control]:
-    """Yield a control for every number, option list and switch in the tables of a design file, in group `OTHERS`."""
+    """Yield an input control for every number, option list and switch in the tables of a design file.
+
+    The controls are in the group `OTHERS`.
+    """
     for table, section in design:
         for name, field in type(section).model_fields.items() if isinstance(section, BaseModel) else ():
             if not applies(design.layout, table, name):
@@ -214,7 +217,7 @@ def _all_controls(design: Design) -> Iterator[Control]:
 
 
 def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
-    """Return a slider for a key, from 0 to `SLIDER.span` times its value; the slider has the unit of the design file.
+    """Return a slider for a key of the design file, from 0 to `SLIDER.span` times its value, in the unit of the file.
 
     `value` is in SI units, `label` names the slider, and `meaning` is the description of the key. For a negative value
     the slider begins at the negative end, for the value 0 it ends at 1. An integer has steps of 1, any other number
@@ -295,7 +298,7 @@ def _labels() -> dict[str, str]:
 
 
 def _list_controls(design: Design) -> Iterator[Control]:
-    """Yield the controls with a list of options: those for the layout of the design, then one for each material."""
+    """Yield the input controls with a list of options: the layout of the design, then each material."""
     for key, (label, texts) in WORDS.items():
         table, _, name = key.partition(".")
         if (key == "ring.pins" and design.ring.kind != "pin") or not applies(design.layout, table, name):

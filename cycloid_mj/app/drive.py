@@ -164,10 +164,10 @@ def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
 
 
 def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
-    """Convert a line of the bill of materials to JSON values.
+    """Convert a row of the bill of materials to JSON values.
 
-    ``source`` is "printed", "bought" or "made"; ``mass_g`` [g] is the mass of all pieces of the line; ``price`` is the
-    price class of a single piece in words (`PRICE_CLASSES`). The other keys are those of the line.
+    ``source`` is "printed", "bought" or "made"; ``mass_g`` [g] is the mass of all pieces of the row; ``price`` is the
+    price class of a single piece in words (`PRICE_CLASSES`). The other keys are those of the row, `line`.
     """
     source = "bought"
     if line.made_or_bought == "made":

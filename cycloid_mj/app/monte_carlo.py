@@ -69,7 +69,7 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     -------
     dict
         The distributions (`_distributions`) and three keys of the error budget. ``budget``: the share of each source in
-        the variance of a figure; ``budget_of``: the name of this figure; ``no_budget``: the reason if there are no
+        the variance of a quantity; ``budget_of``: the name of this quantity; ``no_budget``: the reason if there are no
         shares, else empty. If too many samples of the first block jam, the study stops without these three keys.
 
     Raises
@@ -88,7 +88,10 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
 
 
 def _study_central(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict[str, Any]:
-    """Return the result of `study_tolerances` for a drive with a central crank: statics of each sample."""
+    """Return the result of `study_tolerances` for a drive with a central crank: statics of each sample drive.
+
+    `on_progress` is called with the distributions so far.
+    """
     zones = tolerance_zones(reducer)
     columns: dict[str, Array] = {}
     for batch in list_batches(STUDY.samples):

@@ -107,7 +107,7 @@ def _largest_stress(reducer: Reducer, kind: str, part_name: str) -> tuple[str, f
 
 
 def _collect_rated_stress(layout: Layout, rating: Rating) -> dict[str, dict[str, Any]]:
-    """Return the contact and fatigue stresses of a rating as rows for the page, by kind of part of a layout.
+    """Return the contact and fatigue stresses of a rating as table rows for the page, by kind of part of a layout.
 
     A kind has its ``name``, the rows ``rated`` with value, limit and bar of each stress, and an empty list ``bulk``.
     """

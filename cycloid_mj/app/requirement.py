@@ -24,7 +24,7 @@ from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
-from cycloid_mj.sizing.requirement import Requirement, required
+from cycloid_mj.sizing.requirement import Requirement, make_requirement
 from cycloid_mj.sizing.rv import DUTY_SHARE, OUTPUT_RPM, RvRequirement, size_rv
 
 INTEGERS = ("ratio", "discs")
@@ -131,13 +131,13 @@ def parse_form(form: Any) -> Requirement:
 
 def _require_central(values: Mapping[str, Any], motor: MotorName) -> Requirement:
     """Return the requirement of a drive with a central crank."""
-    return required(**values, motor=motor)
+    return make_requirement(**values, motor=motor)
 
 
 def _require_rv(values: Mapping[str, Any], _motor: MotorName) -> Requirement:
     """Return the requirement of an RV reducer; missing fields have the defaults of ``design new --layout rv``."""
     own = {"duty": DUTY_SHARE, **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}), **values}
-    return required(**own, kind=RvRequirement)
+    return make_requirement(**own, kind=RvRequirement)
 
 
 FORM_KINDS: Mapping[Layout, FormKind] = {
@@ -202,6 +202,8 @@ def load_search() -> None:
 
 def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
     """Convert the result of a search for drives to JSON values for the page.
+
+    `motor` is the motor of the requirement.
 
     Returns
     -------

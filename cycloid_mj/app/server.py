@@ -112,7 +112,10 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(report, media_type="text/html") if report else _file_missing()
 
     async def send_file(request: Request) -> Response:
-        """Send a file that a job has created as a download."""
+        """Send a file that a background job has created to the browser as a download.
+
+        `request` names the job and the file.
+        """
         name = request.path_params["name"]
         files = page.jobs.get(_job_number(request)).files
         if name not in files:

@@ -67,7 +67,10 @@ class _Assembly:
 
 
 def _assemble_central(reducer: Reducer, options: BuildOptions) -> _Assembly:
-    """Return the parts of a drive with a central crank, with covers if these fit."""
+    """Return the parts of a drive with a central crank, with covers if these fit.
+
+    `options` has the motor.
+    """
     sizes, reason = casing_or_none(reducer, options.motor)
     return _Assembly(
         assembly_parts(reducer, sizes),
@@ -155,7 +158,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 def _axes(reducer: Reducer) -> dict[str, Array]:
     """Return the positions x, y [m] of the axes of discs, and of the cranks of an RV reducer, by body, shape (2,).
 
-    They are those at the crank angle 0. The entry of the needles, which turn with their cranks, has shape (cranks, 2).
+    They are those at the crank angle 0. The value for the needles, which turn with their cranks, has shape (cranks, 2).
     """
     centres = reducer.design.gear.eccentricity * unit(-np.array(reducer.phases))
     axes = dict(zip(reducer.gears, centres, strict=True))

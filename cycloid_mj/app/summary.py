@@ -158,12 +158,13 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
-    """Rate a valid design at its load; return rated items, life, and rated torque for its required life as JSON values.
+    """Rate a valid design at its load; return load capacity of its parts, life, and rated torque as JSON values.
 
-    ``verdicts`` compares rated torque, diameter and length with `required`, the values in the start form of the app by
-    field name, and the life with the required life of the design. The torque counts as met if twice as much is allowed
-    as a peak. Diameter and length are those with covers for the motor. If the covers do not fit, the requirements on
-    diameter and length count as not met. An RV reducer has no covers: ``length_mm`` is the length of the drive.
+    The rated torque is that for the required life. ``verdicts`` compares rated torque, diameter and length with
+    `required`, the values in the start form of the app by field name, and the life with the required life of the
+    design. The torque counts as met if twice as much is allowed as a peak. Diameter and length are those with covers
+    for the motor. If the covers do not fit, the requirements on diameter and length count as not met. An RV reducer has
+    no covers: ``length_mm`` is the length of the drive.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
@@ -191,8 +192,9 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
 def _judge_covered_size(reducer: Reducer, required: Any, motor: MotorName) -> tuple[Verdicts, dict[str, Any]]:
     """Return the verdicts on diameter and length with covers, and the part of the result of `life` about sizes.
 
-    `required` are the values in the start form by field name. The dict has ``cased`` (the result of `covered_size`),
-    ``no_covers`` (why no covers fit, else empty) and ``length_mm``, which is None with covers.
+    `motor` is the motor of the requirement. `required` are the values in the start form by field name. The dict has
+    ``cased`` (the result of `covered_size`), ``no_covers`` (why no covers fit, else empty) and ``length_mm``, which is
+    None with covers.
     """
     size_with_covers, cover_problem = covered_size(reducer, motor)
     if size_with_covers:

@@ -78,7 +78,11 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
 
 
 def _rv_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
-    """Compute the result of `forces` for an RV reducer; the arguments are those of `_central_forces`."""
+    """Compute the result of `forces` for an RV reducer, at m crank angles against the ring [rad], shape (m,).
+
+    `angles_in_ring` are these angles, `turn` is the number of the crank turn, and `load` the torque on the output
+    [N m].
+    """
     discs = reducer.design.gear.discs
     content = rv_forces(cast(RvReducer, reducer), angles_in_ring, load)
     contacts = {
@@ -92,7 +96,7 @@ def _rv_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) 
 
 
 def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) -> dict[str, Any]:
-    """Compute the result of `forces` for a drive with a central crank, at crank angles against the ring [rad], (m,).
+    """Compute the result of `forces` for a drive with a central crank, at m crank angles against the ring [rad].
 
     `angles_in_ring` are these angles, `turn` is the number of the crank turn, and `load` the torque on the output [N
     m].

@@ -106,9 +106,9 @@ def _margin(value: float, limit: float, side: str) -> float:
 
 
 def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
-    """Convert an item of a rating to a row with a bar as JSON values, judged for a required life [h].
+    """Convert a rated part with a kind of failure to a table row with a bar as JSON values, for a required life [h].
 
-    ``share`` is the length of the bar, 0 to 1, on a logarithmic scale of ``margin``: 0.5 where the item is just
+    ``share`` is the length of the bar, 0 to 1, on a logarithmic scale of ``margin``: 0.5 where the part is just
     sufficient, 1 at a margin of 10 to the power of `BAR_DECADES` or more, and never less than `SMALLEST_BAR`.
     """
     margin = item.margin(life)

@@ -281,14 +281,18 @@ def protocol(
     """
     for loop in files.loops:
         require_torque(loop, rated_torque)
-    bench_lines = {**_loop_lines(files.loops, rated_torque), **_file_lines(files)} if files != BenchFiles() else {}
+    bench_quantities = (
+        {**_loop_quantities(files.loops, rated_torque), **_read_bench_quantities(files)}
+        if files != BenchFiles()
+        else {}
+    )
     loaded_reducer = reducer.working_at(rated_torque)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
     loops = tuple(engine.each(lambda crank: compute_model_loop(loaded_reducer, rated_torque, crank), cranks, progress))
-    model_lines = {**_loop_lines(loops, rated_torque), **_model_lines(loaded_reducer, rated_torque)}
+    model_quantities = {**_loop_quantities(loops, rated_torque), **_model_quantities(loaded_reducer, rated_torque)}
     notes = list(_model_notes(loaded_reducer, rated_torque, angles))
-    back_driving = model_lines.get("back_driving_torque_nm")
+    back_driving = model_quantities.get("back_driving_torque_nm")
     if back_driving and math.isnan(back_driving.value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
     incomplete = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
@@ -296,8 +300,8 @@ def protocol(
     return Protocol(
         reducer.design.name,
         rated_torque,
-        model_lines,
-        bench_lines,
+        model_quantities,
+        bench_quantities,
         loops,
         files.loops,
         tuple(notes),
@@ -370,7 +374,7 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
     return value
 
 
-def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
+def _loop_quantities(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
     """Compute the test quantities that follow from loops: lost motion, hysteresis loss and stiffness, by key.
 
     The keys end in the units of the values. Each value is the mean over the loops; its interval extends from the lowest
@@ -434,7 +438,7 @@ MODEL_ERRORS: Mapping[Layout, Callable[[Reducer, float], Array]] = {
 """Function of each layout: transmission error [rad] over a turn of the output, shape (n,), under a torque [N m]."""
 
 
-def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
+def _model_quantities(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
     """Compute the transmission error and the no-load torques of the model for a test protocol, by key.
 
     The keys end in the units of the values, which have no intervals. The transmission error is that under
@@ -479,7 +483,7 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
         )
 
 
-def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
+def _read_bench_quantities(files: BenchFiles) -> dict[str, LoopFigure]:
     """Read transmission error and no-load torques from the files of a test bench; return them by key.
 
     The keys, such as ``te_arcsec``, end in the units of the values. The values have no confidence intervals. Missing

@@ -27,7 +27,7 @@ COLUMNS = ("part", "quantity", "simulated", "closed_form", "error", "unit")
 LogName = Annotated[str, Parameter(metavar="RUN.mcap", help="Log of a run, written by `cycloid-mj simulate`.")]
 
 
-def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def analyze(log: LogName, /, *, q: PointFlag = None, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Compare a logged run with closed-form results.
 
     At constant speed, the command evaluates transmission error and speed of output and disc (Hsieh 2014, Eq. 12), path
@@ -38,18 +38,21 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    point_q, destination = parse_point(q), claim_destination(delivery, f"{Path(log).stem}-analysis")
+    point_q, destination = parse_point(q), claim_destination(output_flags, f"{Path(log).stem}-analysis")
     run = read(log)
     findings = judged(run, point_q, log=log)
     if not run.complete:
         # the log knows how many steps were planned, not how many were taken
         findings = replace(findings, steps=None)
     warn(findings.design, findings.warnings)
-    return deliver(outcome_of(findings), destination, delivery)
+    return deliver(outcome_of(findings), destination, output_flags)
 
 
 def outcome_of(findings: "Findings") -> Outcome:
-    """Convert the findings of a run to printable results: evaluated time, a table with groups of findings, notes."""
+    """Convert the results of a run's analysis to printable output: evaluated time, table in groups, notes.
+
+    `findings` are these results.
+    """
     from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import make_frame
 

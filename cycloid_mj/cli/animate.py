@@ -62,7 +62,7 @@ def animate(
     fps: RateFlag = ANIMATION.rate,
     width: WidthFlag = ANIMATION.width,
     disc: DiscFlag = 1,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Draw an animation of a logged run with forces and loads.
 
@@ -74,7 +74,7 @@ def animate(
     from cycloid_mj.plots.movie import write_movie
 
     scene = select_samples(read(log), magnify, frames, turns, disc - 1)
-    claim_outputs(Path(out), force=delivery.force)
-    page = claim_page(delivery, f"{Path(out).stem}-film")
+    claim_outputs(Path(out), force=output_flags.force)
+    page = claim_page(output_flags, f"{Path(out).stem}-film")
     write_movie(draw_frames(scene, width), out, fps)
-    return deliver_files(f"film: {log}", [out], page, delivery)
+    return deliver_files(f"film: {log}", [out], page, output_flags)

@@ -173,10 +173,10 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Return whether the function of a paper can become a command, so that its arguments are flags; warn if it cannot.
+    """Return whether the function of a paper package can become a command; warn if it cannot.
 
-    The command is built on trial. Any exception means that it cannot be used, because the packages of papers are
-    written by others.
+    The arguments of the function would be flags. The command is built on trial. Any exception means that it cannot be
+    used, because the packages of papers are written by others.
     """
     trial = App()
     try:

@@ -117,7 +117,7 @@ def calibrate(
     held: HeldFlag = "crank",
     crank_deg: CrankFlag = 0.0,
     losses: LossesFlag = False,
-    delivery: Annotated[CalibrationDelivery, FLAT] = CALIBRATED,
+    output_flags: Annotated[CalibrationDelivery, FLAT] = CALIBRATED,
 ) -> int:
     """Fit clearances, stiffness and friction to measured loops.
 
@@ -147,8 +147,8 @@ def calibrate(
     loops = _read_loops(loop)
     fit_parameters(reducer, keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(design)
-    destination = claim_destination(delivery, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)
-    quiet_delivery, progress = replace(delivery, quiet=True), count_progress("calibrate", delivery.quiet)
+    destination = claim_destination(output_flags, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)
+    quiet_delivery, progress = replace(output_flags, quiet=True), count_progress("calibrate", output_flags.quiet)
     try:
         calibration = fit_model(design, loops, keys, held, math.radians(crank_deg), progress)
     except CalibrationStopped as stop:
@@ -159,16 +159,16 @@ def calibrate(
         ) from stop
     if losses:
         write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
-        calibration = _fit_loss_models(calibration, destination, delivery)
+        calibration = _fit_loss_models(calibration, destination, output_flags)
     try:
-        unusable = _describe_defect(calibration, delivery.quiet)
+        unusable = _describe_defect(calibration, output_flags.quiet)
     except KeyboardInterrupt as stop:
         write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         raise RunError(
             f"stopped by {signal_name(stop)}; the calibration is in {destination.folder}, but the calibrated design "
             "was not tested. Test that design with `cycloid-mj design check`, `statics` and `reduce`"
         ) from stop
-    return deliver(_calibration_outcome(calibration, destination, unusable), destination, delivery)
+    return deliver(_calibration_outcome(calibration, destination, unusable), destination, output_flags)
 
 
 def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
@@ -192,12 +192,12 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
 
 
 def _fit_loss_models(
-    calibration: "Calibration", destination: Destination, delivery: CalibrationDelivery
+    calibration: "Calibration", destination: Destination, output_flags: CalibrationDelivery
 ) -> "Calibration":
-    """Fit models with different losses (constant friction, friction of contacts, lossy material) to measured loops.
+    """Fit models with different losses to measured loops: constant friction, friction of contacts, lossy material.
 
-    Return the calibration with all of them; it is written after each model to the paths of `destination`. `delivery`
-    has the output flags.
+    Return the calibration with all of them; it is written after each model to the paths of `destination`.
+    `output_flags` are those of the output (``--out``, ``--quiet``).
 
     Raises
     ------
@@ -207,11 +207,11 @@ def _fit_loss_models(
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.cli.progress import count_progress
 
-    quiet_delivery = replace(delivery, quiet=True)
+    quiet_delivery = replace(output_flags, quiet=True)
     try:
         return compare_losses(
             calibration,
-            count_progress("calibrate: losses", delivery.quiet),
+            count_progress("calibrate: losses", output_flags.quiet),
             lambda partial_calibration: write(
                 _calibration_outcome(partial_calibration, destination), destination, quiet_delivery
             ),
@@ -224,11 +224,12 @@ def _fit_loss_models(
 
 
 def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test whether a calibrated design can be used; return a sentence on the first failure, in a tuple, or ().
+    """Test whether a calibrated design can be used; return a sentence on the first failure, or nothing.
 
-    The tests are checks of the design, statics at the torque of the loops, and its reduction to a joint (`reduce`). The
-    sentence also lists the fitted parameters that cause the failure. A parameter is a cause if the design passes all
-    tests when this parameter alone has its value in the original design. With `quiet` no progress is printed.
+    The result is a tuple of one sentence, or an empty tuple. The tests are checks of the design, statics at the torque
+    of the loops, and its reduction to a joint (`reduce`). The sentence also lists the fitted parameters that cause the
+    failure. A parameter is a cause if the design passes all tests when this parameter alone has its value in the
+    original design. With `quiet` no progress is printed.
     """
     from cycloid_mj.cli.progress import show_activity
 
@@ -341,7 +342,7 @@ def _calibration_outcome(
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
-    """Return the main figures of a calibration as texts by name, at most `MOST_FIGURES`.
+    """Return the main quantities of a calibration as texts by name, at most `MOST_FIGURES`.
 
     They are play, stiffness and friction, for the measured loops and for the fitted model, the residual, and the fitted
     parameters.
@@ -378,7 +379,7 @@ def compare_bench(
     *,
     te: TeFlag,
     load_nm: LoadFlag = None,
-    delivery: Annotated[BenchDelivery, FLAT] = COMPARED,
+    output_flags: Annotated[BenchDelivery, FLAT] = COMPARED,
 ) -> int:
     """Compare a measured transmission error with the model.
 
@@ -395,7 +396,7 @@ def compare_bench(
     measured = read_te(te)
     design = design_options.resolve_checked()
     stem = f"{design.name}-{measured.name}"
-    destination = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
+    destination = claim_destination(output_flags, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",
@@ -406,4 +407,4 @@ def compare_bench(
         formats=("png",),
         result=comparison.as_json(),
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)

@@ -61,7 +61,7 @@ def build(
     chord_error_um: ChordFlag = 0.1,
     seed: SeedFlag = 0,
     plain_coacd: PlainFlag = False,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write a model folder for any MuJoCo installation: DIR/scene.xml.
 
@@ -81,13 +81,13 @@ def build(
 
     reducer = reducer_of(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
     _require_writable(out)
-    claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
-    page = claim_page(delivery, f"{reducer.design.name}-model")
+    claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=output_flags.force)
+    page = claim_page(output_flags, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     note(f"decomposing the parts of {reducer.design.name} into convex pieces")
     files = model_files(reducer, settings)
-    directory = claim_folder(out, "the model", files, delivery.force)
+    directory = claim_folder(out, "the model", files, output_flags.force)
     write_folder(files, directory)
     figures = _surface_figures(files[MANIFEST])
     if plain_coacd:
@@ -99,7 +99,7 @@ def build(
         tables=[Table("convex pieces against the true surfaces [um]", HEADER, rows)],
         result={"scene": str(directory / SCENE), "files": sorted(files), "quality": figures},
     )
-    return deliver(outcome, Destination("model", None, page), delivery)
+    return deliver(outcome, Destination("model", None, page), output_flags)
 
 
 def _require_writable(out: str) -> None:

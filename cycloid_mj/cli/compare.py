@@ -108,7 +108,7 @@ class CompareOptions:
 
     @property
     def first(self) -> flags.Values:
-        """Pairs of a quantity and the value of its flag: time step, speed, ramp and hold of the first design.
+        """Return time step, speed, ramp and hold of the first design as pairs of a quantity and the value of its flag.
 
         All designs run with these values. A value is None if its flag is not set.
         """
@@ -150,7 +150,7 @@ def compare(
     *names: DesignsOrLogs,
     design: flags.SeveralFlag = (),
     options: Annotated[CompareOptions, flags.FLAT] = DEFAULT,
-    delivery: Annotated[CompareDelivery, flags.FLAT] = DELIVERED,
+    output_flags: Annotated[CompareDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Compare designs in simulations without load and under load.
 
@@ -181,9 +181,9 @@ def compare(
     if logs:
         default_folder = f"{logs[0].removesuffix('.mcap')}-compare"
         destination = _claim(
-            claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery
+            claim_folder(output_flags.out or default_folder, "the figures", FILES, output_flags.force), output_flags
         )
-        return deliver(_compare_logs(logs, q, destination), destination, delivery)
+        return deliver(_compare_logs(logs, q, destination), destination, output_flags)
     first_design = flags.load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
     compared_designs = [flags.load_design(name, options.set_, (), options.at_c) for name in designs]
     flags.require_distinct_names(compared_designs)
@@ -192,8 +192,8 @@ def compare(
     )
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
-    destination = _claim(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
-    return deliver(_compare_runs(plan, q, destination, delivery), destination, delivery)
+    destination = _claim(logs_folder(RUNS, output_flags.out, names_of_files, output_flags.force), output_flags)
+    return deliver(_compare_runs(plan, q, destination, output_flags), destination, output_flags)
 
 
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: CompareOptions) -> None:
@@ -224,8 +224,8 @@ def warn_of_overloads(cases: Iterable[Design]) -> None:
             warn(case.name, [f"{overload_words(load, capacity)}. Use --load-nm {0.99 * capacity:.3g} or less"])
 
 
-def _claim(directory: Path, delivery: flags.Delivery) -> Destination:
-    return Destination(STEM, directory, claim_page(delivery, STEM, directory))
+def _claim(directory: Path, output_flags: flags.Delivery) -> Destination:
+    return Destination(STEM, directory, claim_page(output_flags, STEM, directory))
 
 
 def _first_design(names: Sequence[str]) -> str:
@@ -233,7 +233,7 @@ def _first_design(names: Sequence[str]) -> str:
 
 
 def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destination: Destination) -> Outcome:
-    """Compare logged runs, and return their comparison as printable results.
+    """Compare logged runs, and return their comparison as printable results (`Outcome`).
 
     `names` are the files of the logs, `q` is the point of the disc whose motion is compared [m]; None: the default
     point. `destination` has the paths of the output files.
@@ -250,7 +250,7 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of a comparison: independent starts, a sweep of contact parameters, varied assumptions.
+    """Plan the runs of a comparison: independent starts, varied contact parameters, varied assumptions.
 
     `cases` are the designs under their loads, from `list_cases`. `options` selects the runs: the sweep runs with
     ``--sweep``; ``--quick`` omits the variations and most starts.
@@ -276,19 +276,19 @@ def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
 
 
 def _compare_runs(
-    plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, delivery: flags.Delivery
+    plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, output_flags: flags.Delivery
 ) -> Outcome:
     """Simulate all runs of a plan into logs, and return their comparison as printable results.
 
     `q` is the point of the disc whose motion is compared [m], or None for the default point. `destination` has the
-    paths of the output files, `delivery` the output flags.
+    paths of the output files, `output_flags` the output flags.
     """
     from cycloid_mj.cli.batch import run_all
 
     cases = list(plan.starts)
     paths = map(Path, destination.paths(f"{name}.mcap" for name in plan.names.values()))
     logs = dict(zip(plan.names, paths, strict=True))
-    run_all(logs, delivery.force, delivery.quiet, plan.solver, viewable=plan.starts)
+    run_all(logs, output_flags.force, output_flags.quiet, plan.solver, viewable=plan.starts)
     motions, measures_by_design = {}, {}
     for design, log in logs.items():
         motion, trial = _measure_trial(log, q)
@@ -298,7 +298,7 @@ def _compare_runs(
     comparison = plan.compare(measures_by_design, motions)
     verdicts = judge_runs(
         comparison.trials,
-        {variation: plan.trials(measures_by_design, cases, variation) for variation in plan.variations},
+        {variation: plan.collect_trials(measures_by_design, cases, variation) for variation in plan.variations},
     )
     pictures = _figure_encoders(comparison, [motions[design] for design in cases]) | _paper_figure_encoders(verdicts)
     return outcome_of(comparison, verdicts, pictures, destination)
@@ -312,8 +312,8 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
     Returns
     -------
     tuple
-        The motion of the run, with its settling excluded from evaluation; and the design of the run with the figures
-        that are compared: findings, fluctuation, vibration and forces (`Measures`).
+        The motion of the run, with its settling excluded from evaluation; and the design of the run with the compared
+        quantities: results of the analysis, fluctuation, vibration and forces (`Measures`).
 
     Raises
     ------
@@ -334,9 +334,9 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
 
 def _figure_encoders(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
-    """Return functions that encode the figures of a comparison in a file format, by name of the figure.
+    """Return functions that encode the diagrams of a comparison in a file format, by name of the diagram.
 
-    `motions` are the motions of its runs without their settling. The figure of the curvature shows the designs of the
+    `motions` are the motions of its runs without their settling. The diagram of the curvature shows the designs of the
     runs under the first load.
     """
     from cycloid_mj.plots.comparison import comparison_figures

@@ -20,7 +20,7 @@ class CompletingApp(App):
 
 
 def complete_files(script: str) -> str:
-    """Return a completion script that suggests file names where a command has no other candidates.
+    """Return a shell completion script that suggests file names where a command has no other candidates.
 
     fish and PowerShell do so by themselves; bash and zsh need an explicit instruction.
     """

@@ -23,7 +23,7 @@ class Listed(NamedTuple):
     examples: str = "EXAMPLES"
 
     def add_to(self, app: App, name: str, group: Group, position: int) -> None:
-        """Import the function of this command, and add it with flags and help to an app.
+        """Import the function of this command, and add it with its flags and help to the app `app`.
 
         The attribute `function` has the form "module:function". If the function is named "commands", it builds a group
         of commands. `name` is the name of the command, `position` its place in its `group` of the help.

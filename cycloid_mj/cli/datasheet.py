@@ -41,7 +41,7 @@ def datasheet(
     design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     life_h: LifeFlag = None,
-    delivery: Annotated[Sheets, FLAT] = SHEETS,
+    output_flags: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
     """Write a manufacturer-style data sheet as PDF and HTML.
 
@@ -58,13 +58,13 @@ def datasheet(
         )
     design = design_options.resolve_checked()
     stem = f"{design.name}-datasheet"
-    destination = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, with_page=True)
-    progress = count_progress("data sheet", delivery.quiet)
+    destination = claim_destination(output_flags, stem, [f"{stem}.pdf"], RUNS, with_page=True)
+    progress = count_progress("data sheet", output_flags.quiet)
     sheet = computed(reducer_of(design), life_h or 0.0, progress)
     inheritance = design_options.inheritance()
     if inheritance and inheritance.note:
         sheet = replace(sheet, notes=(*sheet.notes, inheritance.note))
-    return deliver(_outcome(sheet, destination), destination, delivery)
+    return deliver(_outcome(sheet, destination), destination, output_flags)
 
 
 HEADLINE = (
@@ -88,7 +88,7 @@ def _headline_keys(quantities: "Mapping[str, Quantity]") -> "Iterator[str]":
 
 
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
-    """Convert a data sheet to printable results: headline, tables, PDF and page.
+    """Convert a data sheet to printable results: headline, tables, PDF and HTML page.
 
     `destination` has the paths of the output files.
     """

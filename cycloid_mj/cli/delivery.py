@@ -166,7 +166,7 @@ def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, fl
 
 
 def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
-    """Write columns, shape (n,) each, as CSV to `file` or stdout, and return the exit code.
+    """Write columns of n numbers as CSV to `file` or stdout, and return the exit code.
 
     `title` and `page` are the title and the HTML page of the outcome. If `file` is a path, and ``--all`` is among the
     `flags`, a table of the range of each column is printed. With ``--json``, a JSON object with the names of the
@@ -194,9 +194,9 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
-    """Write the files of a command's results, all or none; print the names of those that the text does not mention.
+    """Write the files of a command's results, all or none; print the names of files that the text does not mention.
 
-    `destination` has their paths. With ``--quiet`` among the `flags` nothing is printed.
+    `outcome` are the results.
     """
     files = dict(_encode_files(outcome, destination))
     if files:
@@ -215,10 +215,10 @@ def _list_files(files: Collection[Path]) -> str:
 
 
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield the path and the content of every file of a command's results: files, pictures, JSON, CSV and page.
+    """Yield path and content of every file of a command's results: files, pictures, JSON, CSV and page.
 
-    There is a file of each picture for each format. If the destination has no folder, only the page is yielded, if
-    there is one.
+    `outcome` are the results. There is a file of each picture for each format. If the destination has no folder, only
+    the page is yielded, if there is one.
     """
     if destination.folder:
         for name, content in outcome.files.items():
@@ -242,8 +242,9 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
 def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     """Print a command's results as text: headline, failures, warnings, summary; tables and notes if there is room.
 
-    Tables and notes are printed if they fit into 25 lines. With `show_hidden` (``--all``), all warnings, tables, notes
-    and passed checks are printed. Otherwise the last line states how many of them are hidden.
+    `outcome` are the results. Tables and notes are printed if they fit into 25 lines. With `show_hidden` (``--all``),
+    all warnings, tables, notes and passed checks are printed. Otherwise the last line states how many of them are
+    hidden.
     """
     passes = outcome.passes if show_hidden else ()
     show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines

@@ -49,7 +49,7 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def show(design_options: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def show(design_options: Annotated[DesignOptions, FLAT], *, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print the complete, commented design file of a preset or a file, including changes by --set.
 
     Values that the paper (Hsieh 2014) does not state are marked as assumed. Keys that a file omits have the values of
@@ -57,14 +57,14 @@ def show(design_options: Annotated[DesignOptions, FLAT], *, delivery: Annotated[
     """
     design = design_options.resolve()
     text, file = dump(design, preset_reasons(design_options.design, design)), f"{design.name}.toml"
-    destination = claim_destination(delivery, f"{design.name}-design", [file])
+    destination = claim_destination(output_flags, f"{design.name}-design", [file])
     outcome = Outcome(
         title=f"design: {design.name}",
         text=text.splitlines(),
         files={file: text.encode()},
         result=tomllib.loads(text),
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 StrictFlag = Annotated[bool, Parameter(name="--strict", negative="", help="Exit with code 1 if there are warnings.")]
@@ -74,7 +74,7 @@ def check(
     design_options: Annotated[DesignOptions, FLAT],
     *,
     strict: StrictFlag = False,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Check a design, and summarize it.
 
@@ -91,15 +91,15 @@ def check(
     from cycloid_mj.life.checks import check_reducer
 
     design = design_options.resolve()
-    destination = claim_destination(delivery, f"{design.name}-check")
+    destination = claim_destination(output_flags, f"{design.name}-check")
     reducer, inheritance = reducer_of(design), design_options.inheritance()
     checks = check_reducer(reducer)
     if isinstance(reducer, RvReducer):
         outcome = replace(_outcome(design, checks, None, None, inheritance), summary=_rv_lines(reducer, checks))
-        return deliver(_strictly(outcome, strict), destination, delivery)
+        return deliver(_strictly(outcome, strict), destination, output_flags)
     summary = None if checks.failures else _compute_summary(reducer)
     rating = _compute_rating(reducer) if summary else None
-    return deliver(_strictly(_outcome(design, checks, summary, rating, inheritance), strict), destination, delivery)
+    return deliver(_strictly(_outcome(design, checks, summary, rating, inheritance), strict), destination, output_flags)
 
 
 def _strictly(outcome: Outcome, strict: bool) -> Outcome:
@@ -108,7 +108,7 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
 
 
 def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
-    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, and counts of the checks.
+    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, numbers of checks.
 
     The mass is left out if the design cannot be built.
     """
@@ -148,7 +148,8 @@ def _outcome(
 ) -> Outcome:
     """Convert checks, summary and rating of a design to printable results; the exit code is 1 if it cannot be built.
 
-    Summary, rating and inheritance are None if not available.
+    `inheritance` are the values that the file takes from its preset. Summary, rating and inheritance are None if not
+    available.
     """
     summary_values = _summary_json(summary, rating) if summary else None
     return Outcome(
@@ -214,7 +215,7 @@ def _compute_rating(reducer: Reducer) -> "Rating | None":
 def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]:
     """Convert the summary of a design to JSON values; keys end in their units.
 
-    `rating` adds the weakest item under the key ``weakest_item``, which is None if the design could not be rated.
+    `rating` adds the weakest part under the key ``weakest_item``, which is None if the design could not be rated.
     """
     return {
         "ratio": summary.ratio,
@@ -234,7 +235,7 @@ def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]
 
 
 def _summary_lines(design: Design, summary: "Summary", rating: "Rating | None") -> list[str]:
-    """Return the summary of a design as lines of text, with its weakest item if it was rated."""
+    """Return the summary of a design as lines of text, with its weakest part if `rating` has been computed."""
     from cycloid_mj.geometry.measured import part_notes
 
     angle, play = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)

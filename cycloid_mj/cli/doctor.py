@@ -47,7 +47,7 @@ class Finding(NamedTuple):
         return f"{'ok' if self.well else 'FAIL' if self.needed else 'none':4}  {self.name}: {self.found}"
 
 
-def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def doctor(*, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Check the installation and report missing components.
 
     The self-test simulates one millisecond of a reducer and compares it with the closed form; on first use it
@@ -55,7 +55,7 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """
     from cycloid_mj.base.frame import make_frame
 
-    destination = claim_destination(delivery, "doctor")
+    destination = claim_destination(output_flags, "doctor")
     trials = (
         _run_test("self-test of MuJoCo", True, _test_contact),
         _run_test("contact and simulation", True, _simulate_self_test),
@@ -70,11 +70,11 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
         result={"version": __version__, "findings": rows},
         code=0 if all(finding.well for finding in findings if finding.needed) else 1,
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 def _check_packages() -> Iterator[Finding]:
-    """Yield a finding for each required package: whether it is installed, and its version."""
+    """Yield the result of the check of each required package: whether it is installed, and its version."""
     if find_spec("mujoco"):  # of the package mujoco or, from release 4 on, of mujoco-core alone
         import mujoco
 
@@ -148,7 +148,7 @@ def _simulate_self_test() -> str:
 
 
 def _test_rendering() -> Iterator[Finding]:
-    """Yield a finding whether OpenGL renders off-screen; rendering is optional.
+    """Yield the result of the check whether OpenGL renders off-screen; rendering is optional.
 
     It is tried in a process of its own, because a driver that fails may end the process.
     """

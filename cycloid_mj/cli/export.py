@@ -165,7 +165,7 @@ class MotorInterface:
         integer_flag("Number of motor screws. Default: that of --motor.", RANGES.motor_screws),
     ] = None
 
-    def chosen(self) -> "Motor":
+    def choose_motor(self) -> "Motor":
         """Return the motor of the flags: its name, or its dimensions if a flag such as ``--motor-shaft-mm`` sets one.
 
         Raises
@@ -282,7 +282,7 @@ def export(
     format_: FormatFlag = "stl",
     out: OutFlag = None,
     flags: Annotated[ExportFlags, FLAT] = EXPORT,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the parts of a design for CAD or 3-D printing.
 
@@ -306,7 +306,7 @@ def export(
     mass_kg) and consumables.
     """
     flags.require_consistent(format_)
-    design, motor = design_options.resolve_checked().at_reference, flags.interface.chosen()
+    design, motor = design_options.resolve_checked().at_reference, flags.interface.choose_motor()
     reducer = reducer_of(design)
     flags.require_supported(reducer)
     if flags.has_casing:
@@ -322,10 +322,10 @@ def export(
         files |= _assembly_files(reducer, sizes)
     if flags.drawings:
         files |= _drawing_files(reducer, sizes)
-    directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, delivery.force)
+    directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, output_flags.force)
     stem = f"{design.name}-parts"
-    destination = Destination(stem, directory, claim_page(delivery, stem, directory))
-    return deliver(_outcome(design.name, outlines, plates, files, flags.offset, destination), destination, delivery)
+    destination = Destination(stem, directory, claim_page(output_flags, stem, directory))
+    return deliver(_outcome(design.name, outlines, plates, files, flags.offset, destination), destination, output_flags)
 
 
 def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flags: ExportFlags) -> "Export":
@@ -379,7 +379,7 @@ def _outcome(
     offset: float,
     destination: Destination,
 ) -> Outcome:
-    """Convert exported parts to printable results: files, clearances, plates and bill of materials.
+    """Convert exported parts to printable results: files, clearances, print plates and bill of materials.
 
     Parameters
     ----------
@@ -470,8 +470,8 @@ class _Plates:
 def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
     """Return the files of print plates and of the bill of materials, with the tables and notes about them.
 
-    Warnings report items that cannot be bought or printed. `sizes` are those of the casing, None for the mechanism
-    alone.
+    `settings` are those of printing. Warnings report parts that cannot be bought or printed. `sizes` are those of the
+    casing, None for the mechanism alone.
     """
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files

@@ -27,7 +27,7 @@ EXAMPLES = """Examples:
 HEADER = ("key", "unit", "needs", "definition")
 
 
-def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def figures(*, need: NeedFlag = None, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """List all quantities that commands print, limit and vary, by key.
 
     A key ends in its unit and denotes the same quantity in `statics`, `sweep --measure`, `optimize`, `tolerance` and
@@ -38,7 +38,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import FIGURES
 
-    destination = claim_destination(delivery, "figures")
+    destination = claim_destination(output_flags, "figures")
     rows = [row for row in FIGURES.values() if need is None or row.need == need]
     cells = tuple(map(_cells, rows))
     outcome = Outcome(
@@ -48,7 +48,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
         result={"figures": {row.key: row.as_json() for row in rows}},
     )
     # the list is the requested result, however long
-    return deliver(outcome, destination, replace(delivery, all=True))
+    return deliver(outcome, destination, replace(output_flags, all=True))
 
 
 def _cells(row: "Figure") -> tuple[str, ...]:

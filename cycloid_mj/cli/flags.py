@@ -136,7 +136,7 @@ def _nearest(text: str) -> str:
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:
-    """Return a cyclopts validator that raises ValueError for a flag's value outside `low` to `high`.
+    """Return a validator for Cyclopts that raises ValueError for a flag's value outside of `low` to `high`.
 
     Both ends, and None, are accepted.
     """

@@ -47,7 +47,7 @@ def kinematics(
     until_s: UntilFlag = None,
     step_s: StepFlag = None,
     speed_rpm: Annotated[float | None, flags.SPEED.flag("Crank speed after the ramp")] = None,
-    delivery: Annotated[flags.CommonFlags, flags.FLAT] = flags.COMMON,
+    output_flags: Annotated[flags.CommonFlags, flags.FLAT] = flags.COMMON,
 ) -> int:
     """Write the ideal motion of a point q of the disc as CSV.
 
@@ -59,15 +59,15 @@ def kinematics(
     """
     design = design_options.resolve([(flags.RAMP, ramp_s), (flags.SPEED, speed_rpm)])
     columns = _compute_motion(design, flags.parse_point(q), until_s, step_s)
-    claim_csv(csv, delivery.force)
-    page = claim_page(delivery, f"{design.name}-kinematics")
-    return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
+    claim_csv(csv, output_flags.force)
+    page = claim_page(output_flags, f"{design.name}-kinematics")
+    return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, output_flags)
 
 
 def _compute_motion(
     design: Design, q: tuple[float, float] | None, until: float | None, interval: float | None
 ) -> Columns:
-    """Compute the motion of a disc's point as columns of shape (n,) in the units of their names.
+    """Compute the motion of a point of the disc as columns of n samples in the units of their names.
 
     They are time [s], crank angle [rad], position [mm], velocity [mm/s] and acceleration [mm/s2].
 

@@ -65,7 +65,7 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def info(log: LogName, /, *, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print the contents of a log: run, topics, attachments and provenance.
 
     For a truncated log, it reports how far the log can be read.
@@ -73,7 +73,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
     from cycloid_mj.log import load
 
     contents = load(log)
-    destination = claim_destination(delivery, f"{Path(log).stem}-info")
+    destination = claim_destination(output_flags, f"{Path(log).stem}-info")
     run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
     span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
@@ -94,16 +94,16 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
         result={"log": log, **_describe_contents(contents)},
     )
     # the tables are the requested result, however long
-    return deliver(outcome, destination, replace(delivery, all=True))
+    return deliver(outcome, destination, replace(output_flags, all=True))
 
 
-def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def columns(log: LogName, /, *, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """List the columns of a log with topic, name and unit."""
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.log import load
 
     groups = load(log).run.groups
-    destination = claim_destination(delivery, f"{Path(log).stem}-columns")
+    destination = claim_destination(output_flags, f"{Path(log).stem}-columns")
     rows = [
         {"topic": topic, "column": name, "unit": unit}
         for topic, units in groups.items()
@@ -115,7 +115,7 @@ def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) 
         frame=make_frame(rows, ("topic", "column", "unit"), {}),
         result={"columns": rows},
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 def csv(
@@ -124,14 +124,14 @@ def csv(
     out: Annotated[str, Parameter(name="--out", metavar="FILE", help="CSV file. Default: stdout.")] = STDOUT,
     *,
     columns: ColumnsFlag = None,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write time [s] and columns of a log as CSV, with all digits."""
     run = _read(log)
     columns_by_name = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
-    claim_csv(out, delivery.force, "--out")
-    page = claim_page(delivery, f"{Path(log).stem}-columns")
-    return deliver_columns(f"columns: {log}", columns_by_name, out, page, delivery)
+    claim_csv(out, output_flags.force, "--out")
+    page = claim_page(output_flags, f"{Path(log).stem}-columns")
+    return deliver_columns(f"columns: {log}", columns_by_name, out, page, output_flags)
 
 
 def parquet(
@@ -142,7 +142,7 @@ def parquet(
     ] = None,
     *,
     columns: ColumnsFlag = None,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write time [s] and columns of a log as Parquet, with units and provenance as metadata.
 
@@ -150,9 +150,9 @@ def parquet(
     """
     from cycloid_mj.log.parquet import write_parquet
 
-    run, (path, page) = _read(log), _claim_output(log, out, ".parquet", delivery)
+    run, (path, page) = _read(log), _claim_output(log, out, ".parquet", output_flags)
     write_parquet(run, path, _names(columns))
-    return deliver_files(f"columns: {log}", [path], page, delivery)
+    return deliver_files(f"columns: {log}", [path], page, output_flags)
 
 
 def repair(
@@ -163,7 +163,7 @@ def repair(
     ] = None,
     *,
     scene_hz: SceneFlag = None,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Repair a truncated log by writing a complete copy of it, up to its last complete chunk.
 
@@ -175,14 +175,14 @@ def repair(
     contents = load(log)
     if contents.complete and scene_hz is None:
         note(f"{log} is complete: nothing to repair")
-        return deliver_files(f"nothing to repair: {log}", [], claim_page(delivery, "repaired"), delivery)
+        return deliver_files(f"nothing to repair: {log}", [], claim_page(output_flags, "repaired"), output_flags)
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
-    claim_outputs(path, force=delivery.force)
-    page = claim_page(delivery, path.stem)
-    write(contents.run, path, _build_scene(contents, scene_hz), force=delivery.force)
+    claim_outputs(path, force=output_flags.force)
+    page = claim_page(output_flags, path.stem)
+    write(contents.run, path, _build_scene(contents, scene_hz), force=output_flags.force)
     note(contents.run.note or f"wrote all {len(contents.run)} samples")
-    return deliver_files(f"repaired: {log}", [path], page, delivery)
+    return deliver_files(f"repaired: {log}", [path], page, output_flags)
 
 
 def rerun(
@@ -192,7 +192,7 @@ def rerun(
         str | None, Parameter(name="--out", metavar="FILE", help="Recording for Rerun to write. Default: RUN.rrd.")
     ] = None,
     *,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write a recording for Rerun (.rrd) with moving parts, forces and all columns.
 
@@ -202,12 +202,12 @@ def rerun(
     from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    run, (path, page) = read(log), _claim_output(log, out, ".rrd", delivery)
+    run, (path, page) = read(log), _claim_output(log, out, ".rrd", output_flags)
     write_rerun(run, reducer_of(design_of(run)), path)
-    return deliver_files(f"recording: {log}", [path], page, delivery)
+    return deliver_files(f"recording: {log}", [path], page, output_flags)
 
 
-def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def layout(log: LogName, /, *, output_flags: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print a layout for Foxglove and Lichtblick with the mechanism and three plots.
 
     Import it once: the default 3-D view of these programs starts 20 m away and hides everything nearer than 0.5 m.
@@ -216,22 +216,22 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     from cycloid_mj.scene.layout import viewer_layout
 
     arrangement = viewer_layout(reducer_of(design_of(_read(log))))
-    destination = claim_destination(delivery, f"{Path(log).stem}-layout")
+    destination = claim_destination(output_flags, f"{Path(log).stem}-layout")
     text = json.dumps(arrangement, indent=2).splitlines()
-    return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, delivery)
+    return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, output_flags)
 
 
-def _claim_output(log: str, out: str | None, ending: str, delivery: CommonFlags) -> tuple[Path, Path | None]:
+def _claim_output(log: str, out: str | None, ending: str, output_flags: CommonFlags) -> tuple[Path, Path | None]:
     """Return the paths of the converted log and of its HTML page, after checking that both can be written.
 
-    The converted file is `out`, or by default the path of the `log` with the suffix `ending`. `delivery` has the output
-    flags. The path of the page is None if the flags do not request a page. Existing files may be replaced only with
-    ``--force``.
+    The converted file is `out`, or by default the path of the `log` with the suffix `ending`. `output_flags` has the
+    output flags. The path of the page is None if the flags do not request a page. Existing files may be replaced only
+    with ``--force``.
     """
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
-    claim_outputs(path, force=delivery.force)
-    return path, claim_page(delivery, f"{path.stem}-{ending[1:]}")
+    claim_outputs(path, force=output_flags.force)
+    return path, claim_page(output_flags, f"{path.stem}-{ending[1:]}")
 
 
 def _read(log: str) -> "Run":

@@ -372,7 +372,9 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
     return typed_command
 
 
-def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
+def _measure_designs(
+    name: str, designs: Sequence[Design], options: MeasureOptions, output_flags: MeasureDelivery
+) -> int:
     """Measure designs one after another, write and print the results, and return the exit code.
 
     `name` is the name of the measure, `options` are its settings. Files are written after the last measurement. With
@@ -389,17 +391,17 @@ def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptio
 
     flags.require_distinct_names(designs)
     stems = [f"{name}-{design.name}" for design in designs]
-    endings = [f".{form}" for form in Outcome.formats] if _is_drawn(delivery) else []
-    destinations = [claim_destination(delivery, stem, [stem + ending for ending in endings], OUT) for stem in stems]
+    endings = [f".{form}" for form in Outcome.formats] if _is_drawn(output_flags) else []
+    destinations = [claim_destination(output_flags, stem, [stem + ending for ending in endings], OUT) for stem in stems]
     measurements = []
     for design in designs:
         name_in_progress = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
-        progress = count_progress(name_in_progress, delivery.quiet)
+        progress = count_progress(name_in_progress, output_flags.quiet)
         published_values = {"published": published_torques(reducer_of(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published_values, progress=progress))
     for measurement, destination in zip(measurements, destinations, strict=True):
-        _deliver_measurement(measurement, destination, delivery)
-    if delivery.json:
+        _deliver_measurement(measurement, destination, output_flags)
+    if output_flags.json:
         say_json(
             measurements[0].as_json()
             if len(measurements) == 1
@@ -408,26 +410,26 @@ def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptio
     return 0
 
 
-def _is_drawn(delivery: MeasureDelivery) -> bool:
+def _is_drawn(output_flags: MeasureDelivery) -> bool:
     """Return whether the figure is requested, as a file or in the page."""
-    return delivery.figure or delivery.html is not None
+    return output_flags.figure or output_flags.html is not None
 
 
-def _deliver_measurement(measurement: "Measurement", destination: Destination, delivery: MeasureDelivery) -> None:
+def _deliver_measurement(measurement: "Measurement", destination: Destination, output_flags: MeasureDelivery) -> None:
     """Write the files of a measurement and the logs of its runs, and print it unless JSON is requested.
 
-    `destination` has the paths, `delivery` the output flags.
+    `destination` has the paths, `output_flags` the output flags.
     """
     from cycloid_mj.log import write as write_log
 
-    outcome = _outcome(measurement, _figure_encoders(measurement, destination.stem) if _is_drawn(delivery) else {})
+    outcome = _outcome(measurement, _figure_encoders(measurement, destination.stem) if _is_drawn(output_flags) else {})
     with defer_signals():
-        write(outcome, destination, delivery)
-        if destination.folder and not delivery.no_log:
+        write(outcome, destination, output_flags)
+        if destination.folder and not output_flags.no_log:
             for run_name, run in measurement.runs.items():
-                write_log(run, destination.folder / f"{destination.stem}-{run_name}.mcap", force=delivery.force)
-    if not delivery.json:
-        show_outcome(outcome, delivery.all)
+                write_log(run, destination.folder / f"{destination.stem}-{run_name}.mcap", force=output_flags.force)
+    if not output_flags.json:
+        show_outcome(outcome, output_flags.all)
 
 
 def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture]:
@@ -438,7 +440,7 @@ def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
-    """Convert a measurement to printable results with measured quantities, tables, notes and diagrams.
+    """Convert a measurement to printable results: measured quantities, tables, notes and diagrams.
 
     `pictures` has for each diagram, by its name, the function that encodes it in a file format.
     """

@@ -209,7 +209,7 @@ class SizeFlags:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of those flags among --ratio, --diameter-mm and --torque-nm that are not set.
+        """Return the names of those flags among --ratio, --diameter-mm and --torque-nm that are not set.
 
         A size needs all three; a command that sets none of them copies a design.
         """
@@ -230,7 +230,7 @@ class SizeFlags:
         UsageError
             A required flag is missing, or flags contradict each other.
         """
-        from cycloid_mj.sizing.requirement import Requirement, required
+        from cycloid_mj.sizing.requirement import Requirement, make_requirement
         from cycloid_mj.sizing.solve import best_ratio
 
         if self.missing or self.diameter_mm is None or self.torque_nm is None:
@@ -253,7 +253,7 @@ class SizeFlags:
             if self.speed_rpm is None and self.output_rpm is None:
                 output_rpm = OUTPUT_RPM
         low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)
-        requirement = required(
+        requirement = make_requirement(
             ratio=low,
             diameter_mm=self.diameter_mm,
             torque_nm=self.torque_nm,
@@ -322,7 +322,7 @@ def new(
     short: ShortFlag = False,
     size: Annotated[SizeFlags, FLAT] = SIZE,
     set_: SetFlag = (),
-    delivery: Annotated[NewDelivery, FLAT] = DELIVERED,
+    output_flags: Annotated[NewDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Create NAME.toml, a complete, commented design file to edit.
 
@@ -344,7 +344,7 @@ def new(
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:
-        return _copy_design(stem, source or "pin", size.discs, set_, short, delivery)
+        return _copy_design(stem, source or "pin", size.discs, set_, short, output_flags)
     if short:
         raise UsageError("--short copies a preset, whereas --ratio sizes a new drive: remove one of the two flags")
     if source and not size.missing:
@@ -352,15 +352,15 @@ def new(
             f"--from {source} copies a design, whereas --ratio sizes a new drive: remove one of the two flags"
         )
     requirement = size.requirement(set_)
-    destination = _claim_files(stem, delivery)
-    with show_activity("searching for a drive", delivery.quiet):
-        answer = _search(requirement, lambda drives: None if delivery.quiet else tell(_best_so_far(drives)))
+    destination = _claim_files(stem, output_flags)
+    with show_activity("searching for a drive", output_flags.quiet):
+        answer = _search(requirement, lambda drives: None if output_flags.quiet else tell(_best_so_far(drives)))
     if answer.drives:
-        return _deliver_drives(stem, answer, destination, delivery)
-    if delivery.json:
+        return _deliver_drives(stem, answer, destination, output_flags)
+    if output_flags.json:
         refusal = _refusal_json(answer, requirement, bool(size.ratio_range))
         outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
-        return deliver(outcome, destination, delivery)
+        return deliver(outcome, destination, output_flags)
     best = f"of the ratios {size.ratio_range}, {requirement.ratio} allows the highest torque: "
     raise DesignError((best if size.ratio_range else "") + answer.refusal)
 
@@ -395,11 +395,12 @@ def _file_stem(name: str) -> str:
 
 
 def _copy_design(
-    stem: str, source: str, discs: str, changes: tuple[str, ...], short: bool, delivery: NewDelivery
+    stem: str, source: str, discs: str, changes: tuple[str, ...], short: bool, output_flags: NewDelivery
 ) -> int:
     """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code.
 
-    `stem` is the name of the copy without ending. With `short`, the copy of a preset lists few of its values.
+    `stem` is the name of the copy without ending, `output_flags` are those of the output (``--out``, ``--quiet``). With
+    `short`, the copy of a preset lists few of its values.
 
     Raises
     ------
@@ -418,7 +419,7 @@ def _copy_design(
     text = dump_short(design, source, changed) if short else dump(design, preset_reasons(source, design))
     files = {f"{stem}.toml": text.encode()}
     return _write_designs(
-        files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, delivery), delivery
+        files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, output_flags), output_flags
     )
 
 
@@ -431,16 +432,17 @@ def _best_so_far(answer: "Answer") -> str:
     return f"largest torque found: {answer.most:g} N m ({answer.limit}); searching for changes that are feasible"
 
 
-def _claim_files(stem: str, delivery: NewDelivery) -> Destination:
+def _claim_files(stem: str, output_flags: NewDelivery) -> Destination:
     """Claim the files of the design and of the page before the work; raise TakenError if one exists."""
-    directory = claim_folder(delivery.out or ".", "the designs", [f"{stem}.toml"], delivery.force)
-    return Destination(stem, directory, claim_page(delivery, stem, directory))
+    directory = claim_folder(output_flags.out or ".", "the designs", [f"{stem}.toml"], output_flags.force)
+    return Destination(stem, directory, claim_page(output_flags, stem, directory))
 
 
-def _deliver_drives(stem: str, answer: "Answer", destination: Destination, delivery: NewDelivery) -> int:
-    """Write the design files of the drives that a search found, print them in a table, and return the exit code.
+def _deliver_drives(stem: str, answer: "Answer", destination: Destination, output_flags: NewDelivery) -> int:
+    """Write the design files of the drives of a search, print them in a table, and return the exit code.
 
-    The file of the first drive is `stem`.toml. Files of other drives have the drive's title after the stem.
+    `answer` has the drives, `destination` the folder, and `output_flags` the output flags. The file of the first drive
+    is `stem`.toml. Files of other drives have the drive's title after the stem.
     """
     files: dict[str, bytes] = {}
     for index, drive in enumerate(answer.drives):
@@ -456,25 +458,25 @@ def _deliver_drives(stem: str, answer: "Answer", destination: Destination, deliv
     reasons_for_choice = [
         f"  {drive.title}{'' if index else ' (default)'}: {drive.why}" for index, drive in enumerate(answer.drives)
     ]
-    return _write_designs(files, descriptions, destination, delivery, [table], reasons_for_choice)
+    return _write_designs(files, descriptions, destination, output_flags, [table], reasons_for_choice)
 
 
 def _write_designs(
     files: Mapping[str, bytes],
     descriptions: Sequence[Mapping[str, Any]],
     destination: Destination,
-    delivery: NewDelivery,
+    output_flags: NewDelivery,
     tables: Sequence[Table] = (),
     summary: Sequence[str] = (),
 ) -> int:
     """Write design files, print their paths with tables and summary, and return the exit code.
 
     `files` maps names to contents. `descriptions` has the values that the JSON result states for each file.
-    `destination` has the folder, `delivery` the output flags. Raises TakenError if a file exists and must not be
+    `destination` has the folder, `output_flags` the output flags. Raises TakenError if a file exists and must not be
     replaced.
     """
     paths = destination.paths(files)
-    claim_outputs(*map(Path, paths), force=delivery.force)
+    claim_outputs(*map(Path, paths), force=output_flags.force)
     outcome = Outcome(
         title=f"new design: {destination.stem}",
         text=paths,
@@ -484,7 +486,7 @@ def _write_designs(
         result={"designs": [{"file": path} | dict(item) for path, item in zip(paths, descriptions, strict=True)]},
         filed=False,
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 def _tabulate_drive(drive: "SizedDrive") -> tuple[str, ...]:

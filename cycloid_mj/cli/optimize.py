@@ -101,7 +101,7 @@ def optimize(
     seed: SeedFlag = 0,
     quick: QuickFlag = False,
     solver: flags.StudySolverFlag = "planar",
-    delivery: Annotated[OptimizeDelivery, flags.FLAT] = DELIVERED,
+    output_flags: Annotated[OptimizeDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Find the best design within ranges, or a Pareto front.
 
@@ -122,20 +122,20 @@ def optimize(
     from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, add_checks_of_best, run_search
     from cycloid_mj.explore.problem import define_problem
 
-    engine = delivery.engine()
+    engine = output_flags.engine()
     task = define_problem(
         reducer_of(design_options.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow
     )
-    resumed = has_study(Path(delivery.out or OUT), STUDY)
+    resumed = has_study(Path(output_flags.out or OUT), STUDY)
     destination = claim_destination(
-        delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=resumed
+        output_flags, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=resumed
     )
     directory = destination.folder or Path(OUT)
-    if delivery.force:
+    if output_flags.force:
         remove_study(directory, STUDY)
     try:
         optimum = run_search(
-            task, evaluations, starts, seed, directory, engine, count_progress("optimize", delivery.quiet)
+            task, evaluations, starts, seed, directory, engine, count_progress("optimize", output_flags.quiet)
         )
         if optimum.best is None:
             raise DesignError(f"{optimum.infeasible_words} (all points evaluated are in {directory})")
@@ -146,7 +146,7 @@ def optimize(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
             "again to resume"
         ) from stop
-    return deliver(_outcome(optimum, directory / BEST), destination, delivery)
+    return deliver(_outcome(optimum, directory / BEST), destination, output_flags)
 
 
 def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
@@ -166,7 +166,10 @@ def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
 
 
 def _outcome(optimum: "Optimum", best: Path) -> Outcome:
-    """Convert an optimisation to printable results: tables, figure and notes; `best` is the file of the best design."""
+    """Convert the result of an optimisation to printable output: tables, diagram and notes.
+
+    `optimum` is the result, and `best` the file of the best design.
+    """
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.plots.save import encode_figure

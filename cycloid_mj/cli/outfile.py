@@ -53,7 +53,7 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
 
 
 def write_csv(file: str, columns: Columns) -> None:
-    """Write columns, shape (n,) each, as CSV with all digits, to a file or stdout.
+    """Write columns of n numbers, shape (n,) each, as CSV with all digits, to a file or stdout.
 
     Raises
     ------

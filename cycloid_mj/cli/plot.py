@@ -35,7 +35,7 @@ def plot(
     q: PointFlag = None,
     out: OutFlag = None,
     format_: FormatFlag = "png",
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Draw the motion in a logged run: crank, disc, point q, pin 1.
 
@@ -54,9 +54,11 @@ def plot(
     warn(motion.design.name, judge(motion).warnings)
     figures_by_name = figures(motion)
     names = [f"{name}.{format_}" for name in figures_by_name]
-    folder = claim_folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
+    folder = claim_folder(
+        str(Path(log).with_suffix("")) if out is None else out, "the figures", names, output_flags.force
+    )
     stem = f"{Path(log).stem}-figures"
-    destination = Destination(stem, folder, claim_page(delivery, stem, folder))
+    destination = Destination(stem, folder, claim_page(output_flags, stem, folder))
     outcome = Outcome(
         title=f"figures: {log}",
         text=destination.paths(names),
@@ -65,4 +67,4 @@ def plot(
         result={"files": destination.paths(names)},
         filed=False,
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)

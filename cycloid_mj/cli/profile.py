@@ -48,7 +48,7 @@ def profile(
     csv: CsvFlag,
     points: PointsFlag = None,
     part: PartFlag = "gear",
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the outline of the cycloid or internal gear, or all lines of contact, as CSV, for CAD or for a check.
 
@@ -72,9 +72,9 @@ def profile(
     """
     reducer = reducer_of(design_options.resolve())
     columns = {"gear": _gear, "ring": _ring_columns, "curvature": _curvature_columns}[part](reducer, points)
-    claim_csv(csv, delivery.force)
-    page = claim_page(delivery, f"{reducer.design.name}-{part}")
-    return deliver_columns(f"{part} of {reducer.design.name}", columns, csv, page, delivery)
+    claim_csv(csv, output_flags.force)
+    page = claim_page(output_flags, f"{reducer.design.name}-{part}")
+    return deliver_columns(f"{part} of {reducer.design.name}", columns, csv, page, output_flags)
 
 
 def _gear(reducer: Reducer, points: int | None) -> Columns:
@@ -85,7 +85,7 @@ def _gear(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
-    """Return the outline of an internal gear as columns, shape (n,) each: points, normals, curvature and part.
+    """Return the outline of an internal gear as columns of n values: points, normals, curvature and part.
 
     Raises
     ------

@@ -99,7 +99,7 @@ class Progress:
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
     def _line(self, simulated_time: float) -> str:
-        """Return a line with the finished share and the time left, at `simulated_time` [s] of the run.
+        """Return a line of text with the finished share of a run and the time left, at `simulated_time` [s].
 
         The time left is estimated from the speed since the first sample.
         """
@@ -117,7 +117,7 @@ def seconds_left(start: float, share: float) -> float:
 
 
 def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
-    """Return a callback for progress, which takes the number of finished items and the number of all items.
+    """Return a callback that prints progress; it takes the numbers of finished and of all work items.
 
     It prints `activity` with both numbers and the estimated time left, every few seconds at most; nothing if `quiet`.
     Before the first item is finished, no time is estimated.

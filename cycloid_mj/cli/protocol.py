@@ -82,7 +82,7 @@ def protocol(
     back_driving: BackDrivingFlag = None,
     rated_nm: RatedFlag = None,
     angles: AnglesFlag = 6,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Evaluate standard test figures of the model and of measurements.
 
@@ -106,18 +106,22 @@ def protocol(
     )
     design = design_options.resolve_checked()
     destination = claim_destination(
-        delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
+        output_flags, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
     )
     sheet = computed(
-        reducer_of(design), files, rated_nm or design.rated_torque, angles, count_progress("protocol", delivery.quiet)
+        reducer_of(design),
+        files,
+        rated_nm or design.rated_torque,
+        angles,
+        count_progress("protocol", output_flags.quiet),
     )
-    return deliver(_outcome(sheet), destination, delivery)
+    return deliver(_outcome(sheet), destination, output_flags)
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol, `sheet`, to printable results: figures of model and bench, definitions and diagram.
+    """Convert a test protocol, `sheet`, to printable results: quantities of model and bench, definitions, diagram.
 
-    Each figure in the headline is that of the bench if it was measured, else that of the model.
+    Each quantity in the headline is that of the bench if it was measured, else that of the model.
     """
     from cycloid_mj.base.result import to_json_values
     from cycloid_mj.bench.protocol import LINES

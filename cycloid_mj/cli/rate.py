@@ -62,7 +62,7 @@ def rate(
     stress: StressFlag = None,
     parts: PartsFlag = None,
     check: CheckFlag = False,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Rate life, fatigue, wear and heat, the weakest item first.
 
@@ -89,14 +89,14 @@ def rate(
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
-    destination = claim_destination(delivery, f"{design.name}-rating")
+    destination = claim_destination(output_flags, f"{design.name}-rating")
     rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=parts or default_parts(design))
     outcome = _outcome(rating, destination)
-    return deliver(replace(outcome, code=1) if check and rating.failing else outcome, destination, delivery)
+    return deliver(replace(outcome, code=1) if check and rating.failing else outcome, destination, output_flags)
 
 
 def _outcome(rating: "Rating", destination: Destination) -> Outcome:
-    """Convert a rating to printable results: items by safety or life, the weakest first, and the assumptions.
+    """Convert a rating to printable results: parts with their kinds of failure, the weakest first, and assumptions.
 
     `destination` has the path of the page, if one is written; the summary names it.
     """

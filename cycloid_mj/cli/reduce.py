@@ -110,7 +110,7 @@ def reduce(
     samples: SamplesFlag = None,
     seed: SeedFlag = None,
     format_: FormatFlag = "mjcf",
-    delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
+    output_flags: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Reduce a drive to one joint for a robot model.
 
@@ -143,9 +143,9 @@ def reduce(
     samples, seed = _choose_samples(spread, samples, seed)
     design = design_options.resolve_checked()
     reducer = reducer_of(design)
-    destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
-    joint = identify(design, level, count_progress("reduce", delivery.quiet))
-    drives = draw_population(reducer, samples, seed, count_progress("spread", delivery.quiet)) if spread else None
+    destination = claim_destination(output_flags, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
+    joint = identify(design, level, count_progress("reduce", output_flags.quiet))
+    drives = draw_population(reducer, samples, seed, count_progress("spread", output_flags.quiet)) if spread else None
     free = without_slip(joint)
     comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms
@@ -153,7 +153,7 @@ def reduce(
     differing = [f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds]
     warn(design.name, [*describe_inaccuracy(scene, timestep_ms, integrator), *differing])
     files = _encode_files(reducer, joint, format_, (scene, lossy), drives)
-    return deliver(_outcome(joint, comparison, steps, scene, lossy, drives, files), destination, delivery)
+    return deliver(_outcome(joint, comparison, steps, scene, lossy, drives, files), destination, output_flags)
 
 
 def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
@@ -238,7 +238,7 @@ def _outcome(
     drives: "Population | None",
     files: "Mapping[str, bytes]",
 ) -> Outcome:
-    """Convert a reduced joint to printable results: figures, comparison with the full model, time steps, files, page.
+    """Convert a reduced joint to printable results: quantities, comparison with the full model, time steps, files.
 
     `steps` are the trials of the study of time steps. `scene` and `lossy` are the trials with the time steps of
     scene.xml and lossy_scene.xml; `lossy` is None without the latter. `drives` has the joints of the drawn drives; None

@@ -45,7 +45,7 @@ def render(
     height: HeightFlag = HEIGHT,
     azimuth: AzimuthFlag = AZIMUTH,
     elevation: ElevationFlag = ELEVATION,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Render an image of a logged run with MuJoCo.
 
@@ -68,8 +68,8 @@ def render(
         raise UsageError(
             f"--time-s {time_s:g} is outside the run: give a time from {run.time[0]:.6g} to {run.time[-1]:.6g} s"
         )
-    claim_outputs(Path(out), force=delivery.force)
-    page = claim_page(delivery, f"{Path(out).stem}-picture")
+    claim_outputs(Path(out), force=output_flags.force)
+    page = claim_page(output_flags, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     require_mujoco()
     from cycloid_mj.scene.render import render as rendered
@@ -79,4 +79,4 @@ def render(
 
     with atomic_file(out) as temporary_path:
         Image.fromarray(picture).save(temporary_path)
-    return deliver_files(f"picture: {log}", [out], page, delivery)
+    return deliver_files(f"picture: {log}", [out], page, output_flags)

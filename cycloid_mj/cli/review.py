@@ -27,7 +27,7 @@ def report(
     *logs: LogNames,
     out: OutFlag = None,
     q: PointFlag = None,
-    delivery: Annotated[CommonFlags, FLAT] = COMMON,
+    output_flags: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write an HTML report of one or more logged runs.
 
@@ -46,9 +46,9 @@ def report(
         raise UsageError(f"log {repeated_log} is given twice: name each log once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}
-    page_names = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
+    page_names = tuple(dict.fromkeys((*([out] if out else ()), *(output_flags.html or ()))))
     page_names = page_names or (str(Path(logs[0]).with_suffix(".html")),)
-    destination = Destination("report", None, claim_page(replace(delivery, html=page_names), "report"))
+    destination = Destination("report", None, claim_page(replace(output_flags, html=page_names), "report"))
     review = reviewed(runs, point_q)
     outcome = Outcome(title="review", text=page_names, result={"files": list(page_names)}, page=lambda: review)
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)

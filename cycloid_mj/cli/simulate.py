@@ -109,7 +109,7 @@ def simulate(
     ] = None,
     hold_s: Annotated[float | None, HOLD.flag("Duration at constant speed after the ramp")] = None,
     load_nm: Annotated[float | None, LOAD.flag("Constant load torque against the rotation of the output")] = None,
-    delivery: Annotated[SimulateDelivery, FLAT] = DELIVERED,
+    output_flags: Annotated[SimulateDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Simulate a design, log the run, and compare it with theory.
 
@@ -126,26 +126,26 @@ def simulate(
     design = design_options.resolve(values)
     design_options.warn_of_inherited_motor(design)
     require_runnable(design, solver)
-    has_page = not delivery.json
+    has_page = not output_flags.json
     if design.layout != "central" and contact == "mesh":
         raise UsageError(f'--contact mesh is not supported for layout = "{design.layout}": remove --contact')
-    force = delivery.force
-    folder = claim_folder(delivery.out or RUNS, "the log", (), force)
-    page = claim_page(delivery, design.name, folder)
+    force = output_flags.force
+    folder = claim_folder(output_flags.out or RUNS, "the log", (), force)
+    page = claim_page(output_flags, design.name, folder)
     names: Iterable[Path] = [folder / f"{design.name}.mcap"]
-    if delivery.out is None and not force:
+    if output_flags.out is None and not force:
         names = _unused_logs(folder, design.name)
     else:
         claim_outputs(*names, *(review_of(log) for log in names if page is None and has_page), force=force)
-    with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
+    with Progress(design.drive.ramp + design.drive.hold, output_flags.quiet) as progress:
         logged_run = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
     findings = logged_run.require_findings()
     warn(findings.design, findings.warnings)
     page = page or (review_of(logged_run.log) if has_page else None)
-    outcome = _with_explanations(outcome_of(findings), findings, logged_run, page, design_options, delivery.quiet)
-    if not delivery.all and page:
+    outcome = _with_explanations(outcome_of(findings), findings, logged_run, page, design_options, output_flags.quiet)
+    if not output_flags.all and page:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
-    return deliver(outcome, Destination(design.name, None, page), delivery)
+    return deliver(outcome, Destination(design.name, None, page), output_flags)
 
 
 def review_of(log: Path) -> Path:
@@ -169,7 +169,7 @@ def _with_explanations(
     Parameters
     ----------
     outcome, findings
-        Results to change, and the findings of the run.
+        Results to change, and the results of the run's analysis.
     logged_run
         The run with its log.
     page
@@ -198,7 +198,7 @@ def _with_explanations(
 
 
 def _explain_unloaded_run(design: Design) -> Iterator[str]:
-    """Yield lines that explain a run without load, with figures of the loaded drive by statics."""
+    """Yield lines that explain a run without load, with quantities of the loaded drive by statics."""
     yield (
         "no load: the output drives nothing (load.torque_nm = 0), so the parts rattle within their clearances; the "
         "transmission error and the contact forces above differ from run to run and do not describe the loaded drive"
@@ -224,7 +224,8 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
     """Yield command lines to continue with after a simulated run, with reasons.
 
-    The first rates the drive, or runs it under load if it had none. One follows for each kind of user: who prints an
+    `findings` are the results of its analysis, `design_options` the flags that choose the design. The first command
+    rates the drive, or runs it under load if it had none. Another follows for each kind of user: who prints an
     actuator, designs reducers or, except for RV reducers, simulates robots.
     """
     design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
@@ -273,7 +274,7 @@ class Ran:
     run: "Run | None" = None
 
     def require_findings(self) -> "Findings":
-        """Return the findings of the run; raise LogError if it cannot be evaluated."""
+        """Return the results of the analysis of a run; raise LogError if the run cannot be evaluated."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
                 f"the run is logged in {self.log}, but cannot be evaluated: {self.findings}. Correct the cause and "
@@ -444,7 +445,7 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
 
 
 def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
-    """Evaluate the run in a log that is still open for writing; return its findings and the run.
+    """Evaluate the run in a log that is still open for writing; return the results and the run.
 
     `note` has the warnings that were known only at the end of the run; it becomes `Run.note`. `with_forces` is whether
     to read the contact forces too, which the findings of an RV reducer include.
@@ -452,7 +453,7 @@ def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings
     Returns
     -------
     tuple
-        The findings, or the error if the log cannot be evaluated; and the run, None in that case.
+        The results (`Findings`), or the error if the log cannot be evaluated; and the run, None in that case.
     """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
@@ -482,7 +483,9 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
 def _record_samples(
     samples: "Generator[SampleBlock, None, tuple[str, ...]]", log: "LogWriter", progress: Progress
 ) -> tuple[str, ...]:
-    """Write blocks of samples to a log while they are simulated; return the warnings that are known at the end only.
+    """Write blocks of samples to a log while they are simulated; return warnings that are known at the end only.
+
+    `progress` reports the simulated time.
 
     Raises
     ------

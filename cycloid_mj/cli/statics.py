@@ -67,7 +67,7 @@ def statics(
     *,
     load_nm: LoadFlag = None,
     map_: MapFlag = False,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Compute data-sheet figures without a simulation, in a second.
 
@@ -84,12 +84,12 @@ def statics(
     from cycloid_mj.statics.sheet import sheet
 
     design = design_options.resolve_checked()
-    destination = claim_destination(delivery, f"{design.name}-statics")
+    destination = claim_destination(output_flags, f"{design.name}-statics")
     loaded_design = design if load_nm is None else design.but(load={"torque": load_nm})
     static = sheet(reducer_of(design), load_nm)
     points = compute_film_map(reducer_of(design.at_reference)) if map_ else ()
     outcome = _outcome(static, quantities(reducer_of(loaded_design)), design_options.inheritance(), points)
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 def _outcome(
@@ -98,11 +98,11 @@ def _outcome(
     inheritance: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
-    """Convert the statics of a design to printable results: figures, and the efficiency map if it was computed.
+    """Convert the statics of a design to printable results: quantities, and the efficiency map if it was computed.
 
-    `static` has the quantities of the first table, `figures` those of the second, by the keys of `cycloid-mj figures`.
-    `inheritance` has the values that the design file takes from its preset; None without a file. `points` are the
-    points of the efficiency map; empty if it was not computed.
+    `static` has the quantities of the first table, `figures` the quantities of the second, by the keys of `cycloid-mj
+    figures`. `inheritance` has the values that the design file takes from its preset; None without a file. `points` are
+    the points of the efficiency map; empty if it was not computed.
     """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json

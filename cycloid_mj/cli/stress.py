@@ -158,7 +158,7 @@ def stress(
     springs: SpringsFlag = False,
     mounts: MountsFlag = None,
     figure: FiguresFlag = (),
-    delivery: Annotated[StressDelivery, flags.FLAT] = DELIVERED,
+    output_flags: Annotated[StressDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Compute the stress of the parts by finite elements.
 
@@ -189,18 +189,17 @@ def stress(
     for module in ("gmsh", "skfem"):
         import_package(module)
     keep_freed_memory()
+    loaded = (flags.load_design(name, set_, (), at_c) for name in names)
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        return _write_springs([flags.load_design(name, set_, (), at_c) for name in names], load_nm, mounts, delivery)
+        return _write_springs(list(loaded), load_nm, mounts, output_flags)
     angle = None if angle_deg is None else math.radians(angle_deg)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
-    if log:
-        job = _read_logs(log, names, part, settings, delivery)
-    else:
-        job = _simulate([flags.load_design(name, set_, (), at_c) for name in names], load_nm, part, settings, delivery)
-    studies = _study_parts(job.runs, job.grids, settings, delivery.quiet)
-    figures = _choose_figures(figure, job.destination)
-    return deliver(outcome_of(studies, job.destination, figures), job.destination, delivery)
+    what = (part, settings, output_flags)
+    job = _read_logs(log, names, *what) if log else _simulate(list(loaded), load_nm, *what)
+    studies = _study_parts(job.runs, job.grids, settings, output_flags.quiet)
+    outcome = outcome_of(studies, job.destination, _choose_figures(figure, job.destination))
+    return deliver(outcome, job.destination, output_flags)
 
 
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes: bool) -> None:
@@ -253,17 +252,20 @@ def _read_logs(
     designs: Sequence[str],
     parts: Sequence[str],
     settings: "StudySettings",
-    delivery: StressDelivery,
+    output_flags: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and check that the results can be written.
+    """Read the logs of runs for a stress computation, mesh the parts, and check that results can be written.
 
-    `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts. The `_Job`
-    that is returned has the runs, the meshes and the destination of the results.
+    `settings` are those of the computation, `output_flags` are those of the output (``--out``, ``--quiet``). `designs`
+    are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts. The `_Job` that is
+    returned has the runs, the meshes and the destination of the results.
     """
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
-    grids = _mesh_parts([design for design, _, _ in runs], parts, settings, delivery.quiet)
+    grids = _mesh_parts([design for design, _, _ in runs], parts, settings, output_flags.quiet)
     default_folder = f"{logs[0].removesuffix('.mcap')}-stress"
-    destination = _claim(claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery)
+    destination = _claim(
+        claim_folder(output_flags.out or default_folder, "the figures", FILES, output_flags.force), output_flags
+    )
     return _Job(runs, grids, destination)
 
 
@@ -272,10 +274,11 @@ def _simulate(
     load: float | None,
     parts: Sequence[str],
     settings: "StudySettings",
-    delivery: StressDelivery,
+    output_flags: StressDelivery,
 ) -> _Job:
-    """Mesh the requested parts, check that the results can be written, and simulate one turn of each design under load.
+    """Mesh the parts, check that results can be written, and simulate one turn of each design under load.
 
+    `settings` are those of the stress computation, `output_flags` are those of the output (``--out``, ``--quiet``).
     `load` is the load torque [N m]; None: that of the design, or its nominal torque. RV reducers are not simulated. The
     `_Job` that is returned has the runs, the meshes and the destination of the results.
     """
@@ -285,24 +288,26 @@ def _simulate(
 
     designs = [for_one_turn(design, load) for design in designs]
     _require_runnable(designs)
-    grids = _mesh_parts(designs, parts, settings, delivery.quiet)
+    grids = _mesh_parts(designs, parts, settings, output_flags.quiet)
     simulated = [design for design in designs if design.layout == Reducer.LAYOUT]
     files = (*(f"{design.name}.mcap" for design in simulated), *FILES)
-    directory = logs_folder(RUNS, delivery.out, files, delivery.force)
-    destination = _claim(directory, delivery)
+    directory = logs_folder(RUNS, output_flags.out, files, output_flags.force)
+    destination = _claim(directory, output_flags)
     logs = {design: directory / f"{design.name}.mcap" for design in simulated}
     if logs:
-        run_all(logs, delivery.force, delivery.quiet)
+        run_all(logs, output_flags.force, output_flags.quiet)
     runs = ((design, logs.get(design)) for design in designs)
     return _Job([(design, read(path) if path else None, path) for design, path in runs], grids, destination)
 
 
-def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | None, delivery: StressDelivery) -> int:
+def _write_springs(
+    designs: Sequence[Design], load: float | None, mounts: str | None, output_flags: StressDelivery
+) -> int:
     """Write each design to a file in which springs have the compliance of its parts; return the exit code.
 
-    The compliance is computed by finite elements under the output torque `load` [N m]; None: the design's load or its
-    rated torque. `mounts` is the path of a TOML file on the compliant plates that hold output pins and crank; None: the
-    pins are clamped, and the shaft is as in the design.
+    `output_flags` are those of the output (``--out``, ``--quiet``). The compliance is computed by finite elements under
+    the output torque `load` [N m]; None: the design's load or its rated torque. `mounts` is the path of a TOML file on
+    the compliant plates that hold output pins and crank; None: the pins are clamped, and the shaft is as in the design.
     """
     from cycloid_mj.design import dump
     from cycloid_mj.stress.mounts import read_mounts
@@ -317,10 +322,12 @@ def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | 
     mounting = None if mounts is None else read_mounts(Path(mounts))
     _require_runnable(designs)
     names = [f"{design.name}-springs.toml" for design in designs]
-    destination = _claim(claim_folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
+    destination = _claim(
+        claim_folder(output_flags.out or RUNS, "the designs", [*names, *FILES], output_flags.force), output_flags
+    )
     results = []
     for design in designs:
-        if not delivery.quiet:
+        if not output_flags.quiet:
             tell(
                 f"{design.name}: simulating without friction, then computing the compliance of its parts by finite "
                 "elements at 12 crank angles"
@@ -334,7 +341,7 @@ def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | 
         files={name: dump(item.design).encode() for name, item in zip(names, results, strict=True)},
         result={"designs": [item.as_json() for item in results]},
     )
-    return deliver(outcome, destination, delivery)
+    return deliver(outcome, destination, output_flags)
 
 
 def _choose_figures(requested: Sequence[str], destination: Destination) -> tuple[Drawn, ...]:
@@ -344,9 +351,9 @@ def _choose_figures(requested: Sequence[str], destination: Destination) -> tuple
     return tuple(name for name in FIGURES if name in requested or "all" in requested)
 
 
-def _claim(directory: Path, delivery: flags.Delivery) -> Destination:
+def _claim(directory: Path, output_flags: flags.Delivery) -> Destination:
     """Claim the page of the study, and return the destination of its files in a folder."""
-    return Destination(STEM, directory, claim_page(delivery, STEM, directory))
+    return Destination(STEM, directory, claim_page(output_flags, STEM, directory))
 
 
 def _require_runnable(designs: Sequence[Design]) -> None:
@@ -359,7 +366,8 @@ def _require_runnable(designs: Sequence[Design]) -> None:
 def _mesh_parts(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
     """Mesh the requested parts of every design; return the finite-element meshes by part, a mapping for each design.
 
-    The time and the memory that their study needs are printed unless `quiet`. An empty `parts` selects all parts.
+    `settings` are those of the stress computation. The time and the memory that it needs are printed unless `quiet`. An
+    empty `parts` selects all parts.
     """
     from cycloid_mj.stress.cost import add_costs, estimate_cost
     from cycloid_mj.stress.study import study_grids
@@ -405,8 +413,8 @@ def _study_parts(
 ) -> "list[StressStudy]":
     """Compute the stress of the meshed parts of every run by finite elements, with progress on stderr.
 
-    `runs` are the designs with their runs, `grids_by_run` are the meshes by part of each run. With `quiet` no progress
-    is printed.
+    `settings` are those of the computation. `runs` are the designs with their runs, `grids_by_run` are the meshes by
+    part of each run. With `quiet` no progress is printed.
     """
     from cycloid_mj.stress.cost import estimate_cost
     from cycloid_mj.stress.study import stress_study

@@ -33,8 +33,8 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
     """Convert stress studies to printable results: tables, VTU files, verdicts on the claims of papers, and figures.
 
     Parts whose stress exceeds the yield strength are failures. Parts that exceed the shakedown limit, or whose stress
-    has not converged with the grid, are warnings. `figures` are the kinds of figures to draw, and `destination` has the
-    paths of the output files.
+    has not converged with the grid, are warnings. `figures` are the kinds of diagrams to draw, and `destination` has
+    the paths of the output files.
     """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json
@@ -88,7 +88,8 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
 def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
     """Yield a sentence for each part whose stress exceeds its yield strength.
 
-    Parts with stress by finite elements come first, then sections of an RV reducer with nominal stress (cranks, teeth).
+    `findings` are the stresses of the parts. Parts with stress by finite elements come first, then sections of an RV
+    reducer with nominal stress (cranks, teeth).
     """
     for item in findings:
         for part in item.parts:
@@ -102,7 +103,7 @@ def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
 
 
 def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
-    """Draw the requested kinds of `figures` of stress `studies`; return functions that encode them, by name."""
+    """Draw the requested kinds of diagrams, `figures`, of stress `studies`; return functions that encode them."""
     if not figures:
         return {}
     from cycloid_mj.plots.save import encode_figure
@@ -152,7 +153,10 @@ def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
 
 
 def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
-    """Yield a row of the CSV file for each part of each study: the keys of `COLUMNS` and their values."""
+    """Yield a row of the CSV file for each part of each stress computation: the keys of `COLUMNS` and values.
+
+    `findings` are the stresses of the parts.
+    """
     for item in findings:
         for part in item.parts:
             content = part.as_json()
@@ -171,7 +175,7 @@ def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | s
 def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
     """Yield the tables of each design: the stress of its parts away from contacts, and below contacts.
 
-    An RV reducer has a table of its cranks and gears, too.
+    `findings` are the stresses of the parts. An RV reducer has a table of its cranks and gears, too.
     """
     from cycloid_mj.stress.table import (
         BULK_HEADER,

@@ -114,7 +114,7 @@ def sweep(
     solver: flags.StudySolverFlag = "planar",
     follow: flags.FollowFlag = (),
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
-    delivery: Annotated[SweepDelivery, flags.FLAT] = DELIVERED,
+    output_flags: Annotated[SweepDelivery, flags.FLAT] = DELIVERED,
 ) -> int:
     """Evaluate a design over a grid, a sample or a table of parameter values.
 
@@ -134,24 +134,26 @@ def sweep(
     from cycloid_mj.explore.sweeps import define_task, sweep_in_folder
 
     points_to_evaluate = _choose_points(vary, table, sample, points, seed)
-    engine = delivery.engine()
+    engine = output_flags.engine()
     task = define_task(
         reducer_of(design_options.resolve()), points_to_evaluate, measure, quick, real_pins, follow, solver
     )
-    resumed = has_study(Path(delivery.out or OUT), SWEEP)
-    destination = claim_destination(delivery, STEM, FILES, OUT, with_page=True, resumed=resumed)
+    resumed = has_study(Path(output_flags.out or OUT), SWEEP)
+    destination = claim_destination(output_flags, STEM, FILES, OUT, with_page=True, resumed=resumed)
     directory = destination.folder or Path(OUT)
-    if delivery.force:
+    if output_flags.force:
         remove_study(directory, SWEEP)
     try:
-        swept = sweep_in_folder(task, points_to_evaluate, directory, engine, count_progress("sweep", delivery.quiet))
+        swept = sweep_in_folder(
+            task, points_to_evaluate, directory, engine, count_progress("sweep", output_flags.quiet)
+        )
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
             "again to resume"
         ) from stop
     quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
-    code = deliver(_outcome(swept, quantities, destination), destination, delivery)
+    code = deliver(_outcome(swept, quantities, destination), destination, output_flags)
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(swept.points)} points failed: {error}")
     if (more := len(swept.errors) - MOST_ERRORS) > 0:
@@ -196,7 +198,7 @@ def _choose_points(
 
 
 def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destination) -> Outcome:
-    """Convert a sweep to printable results, with tables and a figure of `quantities`, numbers of points, and the page.
+    """Convert a sweep to printable results: tables and a diagram of `quantities`, numbers of points, and the page.
 
     `destination` has the folder in which the sweep wrote its tables, and the path of the page. Failed points are
     counted. The exit code is 1 if all points failed, else 0.

@@ -41,7 +41,7 @@ def thermal(
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,
     cycle_min: CycleFlag = None,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Compute temperatures, warm-up and thermal limits of a drive.
 
@@ -69,12 +69,12 @@ def thermal(
                 "--cycle-min needs a duty cycle: add --duty, set service.duty_share below 1, or remove --cycle-min"
             )
         cycle = replace(cycle, period=60.0 * cycle_min)
-    destination = claim_destination(delivery, f"{design.name}-thermal")
-    return deliver(_outcome(compute(design, cycle), destination), destination, delivery)
+    destination = claim_destination(output_flags, f"{design.name}-thermal")
+    return deliver(_outcome(compute(design, cycle), destination), destination, output_flags)
 
 
 def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
-    """Convert a thermal state to printable results: temperatures, limits, losses and warm-up curves.
+    """Convert the thermal state of a drive to printable results: temperatures, limits, losses, warm-up curves.
 
     `destination` has the paths of the output files.
     """

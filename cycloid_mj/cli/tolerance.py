@@ -76,7 +76,7 @@ def tolerance(
     limit: LimitFlag = (),
     verify: VerifyFlag = 0,
     solver: StudySolverFlag = "planar",
-    delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
+    output_flags: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Estimate yield and error budget from random samples within the tolerances.
 
@@ -104,26 +104,26 @@ def tolerance(
     from cycloid_mj.explore.tolerances import tolerance as run_study
 
     _require_in_range(samples, seed)
-    engine = delivery.engine("threads")
+    engine = output_flags.engine("threads")
     design = design_options.resolve_checked()
     limits = [parse_limit(text, reducer_of(design)) for text in limit]
     files = [f"{design.name}-worst-1.toml", f"{design.name}-samples.csv"]
-    destination = claim_destination(delivery, f"{design.name}-tolerance", files, OUT, with_page=True)
-    progress = count_progress("tolerance", delivery.quiet)
+    destination = claim_destination(output_flags, f"{design.name}-tolerance", files, OUT, with_page=True)
+    progress = count_progress("tolerance", output_flags.quiet)
     try:
         tolerances = run_study(design, samples, seed, limits, progress, engine, verify, solver)
     except StudyInterrupted as stop:
-        raise _deliver_part(stop, destination, delivery) from stop
+        raise _deliver_part(stop, destination, output_flags) from stop
     except TooManyJams as jam:
         # without --json the error is enough: a table of a yield of 0 % repeats it
-        (deliver if delivery.json else write)(_outcome(jam.tolerances), destination, delivery)
+        (deliver if output_flags.json else write)(_outcome(jam.tolerances), destination, output_flags)
         raise RunError(f"{jam}; these samples are in {destination.folder}") from jam
-    return deliver(_outcome(tolerances), destination, delivery)
+    return deliver(_outcome(tolerances), destination, output_flags)
 
 
-def _deliver_part(stop: "StudyInterrupted", destination: Destination, delivery: ToleranceDelivery) -> RunError:
+def _deliver_part(stop: "StudyInterrupted", destination: Destination, output_flags: ToleranceDelivery) -> RunError:
     """Print and write the samples of an interrupted study, and return the error that says where they are."""
-    deliver(_outcome(stop.tolerances), destination, delivery)
+    deliver(_outcome(stop.tolerances), destination, output_flags)
     return RunError(
         f"stopped by {signal_name(stop)}; the results of the {stop.tolerances.samples_text} so far are in "
         f"{destination.folder}. Run the command again for all samples"

@@ -29,7 +29,9 @@ OnlyFlag = Annotated[
 ]
 
 
-def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def validate(
+    *, quick: QuickFlag = False, only: OnlyFlag = (), output_flags: Annotated[Delivery, FLAT] = DELIVERY
+) -> int:
     """Compare the simulation with closed forms and published cases.
 
     The steps are, from simple to complex: two-body (a single contact), friction (bodies on
@@ -49,10 +51,10 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     from cycloid_mj.validate.suite import select_parts
 
     parts = select_parts(only, witnesses.PARTS)
-    destination = claim_destination(delivery, STEM)
+    destination = claim_destination(output_flags, STEM)
     start = monotonic()
-    rows = _run_parts(parts, quick, delivery.workers or cores())
-    return deliver(_outcome(rows, quick, monotonic() - start), destination, delivery)
+    rows = _run_parts(parts, quick, output_flags.workers or cores())
+    return deliver(_outcome(rows, quick, monotonic() - start), destination, output_flags)
 
 
 def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":

@@ -107,7 +107,10 @@ def _unknown_option(word: str, suggestions: Sequence[str]) -> str:
 
 
 def _unknown_command(word: str, app: App) -> str:
-    """Return a message on the unknown command `word`, with similar commands or, if there are none, all commands."""
+    """Return a message on the unknown command `word`, with similar commands or, if there are none, all commands.
+
+    `app` has all commands.
+    """
     names = commands(app)
     if word.startswith("-"):
         return f"unknown option {word}; options come after a command"

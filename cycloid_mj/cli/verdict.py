@@ -35,9 +35,9 @@ def catalogue_figures(designs: Sequence[Design]) -> dict[str, dict[str, Quantity
 
 
 def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
-    """Tabulate the main figures of several designs: a column for each design, ratios to the first design, unit.
+    """Tabulate the main quantities of several designs: a column per design, ratios to the first design, unit.
 
-    The figures are those of `HEADLINE`. `by_design` has the figures of each design by its name and their keys.
+    The quantities are those of `HEADLINE`. `by_design` has the quantities of each design by its name and their keys.
     """
     first_row = next(iter(by_design.values()))
     rows: list[tuple[str | float, ...]] = []
@@ -70,7 +70,7 @@ def outcome_of(
 ) -> Outcome:
     """Convert a comparison to printable results, and issue the warnings of all runs.
 
-    `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each figure, by its
+    `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each diagram, by its
     name, the function that encodes it in a file format. `destination` has the paths of the output files.
     """
     from cycloid_mj.comparison.table import figure_frame
@@ -151,10 +151,10 @@ def capacity_of(case: Design) -> float:
 def _headline(
     trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the main figures of statics and of the runs under one load, as rows of text by name of the figure.
+    """Return the main quantities of statics and of the runs under one load, as rows of text by name.
 
     A row has the value of each design, the ratio of each further design to the first, and the unit. `trials` are the
-    runs of each design, `by_statics` are the figures of statics by design and key.
+    runs of each design, `by_statics` are the static quantities by design and key.
     """
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 

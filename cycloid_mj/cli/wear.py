@@ -39,7 +39,7 @@ def wear(
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,
-    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+    output_flags: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Compute the wear of a drive over its running hours, and its accuracy life.
 
@@ -64,8 +64,8 @@ def wear(
             raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
-    destination = claim_destination(delivery, f"{design.name}-wear")
-    count = count_progress("wear, percent", delivery.quiet)
+    destination = claim_destination(output_flags, f"{design.name}-wear")
+    count = count_progress("wear, percent", output_flags.quiet)
 
     def report(case: str, share: float) -> None:
         count(round(100 * (CASES.index(case) + share) / len(CASES)), 100)
@@ -73,11 +73,11 @@ def wear(
     result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
     if result.interrupted:
         tell("stopped by Ctrl-C: the result contains only the completed steps")
-    return deliver(_outcome(result, destination), destination, delivery)
+    return deliver(_outcome(result, destination), destination, output_flags)
 
 
 def _outcome(result: "WearLife", destination: Destination) -> Outcome:
-    """Convert the `result` of a wear computation to printable results: accuracy life, records, surfaces and figure."""
+    """Convert the `result` of a wear computation to printable output: accuracy life, records, surfaces, diagram."""
     from cycloid_mj.base.units import ARCMINUTE
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure

@@ -64,7 +64,7 @@ class RunPlan:
         """Designs under a load."""
         return [design for design in self.starts if design.load.torque]
 
-    def trials(
+    def collect_trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
         """Return a `Trial` for each of `designs` with a changed parameter: the measured quantities of all its runs.
@@ -86,14 +86,14 @@ class RunPlan:
         the first run of each design under each load, by that design.
         """
         changes = sensitivities(
-            self.trials(measures_by_design, self.loaded_designs),
+            self.collect_trials(measures_by_design, self.loaded_designs),
             {
-                assumption: self.trials(measures_by_design, self.loaded_designs, assumption)
+                assumption: self.collect_trials(measures_by_design, self.loaded_designs, assumption)
                 for assumption in self.assumptions
             },
         )
         comparison = compare_trials(
-            self.trials(measures_by_design, list(self.starts)), changes if self.assumptions else ()
+            self.collect_trials(measures_by_design, list(self.starts)), changes if self.assumptions else ()
         )
         return replace(comparison, motions=tuple(motions[trial.design] for trial in comparison.trials))
 

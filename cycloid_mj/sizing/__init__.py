@@ -46,6 +46,6 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
         A value is out of range.
     """
     from cycloid_mj.sizing.drives import size_drive
-    from cycloid_mj.sizing.requirement import required
+    from cycloid_mj.sizing.requirement import make_requirement
 
-    return size_drive(required(ratio=ratio, diameter_mm=diameter_mm, torque_nm=torque_nm, **others))
+    return size_drive(make_requirement(ratio=ratio, diameter_mm=diameter_mm, torque_nm=torque_nm, **others))

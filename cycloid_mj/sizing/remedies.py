@@ -94,7 +94,7 @@ class _RemedySearch:
     def _is_promising(self, changed: Requirement) -> bool:
         """Return whether the ratings so far and a few more find a drive, before its tolerance study."""
         pools = pools_of(changed, self.pool)
-        return any(find_drive(pool, study=False, max_ratings=SETTINGS.few_ratings) for pool in pools)
+        return any(find_drive(pool, study=False, max_evaluations=SETTINGS.few_ratings) for pool in pools)
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest of several changes of a requirement that makes it feasible; nothing if there is none.

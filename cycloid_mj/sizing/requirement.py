@@ -63,7 +63,7 @@ FINER = 10.0**-0.1
 """Step of the clearances that a backlash may require (R10, ISO 3)."""
 
 
-def required(
+def make_requirement(
     *,
     ratio: int,
     diameter_mm: float,

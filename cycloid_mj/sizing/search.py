@@ -342,7 +342,10 @@ class Pool:
         if not lightest_drive:
             return None
         max_mass = (1.0 + SETTINGS.mass_tolerance) * lightest_drive.figures["mass"]
-        return self.best(most_efficient(self.requirement, max_mass), max_ratings=SETTINGS.few_ratings) or lightest_drive
+        return (
+            self.best(most_efficient(self.requirement, max_mass), max_evaluations=SETTINGS.few_ratings)
+            or lightest_drive
+        )
 
     def best(
         self,
@@ -350,13 +353,13 @@ class Pool:
         goal: float = math.nan,
         *,
         study: bool = True,
-        max_ratings: int = SETTINGS.ratings,
+        max_evaluations: int = SETTINGS.ratings,
     ) -> Rated | None:
         """Search for the best drive by an objective, such as mass, or the first that reaches `goal`; None without one.
 
         `goal` is a value of the quantity of the objective, in its unit; NaN: none. The candidate with the largest
         expected improvement is evaluated by the full computation, again and again, until no improvement is expected or
-        `max_ratings` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
+        `max_evaluations` candidates are evaluated (efficient global optimization: Jones, Schonlau and Welch, J. Global
         Optim. 13, 1998). The neighbours of each best drive, which differ in one variable, are added to the candidates.
         With `study`, the tolerance study of the best drive follows. If it fails, the search continues. The result is
         within all limits of the objective.
@@ -368,7 +371,7 @@ class Pool:
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
             best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
-            if not best >= target_merit and ratings < max_ratings:
+            if not best >= target_merit and ratings < max_evaluations:
                 cost = self._search_step(objective, figures, scale, row, best)
                 if cost is not None:
                     ratings += cost

@@ -90,19 +90,19 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     return pool, drive
 
 
-def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
+def find_drive(pool: Pool, *, study: bool, max_evaluations: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool of candidates that carries the required torque within the limits; None if there is none.
 
     With `study`, it must pass its tolerance study; otherwise its computed torque limit is sufficient. At most
-    `max_ratings` candidates are evaluated. If the length is limited, the shortest drive is searched until one is short
-    enough. The limit does not enter the search otherwise, so that a drive which is found at one limit is found at all
-    larger ones.
+    `max_evaluations` candidates are evaluated. If the length is limited, the shortest drive is searched until one is
+    short enough. The limit does not enter the search otherwise, so that a drive which is found at one limit is found at
+    all larger ones.
     """
     requirement = pool.requirement
     torque, without_length_limit = requirement.torque, requirement.but(length=math.inf)
-    drive = pool.best(strongest(without_length_limit, torque), torque, study=study, max_ratings=max_ratings)
+    drive = pool.best(strongest(without_length_limit, torque), torque, study=study, max_evaluations=max_evaluations)
     if drive and drive.figures["length"] > requirement.length:
-        drive = pool.best(shortest(requirement), requirement.length, study=study, max_ratings=max_ratings)
+        drive = pool.best(shortest(requirement), requirement.length, study=study, max_evaluations=max_evaluations)
     return drive if drive and drive.capacity >= torque and drive.figures["length"] <= requirement.length else None
 
 
@@ -113,7 +113,7 @@ def _rated_merit(pool: Pool) -> float:
     none can be evaluated. Tolerance studies are left out.
     """
     objective = strongest(pool.requirement)
-    drive = pool.best(objective, study=False, max_ratings=SETTINGS.few_ratings) or pool.nearest(objective)
+    drive = pool.best(objective, study=False, max_evaluations=SETTINGS.few_ratings) or pool.nearest(objective)
     if not drive:
         return -math.inf
     excess = float(objective.excess({"capacity": drive.capacity, **drive.figures}))
@@ -133,7 +133,7 @@ def least_length(pools: Iterable[Pool]) -> float:
 
     The length is rounded up.
     """
-    drives = [pool.best(shortest(pool.requirement), max_ratings=SETTINGS.few_ratings) for pool in pools]
+    drives = [pool.best(shortest(pool.requirement), max_evaluations=SETTINGS.few_ratings) for pool in pools]
     lengths = (drive.figures["length"] for drive in drives if drive)
     return min((math.ceil(1e4 * length) / 1e4 for length in lengths), default=math.inf)
 

@@ -53,7 +53,7 @@ from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.robot import files as robot_files
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
-from cycloid_mj.sizing.requirement import required
+from cycloid_mj.sizing.requirement import make_requirement
 
 DESIGNS = {**presets_for("app"), **{name: unlike(name) for name in UNLIKE}}
 
@@ -365,7 +365,7 @@ def sized(**figures: float) -> SizedDrive:
 
 
 def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = required(ratio=13, diameter_mm=70, torque_nm=3)
+    wanted = make_requirement(ratio=13, diameter_mm=70, torque_nm=3)
     cases = {
         "No drive meets all requirements: see diameter with covers": [sized(drive_diameter_mm=85.0)] * 2,
         "1 of 2 drives meets the requirements": [sized(), sized(drive_diameter_mm=85.0)],
@@ -633,7 +633,7 @@ def test_an_invalid_form_is_refused(change: dict[str, Any], told: str) -> None:
 
 
 def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = required(ratio=15, diameter_mm=60, torque_nm=2)
+    wanted = make_requirement(ratio=15, diameter_mm=60, torque_nm=2)
     first = Answer(wanted, (), 0.7, "teeth")
     ways = (
         FeasibleChange("100 mm", wanted.but(diameter=0.1)),
@@ -664,7 +664,7 @@ def test_the_chosen_motor_is_part_of_the_requirement() -> None:
 def test_a_drive_whose_covers_do_not_fit_the_motor_does_not_meet_the_requirement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    wanted = required(ratio=13, diameter_mm=200, torque_nm=3)
+    wanted = make_requirement(ratio=13, diameter_mm=200, torque_nm=3)
     thin = SizedDrive("lightest", "", PRESETS["printed"].but(shaft={"radius": 3e-3}), sized().figures, {})
     monkeypatch.setattr(requirement, "size_drive", lambda *_: Answer(wanted, (thin,)))
     told = requirement.size(lambda _: None, {**requirement.fill_form(wanted), "motor": "nema17"})

@@ -35,15 +35,15 @@ def test_a_small_drive_gets_a_small_motor_although_a_larger_one_fits() -> None:
 
 def test_a_custom_motor_flange_has_the_given_circle_screws_and_shaft() -> None:
     flags = MotorInterface(motor_circle_mm=70.0, motor_thread_mm=4.0, motor_shaft_mm=8.0, motor_screws=6)
-    motor = flags.chosen()
+    motor = flags.choose_motor()
     assert isinstance(motor, MotorFlange)
     sizes = casing(Reducer(resolve("pin")), motor)
     assert sizes.motor.shaft == pytest.approx(4e-3)
     centres = motor_centres(sizes)
     assert centres.shape == (6, 2)
     assert (centres**2).sum(axis=1) ** 0.5 == pytest.approx(35e-3)
-    assert MotorInterface(motor="bldc25", motor_shaft_mm=5.0).chosen().circle == pytest.approx(12.5e-3)
+    assert MotorInterface(motor="bldc25", motor_shaft_mm=5.0).choose_motor().circle == pytest.approx(12.5e-3)
     with pytest.raises(UsageError, match="--motor-circle-mm"):
-        MotorInterface(motor_shaft_mm=5.0).chosen()
+        MotorInterface(motor_shaft_mm=5.0).choose_motor()
     with pytest.raises(UsageError, match="not an available thread size"):
-        MotorInterface(motor="nema17", motor_thread_mm=7.0).chosen()
+        MotorInterface(motor="nema17", motor_thread_mm=7.0).choose_motor()

@@ -35,7 +35,7 @@ from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode, with_p
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.estimate import Estimate, add_capacity, capacity
 from cycloid_mj.sizing.objective import DEVIATIONS, Objective, lightest, most_efficient
-from cycloid_mj.sizing.requirement import Requirement, required
+from cycloid_mj.sizing.requirement import Requirement, make_requirement
 from cycloid_mj.sizing.search import Rated, first_drive, pool_of, rate_candidate
 from cycloid_mj.sizing.solve import best_ratio, length_parts, solve
 from cycloid_mj.statics.sheet import sheet
@@ -150,7 +150,7 @@ def test_its_data_sheet_states_the_same(small: Answer) -> None:
 @pytest.mark.slow
 def test_the_drive_of_the_readme_meets_its_requirement_within_its_tolerances() -> None:
     """Perfect parts were rated: within the tolerances of its file, a drive for 1.5 N m was rated for 0.71 N m."""
-    asked = required(ratio=15, diameter_mm=100.0, torque_nm=3.0, process="printed")
+    asked = make_requirement(ratio=15, diameter_mm=100.0, torque_nm=3.0, process="printed")
     lightest = size_drive(asked).drives[0]
     require_held(lightest, asked)
     assert tolerance(lightest.design, 512).good.mean() >= 0.99
@@ -570,7 +570,7 @@ def test_two_stages_are_named_for_a_larger_ratio() -> None:
 
 
 def test_printed_drives_run_a_quarter_of_the_time_by_default() -> None:
-    asked = required(ratio=20, diameter_mm=60.0, torque_nm=1.0, process="printed")
+    asked = make_requirement(ratio=20, diameter_mm=60.0, torque_nm=1.0, process="printed")
     assert (asked.life, asked.speed, asked.duty_share) == (500.0, pytest.approx(300.0 * RPM), 0.25)
 
 
@@ -603,7 +603,7 @@ def test_the_largest_feasible_torque_keeps_the_backlash_too() -> None:
 
 
 def test_a_material_is_found_by_a_word_of_its_name() -> None:
-    asked = required(ratio=20, diameter_mm=60.0, torque_nm=1.0, material="16mncr5")
+    asked = make_requirement(ratio=20, diameter_mm=60.0, torque_nm=1.0, material="16mncr5")
     assert asked.material == "case-hardened 16MnCr5"
 
 
