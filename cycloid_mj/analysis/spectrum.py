@@ -102,7 +102,7 @@ def periodic_orders(
     Parameters
     ----------
     crank_angle
-        Crank angles [rad] at even steps, increasing, an integer number of steps in a cycle, shape (n,).
+        Crank angles [rad] at even steps, increasing, an integer number of steps in a cycle, shape (n,) for n samples.
     values
         Values at these angles in any unit, shape (n,).
     cycles_per_turn
@@ -153,7 +153,7 @@ def tapered_orders(
     Parameters
     ----------
     angle
-        Crank angles [rad] at even times, strictly increasing or decreasing, shape (n,).
+        The n crank angles [rad] at even times, strictly increasing or decreasing, shape (n,).
     values
         Values at these angles in any unit, shape (n,).
     max_order
@@ -193,7 +193,7 @@ def tapered_orders(
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
-    """Compute the fractional sample numbers (k,) at which increasing sampled values (n,) reach target values (k,).
+    """Compute the fractional sample numbers (k,) at which n increasing values reach k target values.
 
     At least 4 samples are needed. Lagrange's cubic interpolation is accurate to 1e-5 samples, because the crank angle
     of a run is smooth. SciPy's splines are not used, because their import takes longer than the evaluation of a run.
@@ -218,7 +218,7 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
     Parameters
     ----------
     values
-        Samples, shape (n,); they are extended at both ends by odd reflection.
+        The n samples, shape (n,); they are extended at both ends by odd reflection.
     sample_numbers
         Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
 
@@ -249,7 +249,7 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
     Parameters
     ----------
     values
-        Evenly spaced samples, shape (n,) or (n, k).
+        The n evenly spaced samples of one or k signals, shape (n,) or (n, k).
     factor
         Old over new sampling rate; 1 returns the values unchanged.
     means
@@ -293,7 +293,7 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     Parameters
     ----------
     values
-        Evenly spaced samples, shape (n,) or (n, k).
+        The n evenly spaced samples of one or k signals, shape (n,) or (n, k).
     rate
         Sampling rate [Hz].
     segment

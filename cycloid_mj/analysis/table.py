@@ -41,7 +41,7 @@ def table(findings: Findings) -> list[FigureRow]:
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """Return the rows of the table of a run's findings, in groups with a heading each; empty groups are omitted."""
+    """Return the rows of the table of a run's results, in groups with a heading each; empty groups are omitted."""
     rows_by_group = (
         _motion_rows("output", findings.output_speed, findings.output_transmission_error),
         _disc_rows(findings),

@@ -168,10 +168,10 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
 
 
 def _open_balance_warning(missing_power: float, total_power: float, speed: float, is_idle: bool, remedy: str) -> str:
-    """Return the warning that the power `missing_power` [W] is missing in the balance, as a share of `total_power` [W].
+    """Return the warning that power is missing in the power balance of a run.
 
-    `speed` is the crank speed [rad/s]. `is_idle` is true if the output power is negligible. `remedy` is the end of the
-    warning.
+    `missing_power` [W] is stated as a share of `total_power` [W]. `speed` is the crank speed [rad/s]. `is_idle` is true
+    if the output power is negligible. `remedy` is the end of the warning.
     """
     figures = "powers and losses" if is_idle else "powers, losses and efficiency"
     whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"

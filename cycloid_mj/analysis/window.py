@@ -59,7 +59,7 @@ def settling(reducer: Reducer) -> float:
 
 
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
-    """Return a mask of the settled samples at constant crank speed, shape (n,), of samples at times (n,) [s].
+    """Return a mask of the settled samples at constant crank speed, (n,), of n samples at the times `time` [s].
 
     They begin `settle` [s] after the end of the speed ramp, but not later than in the middle between the ramp and the
     last sample. The default is the estimate of `settling`, counted from the time of full load if that is later than the

@@ -72,7 +72,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             config.CACHE_DIR = before
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the cached machine code for a signature and a `target`; None if there is none or it is damaged."""
+        """Return the cached machine code of a function for a signature and a `target`; None if missing or damaged."""
         _import_array_functions()
         try:
             return super().load_overload(signature, target)

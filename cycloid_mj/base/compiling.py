@@ -70,7 +70,7 @@ def announce_compilation() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
-        """Log once that code is being compiled, with the reason; called by numba for each function."""
+        """Log once that code is being compiled, with the reason; numba calls it with an `event` for each function."""
         if cacheable():
             log_compilation("compiling the contact code, once per installation; this takes some seconds")
         else:

@@ -103,7 +103,7 @@ def _column(cells: list[Cell | None]) -> Column:
 
 
 def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
-    """Write a frame as CSV with all digits; NaN is an empty cell.
+    """Write a table with named columns (`frame`) as CSV with all digits; NaN is an empty cell.
 
     Raises
     ------
@@ -147,7 +147,9 @@ def write_parquet(
     metadata: Mapping[str, Any],
     error: Callable[[str], CycloidError] = CycloidError,
 ) -> None:
-    """Write a frame as a Parquet file with its units and other metadata, atomically, by DuckDB.
+    """Write a table with named columns (`frame`) as a Parquet file with units and other metadata, by DuckDB.
+
+    The file appears when it is complete.
 
     Raises
     ------

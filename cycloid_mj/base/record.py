@@ -178,12 +178,12 @@ class Run(Presented):
         return tuple(pair for pair in self.by_stem(FORCE_X) if kind_of(pair) == kind)
 
     def forces(self, kind: str) -> Array:
-        """Return the contact forces (n, k, 2) [N], x and y, of the k mating pairs of a kind, such as ``pin_gear``.
+        """Return the contact forces [N], x and y, of the k mating pairs of a kind at n samples, shape (n, k, 2).
 
         Raises
         ------
         LogError
-            The run has none.
+            The run has no forces of this kind.
         """
         pairs = self.pairs(kind)
         if not pairs:
@@ -212,7 +212,7 @@ class Run(Presented):
     def select(self, rows: Mask | slice) -> "Run":
         """Return a run with only some of its samples.
 
-        `rows` is a mask of shape (n,), or a slice with a positive step.
+        `rows` is a mask of the n samples, shape (n,), or a slice with a positive step.
         """
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(
@@ -241,7 +241,7 @@ def own(array: Array) -> Array:
 
 
 def _check_time(time: Array) -> None:
-    """Raise LogError unless the sample times of a run [s] are finite, strictly increasing and of shape (n,)."""
+    """Raise LogError unless the n sample times of a run [s] are finite, strictly increasing and of shape (n,)."""
     if time.ndim != 1:
         raise LogError(
             f"the times of the run have shape {time.shape}: pass a 1-D array of shape (n,) with one time per sample"

@@ -118,7 +118,7 @@ def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
 
 
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
-    """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source.
+    """Return a table with a row per quantity: name, value, unit, numerical error, closed form and its source.
 
     `title` is the heading of the table. A value that is NaN is a dash. A missing error or closed form is an empty cell.
     """

@@ -52,7 +52,7 @@ class ValidationRow:
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a validation row (a value compared with its reference) to a flat dict of JSON values.
+        """Convert a row of the validation (a value compared with its reference) to a flat dict of JSON values.
 
         ``ours`` and ``reference`` are in ``unit``, ``error`` and ``bound`` in ``error_unit``. ``rung`` is the name of
         the validation step.
@@ -110,7 +110,7 @@ def absolute(
 def deviation_row(
     quantity: str, result: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a validation row that compares many values with their references, (n,), or (..., 2) for vectors.
+    """Return a validation row that compares n values with their references, (n,), or (..., 2) for vectors.
 
     The row shows the largest magnitude of the values and of the references. It is judged by the largest difference, in
     percent of the largest reference.

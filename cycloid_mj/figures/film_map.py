@@ -119,7 +119,9 @@ def compute_film_map(
     points, with_seals, jams = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
     for temperature in temperatures:
         try:
-            points += _points_at(with_seals.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares)
+            points += _compute_map_points(
+                with_seals.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares
+            )
         except DesignError as error:
             jams[temperature] = error
     if not points:
@@ -128,7 +130,7 @@ def compute_film_map(
     return tuple(points)
 
 
-def _points_at(warm_reducer: Reducer, temperature: float, shares: Sequence[float]) -> list[MapPoint]:
+def _compute_map_points(warm_reducer: Reducer, temperature: float, shares: Sequence[float]) -> list[MapPoint]:
     """Compute the points of an efficiency map at one temperature [°C], that of all parts of `warm_reducer`.
 
     The map is a grid: each torque is combined with each speed. `shares` are the torques relative to the nominal torque,

@@ -223,7 +223,7 @@ def _check_message_count(chunk: Chunk) -> None:
 
 
 def _inflate(data: bytes, compression: str) -> BinaryIO:
-    """Return a stream that inflates the data of a chunk; the compression is "zstd", "lz4" or "".
+    """Return a stream that decompresses the data of a chunk; the compression is "zstd", "lz4" or "".
 
     Raises
     ------
@@ -263,7 +263,7 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
 
 
 def _parse_chunk(data: bytes) -> Messages:
-    """Parse the records of a decompressed chunk into its schemas, its channels, and the messages of each channel.
+    """Parse the records of a decompressed chunk, `data`, into schemas, channels, and messages of each channel.
 
     Raises
     ------
@@ -296,7 +296,7 @@ def _parse_chunk(data: bytes) -> Messages:
 
 
 def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:
-    """Return the message records at k byte offsets of a chunk as an array, shape (k, bytes of a record).
+    """Return the message records at k byte offsets of a chunk, `data`, as an array, shape (k, bytes of a record).
 
     Return None if their lengths differ, or if a record is shorter than its header.
     """

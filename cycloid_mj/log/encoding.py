@@ -142,7 +142,7 @@ class ColumnGroup:
 
 
 def group_of(channel: Any, schema: Any) -> ColumnGroup:
-    """Return the column group that an MCAP channel and its schema describe.
+    """Return the column group of a log that an MCAP channel and its schema describe.
 
     Raises
     ------

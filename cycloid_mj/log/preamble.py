@@ -17,7 +17,7 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return the metadata records at the beginning of a log, as a mapping from record name to entries.
+    """Return the metadata records at the beginning of a log, as a mapping from record name to values.
 
     The first record states the format, a checksum of the provenance, and the names of the attachments; the second is
     the provenance. Characters that UTF-8 cannot encode are escaped.
@@ -29,9 +29,9 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
 
 
 def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
-    """Return a clause for each missing or damaged part of a truncated log, such as "its provenance is missing".
+    """Return a phrase for each missing or damaged part of a truncated log, such as "its provenance is missing".
 
-    `metadata` maps the names of the log's metadata records to their entries, `attachments` are the names of the
+    `metadata` maps the names of the log's metadata records to their values, `attachments` are the names of the
     attachments that were read. Logs of earlier versions have no checksum and no list of attachments; for these logs,
     only missing provenance is reported.
     """

@@ -210,7 +210,7 @@ def _alternatives(path: Path) -> str:
 
 
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
-    """Read all records of an open log into `contents`; return whether the file is complete (not truncated).
+    """Read all records of an open log, `stream`, into `contents`; return whether the file is complete.
 
     `path` names the file in errors. If metadata records have the same name, the first is kept; if attachments have the
     same name, the last is kept.
@@ -237,7 +237,7 @@ def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
 
 
 def _require_log_format(contents: _Contents, path: Path) -> None:
-    """Raise LogError for an MCAP file of another program, or of an unknown format version."""
+    """Raise LogError if `contents` are of an MCAP file of another program, or of an unknown format version."""
     if PACKAGE not in contents.metadata:
         raise LogError(
             f"{path} is an MCAP file, but not a log of cycloid_mj (it has no metadata {PACKAGE!r}): choose a log that "
@@ -278,9 +278,9 @@ def _add_messages(contents: _Contents, messages: container.Messages, path: Path)
 
 
 def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
-    """Return the topics for viewers as a mapping from name to schema, number of messages and frame rate.
+    """Return the topics of a log for viewers as a mapping from name to schema, number of messages and frame rate.
 
-    A topic is for viewers if the metadata of its channel contain no units.
+    `contents` are those of the log file. A topic is for viewers if the metadata of its channel contain no units.
     """
     viewers = {}
     for channel_id, channel in contents.channels.items():
@@ -306,7 +306,7 @@ def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> No
 
 
 def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
-    """Return a run of the first `samples` samples of all groups of columns of a log.
+    """Return a run of the first `samples` samples of all columns in the `contents` of a log.
 
     The run of a truncated file is incomplete, and its note states its last time and what the file lacks.
 

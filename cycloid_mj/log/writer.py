@@ -411,7 +411,7 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
 
 
 def _column_groups(groups: Groups) -> list[ColumnGroup]:
-    """Convert logged topics with their columns and units to column groups, in order.
+    """Convert logged topics with their columns and units to groups of columns, in order.
 
     Raises
     ------

@@ -217,7 +217,9 @@ def _cause_quantities(
                 name=f"rms of orders of {cause_of_orders.name}, {condition.words}",
                 value=cause_of_orders.rms(simulated_orders),
                 unit="arcsec",
-                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause_of_orders.signal)))
+                error=rms_about_mean(
+                    np.subtract(*_overlapping_errors(traces, finer, condition, cause_of_orders.signal))
+                )
                 if finer
                 else None,
                 reference=cause_of_orders.rms(static_orders),
@@ -286,17 +288,17 @@ def _step_error(
     if not finer_traces:
         return None
     statistic, error = _LEVELS[level][1], getattr(traces[condition], shaft)
-    coarse, fine = (statistic(item) for item in _compared_errors(traces, finer_traces, condition, shaft))
+    coarse, fine = (statistic(item) for item in _overlapping_errors(traces, finer_traces, condition, shaft))
     first_value, second_value = (statistic(half_error) for half_error in np.array_split(error, 2))
     return abs(coarse - fine) + 0.5 * abs(first_value - second_value)
 
 
 def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signal: str) -> float:
-    coarse, fine = _compared_errors(traces, finer, case, signal)
+    coarse, fine = _overlapping_errors(traces, finer, case, signal)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _compared_errors(
+def _overlapping_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
     """Return the transmission errors of a forward run with full and half time step, at their common crank angles.

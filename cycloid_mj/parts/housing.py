@@ -82,7 +82,7 @@ def housing_part(reducer: Reducer) -> Part:
         Segment("housing", outline, (TurnedContour(hole, offset_angle),), low, high)
         for low, high, offset_angle in ring_spans(reducer)
     ]
-    return Part("housing", (*rings, *_sleeve_cores(reducer)), design.material_of("housing").density)
+    return Part("housing", (*rings, *_sleeve_pins(reducer)), design.material_of("housing").density)
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
@@ -106,7 +106,7 @@ def ring_spans(reducer: Reducer) -> list[tuple[float, float, float]]:
     return [(-half_width, -slit, first_angle), (slit, half_width, second_angle)]
 
 
-def _sleeve_cores(reducer: Reducer) -> list[Segment]:
+def _sleeve_pins(reducer: Reducer) -> list[Segment]:
     """Return the steel pins inside the sleeves of the ring, which are pressed into the housing, as prismatic bodies.
 
     A `Segment` is an outline that extends between two axial positions. The pins begin with pin 1 on +y and continue

@@ -119,7 +119,7 @@ def contact_forces(
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)
-    measured_geometry = _measured_inner_parts(reducer, poses_by_part)
+    measured_geometry = _logged_inner_parts(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
     wrench_columns = [columns[names.column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["output_angle"].size
@@ -254,7 +254,7 @@ class _InnerParts:
         return points
 
 
-def _measured_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) -> _InnerParts:
+def _logged_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) -> _InnerParts:
     """Return centres and radii of the inner parts of all mating pairs (pins, cams, needles) at the poses of a log.
 
     `poses_by_part` has the poses of each part by its name at n samples of the log: x [m], y [m] and angle [rad], shape

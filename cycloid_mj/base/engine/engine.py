@@ -67,7 +67,7 @@ class Engine:
     def stream(
         self, function: Callable[[T], R], items: Iterable[T], on_lost: Lost[R] | None = None
     ) -> Iterator[tuple[int, R]]:
-        """Apply a function to each item in parallel; yield the results in the order of completion.
+        """Apply a function to each item of a sequence in parallel; yield the results in the order of completion.
 
         With processes or a cluster, `function` must be picklable: a function of a module, or a `functools.partial` of
         such a function. Items and results should be small. The results do not depend on the worker. The first error of
@@ -108,7 +108,7 @@ class Engine:
         return run_in_processes(piece, items, self.local_workers, on_lost)
 
     def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
-        """Apply a function to each item in parallel; return the results in the order of the items.
+        """Apply a function to each item of a sequence in parallel; return the results in the order of the items.
 
         `progress` is called with the number of finished items and the number of all items.
         """
