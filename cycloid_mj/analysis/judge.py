@@ -83,7 +83,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
     entries are None.
     """
     run, provenance = motion.run, motion.run.provenance
-    power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
+    power, contacts, evaluated_window = _mean_powers(motion), _summarize_contacts(motion), _window(motion)
     output = _transmission_error(motion.output_angle, motion)
     return Findings(
         design=motion.design.name,
@@ -96,7 +96,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         wall_s=float(provenance["wall_s"]) if "wall_s" in provenance else None,
         driven_shaft=run.driven_shaft,
         crank=_crank(motion),
-        gear_speed=_speed(motion.gear_speed, motion),
+        gear_speed=_compare_speeds(motion.gear_speed, motion),
         q_path=_path(motion, motion.evaluation_mask),
         q_speed=_velocity(motion.q_velocity, motion.evaluation_mask),
         transmission_error=output,
@@ -104,15 +104,15 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         crank_bearings=_crank_bearings(motion),
         pin1=_pin_1(motion),
         q_speed_magnitude=_velocity(motion.q_velocity.size, motion.evaluation_mask),
-        q_acceleration=_acceleration(motion, motion.evaluation_mask),
+        q_acceleration=_compare_accelerations(motion, motion.evaluation_mask),
         ramp=_ramp(motion),
-        output_speed=_speed(motion.output_speed, motion),
+        output_speed=_compare_speeds(motion.output_speed, motion),
         output_transmission_error=output,
         gear_transmission_error=_transmission_error(motion.gear_angle, motion),
-        discs=_discs(motion),
+        discs=_evaluate_discs(motion),
         efficiency=_efficiency(power, motion),
         power=power,
-        losses=_losses(motion),
+        losses=_mean_losses(motion),
         window=evaluated_window,
         complete=run.complete,
         note=run.note,
@@ -128,7 +128,7 @@ def _crank(motion: Series) -> Crank:
     return Crank(mean, peak(motion.crank_speed.error) / nominal if nominal else None)
 
 
-def _discs(motion: Series) -> tuple[Disc, ...]:
+def _evaluate_discs(motion: Series) -> tuple[Disc, ...]:
     """Return a `Disc` for each disc: its speed, transmission error, and path and speed of the point q of the series.
 
     The tuple is empty for a single disc, which the findings of the run describe. `motion` are the time series of the
@@ -139,7 +139,7 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
     return tuple(
         Disc(
             name=series_of_disc.gear,
-            speed=_speed(series_of_disc.gear_speed, series_of_disc),
+            speed=_compare_speeds(series_of_disc.gear_speed, series_of_disc),
             transmission_error=_transmission_error(series_of_disc.gear_angle, series_of_disc),
             q_path=_path(series_of_disc, series_of_disc.evaluation_mask),
             q_speed=_velocity(series_of_disc.q_velocity, series_of_disc.evaluation_mask),
@@ -148,7 +148,7 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
     )
 
 
-def _speed(speed: Compared, motion: Series) -> SpeedFindings:
+def _compare_speeds(speed: Compared, motion: Series) -> SpeedFindings:
     """Return the mean of a speed and of its closed form over full periods, and rms and peak of the difference [rad/s].
 
     The difference is evaluated in all settled samples (`Series.evaluation_mask`). `speed` is one of the signals of
@@ -173,7 +173,7 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
     return VelocityFindings(1e3 * rms(error), 1e3 * peak(error))
 
 
-def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
+def _compare_accelerations(motion: Series, mask: Mask) -> AccelerationFindings | None:
     """Return rms and peak of the difference between simulated and closed-form acceleration of a disc's point q [m/s2].
 
     Each interval between two successive samples that are both in the mask (n,) is evaluated. The simulated acceleration
@@ -199,7 +199,7 @@ def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
     return TransmissionError(ARCSECONDS * float(np.mean(ranges)), ARCSECONDS * _mean(angle.error, motion))
 
 
-def _contacts(motion: Series) -> ContactSummary:
+def _summarize_contacts(motion: Series) -> ContactSummary:
     """Return the mean number of contacts, and the largest penetration [um] and force [N] of one contact.
 
     The mean is over full periods, the extremes are over all evaluated samples. `motion` are the time series of the run.
@@ -236,10 +236,10 @@ def _ramp(motion: Series) -> Ramp | None:
     if not rows.any():
         return None
     velocity = _velocity(motion.q_velocity, rows)
-    return Ramp(_path(motion, rows), velocity, _acceleration(motion, rows), int(rows.sum()))
+    return Ramp(_path(motion, rows), velocity, _compare_accelerations(motion, rows), int(rows.sum()))
 
 
-def _power(motion: Series) -> Power:
+def _mean_powers(motion: Series) -> Power:
     """Return mean input and output power [W], mean torques of driven shaft and load, and ideal input torque [N m].
 
     All are means over full periods. The driven shaft is the crank, or the sun of an RV reducer. Input power is positive
@@ -263,7 +263,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
     return Powers(power.input_w, -power.output_w).efficiency if loaded and motion.phase == "hold" else None
 
 
-def _losses(motion: Series) -> tuple[Loss, ...]:
+def _mean_losses(motion: Series) -> tuple[Loss, ...]:
     """Return the mean friction and damping losses [W] of each kind of mating pair, over full periods.
 
     Kinds whose losses are 0 in every sample are omitted. `motion` are the time series of the run.

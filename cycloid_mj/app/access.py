@@ -51,10 +51,10 @@ class AccessControl:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle one request."""
-        refusal = self._refusal(scope)
+        refusal = self._refuse_request(scope)
         await (refusal or self._inner)(scope, receive, _add_headers(send))
 
-    def _refusal(self, scope: Scope) -> Response | None:
+    def _refuse_request(self, scope: Scope) -> Response | None:
         """Return the response that refuses a request to the server from another host or origin, or without the token.
 
         `scope` describes the request (ASGI). Return None if the request is allowed.

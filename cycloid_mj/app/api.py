@@ -73,7 +73,8 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     ----------
     content
         Request of the page: ``play`` is the factor by which the drawn clearances are magnified (default 1),
-        ``required`` are the values in the start form by field name, with which the figures of the header are compared.
+        ``required`` are the values in the start form by field name, with which the quantities of the header are
+        compared.
     """
     magnification = content.get("play", 1.0)
     if not isinstance(magnification, int | float) or not 1.0 <= magnification <= REQUESTS.magnification:
@@ -106,7 +107,7 @@ def _cached_reducer(values: str) -> Reducer:
 
 
 def statics(content: Content) -> dict[str, Any]:
-    """Return the figures of the static equilibrium."""
+    """Return the quantities of the static equilibrium of a design, as JSON values."""
     return summary.statics(_reducer(content), content.get("required"))
 
 

@@ -235,7 +235,7 @@ def key_in_words(key: str) -> str:
     """Return a key of the design file as words within a sentence; any other text is returned unchanged."""
     if "." not in key:
         return key
-    word = _labels().get(key, key)
+    word = _control_labels().get(key, key)
     if word != key:
         return f"{word[:1].lower()}{word[1:]}"
     try:
@@ -284,7 +284,7 @@ def _slider_rows(layout: Layout) -> Iterator[tuple[str, str, str]]:
             yield group, name, label
 
 
-def _labels() -> dict[str, str]:
+def _control_labels() -> dict[str, str]:
     """Return the labels of all keys for which the page has a control by default: key of the design file -> label."""
     labels = {key: label for key, (label, _) in WORDS.items()}
     rows = [(design, *row) for layout, design in BASES.items() for row in _slider_rows(layout)]

@@ -68,9 +68,10 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     Returns
     -------
     dict
-        The distributions (`_distributions`) and three keys of the error budget. ``budget``: the share of each source in
-        the variance of a quantity; ``budget_of``: the name of this quantity; ``no_budget``: the reason if there are no
-        shares, else empty. If too many samples of the first block jam, the study stops without these three keys.
+        The distributions (`_sample_distributions`) and three keys of the error budget. ``budget``: the share of each
+        source in the variance of a quantity; ``budget_of``: the name of this quantity; ``no_budget``: the reason if
+        there are no shares, else empty. If too many samples of the first block jam, the study stops without these three
+        keys.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def _study_central(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict
             key: np.concatenate([columns[key], block_values]) if columns else block_values
             for key, block_values in block.items()
         }
-        distributions = _distributions(columns, find_jams(columns), condition(reducer))
+        distributions = _sample_distributions(columns, find_jams(columns), condition(reducer))
         count = distributions["samples"]
         on_progress(
             {"doing": f"{count} of {STUDY.samples} samples", "share": count / STUDY.samples, "seen": distributions}
@@ -116,7 +117,7 @@ def _study_rv(reducer: Reducer, on_progress: Callable[[Any], None]) -> dict[str,
     """Return the result of `study_tolerances` for an RV reducer, from the closed form of its transmission error."""
     on_progress({"doing": f"{STUDY.samples} samples", "share": 0.0})
     study = tolerance(reducer.design, STUDY.samples, STUDY.seed)
-    return {**_distributions(study.figures, study.jams, study.condition), **_budget_json(study)}
+    return {**_sample_distributions(study.figures, study.jams, study.condition), **_budget_json(study)}
 
 
 STUDIES: Mapping[Layout, Callable[[Reducer, Callable[[Any], None]], dict[str, Any]]] = {
@@ -155,7 +156,7 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
     return design.but(**{table: dict.fromkeys(keys, zone)})
 
 
-def _distributions(columns: Mapping[str, Array], jams: Mask, condition_text: str) -> dict[str, Any]:
+def _sample_distributions(columns: Mapping[str, Array], jams: Mask, condition_text: str) -> dict[str, Any]:
     """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
 
     `columns` are the computed quantities of the samples by key, and `jams` is which samples jam, shape (samples,) each.

@@ -101,7 +101,10 @@ def _assemble_rv(reducer: Reducer, _options: BuildOptions) -> _Assembly:
 
 
 def _motions(reducer: Reducer) -> dict[str, tuple[float, float]]:
-    """Return the motions that the parts of all layouts have, as in `_Assembly`; the ring is at rest."""
+    """Return the motions that the parts of all layouts have, by name; the ring is at rest.
+
+    A motion is the turns of a part about its own axis, and of this axis about that of the reducer, per crank turn.
+    """
     disc_rate = -1.0 / reducer.design.lobes
     return {"": (0.0, 0.0), "output": (disc_rate, disc_rate), "disc": (disc_rate, 1.0)}
 
@@ -133,7 +136,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     reducer = reducer_at_reference(reducer)
     assembly = ASSEMBLIES[reducer.LAYOUT](reducer, options)
     steps, shifts = _number_steps(assembly.moves), _exploded_shifts(reducer, assembly)
-    axes = _axes(reducer)
+    axes = _axis_positions(reducer)
     parts = [
         {
             "name": name.replace("_", " "),
@@ -155,7 +158,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     }
 
 
-def _axes(reducer: Reducer) -> dict[str, Array]:
+def _axis_positions(reducer: Reducer) -> dict[str, Array]:
     """Return the positions x, y [m] of the axes of discs, and of the cranks of an RV reducer, by body, shape (2,).
 
     They are those at the crank angle 0. The value for the needles, which turn with their cranks, has shape (cranks, 2).
@@ -171,10 +174,10 @@ def _axes(reducer: Reducer) -> dict[str, Array]:
 def _component_json(component: PlacedPart, axes: Mapping[str, Array], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    `axes` are those of `_axes`, `step` is the assembly step of the component from 1 (0: none), and `shift` is its shift
-    along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to its axis
-    ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank", "output" or
-    "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
+    `axes` are those of `_axis_positions`, `step` is the assembly step of the component from 1 (0: none), and `shift` is
+    its shift along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to
+    its axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank",
+    "output" or "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
     """
     place, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
     if component.body in axes:

@@ -68,7 +68,7 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
         if not isinstance(limit, int | float) or isinstance(limit, bool) or not 0.0 < limit < math.inf:
             continue
         if rule.figure in figures:
-            margin = _margin(figures[rule.figure], float(limit), rule.sense) * (1.0 + rule.rtol)
+            margin = _margin_to_limit(figures[rule.figure], float(limit), rule.sense) * (1.0 + rule.rtol)
             verdicts[field] = verdict(judge(margin), f"{rule.sense}{limit:.6g} {rule.unit}".replace(" :", ":"))
     return verdicts
 
@@ -95,7 +95,7 @@ def verdict(judgement: Judgement, words: str) -> dict[str, str]:
     return {"judgement": judgement, "words": words}
 
 
-def _margin(value: float, limit: float, side: str) -> float:
+def _margin_to_limit(value: float, limit: float, side: str) -> float:
     """Return the margin of a value to its limit: limit / value for the side "≤ ", value / limit for "≥ ".
 
     For an empty `side`, the value must equal its limit: the margin is 1 if it does, else 0.

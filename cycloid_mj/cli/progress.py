@@ -89,7 +89,7 @@ class Progress:
             self._bar.update(self._bar.task_ids[0], completed=simulated_time)
         elif monotonic() - self._told > SECONDS_BETWEEN_LINES:
             self._told = monotonic()
-            tell(self._line(simulated_time))
+            tell(self._progress_text(simulated_time))
 
     def judging(self) -> None:
         """Show that the last sample is there, and is judged with all others."""
@@ -98,7 +98,7 @@ class Progress:
             self._bar = None
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
-    def _line(self, simulated_time: float) -> str:
+    def _progress_text(self, simulated_time: float) -> str:
         """Return a line of text with the finished share of a run and the time left, at `simulated_time` [s].
 
         The time left is estimated from the speed since the first sample.

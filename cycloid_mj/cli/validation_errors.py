@@ -22,7 +22,7 @@ from cycloid_mj.cli.page import commands
 def describe_error(error: CycloptsError) -> str:
     """Return one line that names the flag, its value and the allowed values."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
-    message = " ".join(_describe(error).split()).rstrip(".")
+    message = " ".join(_describe_error(error).split()).rstrip(".")
     return f"{message}{' S' if message.endswith('?') else '; s'}ee {command} --help"
 
 
@@ -54,7 +54,7 @@ def _choices(hint: Any) -> tuple[str, ...]:
     return tuple(choice for part in parts for choice in _choices(part))
 
 
-def _describe(error: CycloptsError) -> str:
+def _describe_error(error: CycloptsError) -> str:
     """Return the message on an error of cyclopts in the words of this command line, without markup.
 
     Errors of other types keep their own text.

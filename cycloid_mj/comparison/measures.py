@@ -65,10 +65,10 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
     LogError
         A column of the run is missing.
     """
-    return Measures(judge(motion, log), _fluctuation(motion), vibration(motion), forces(motion))
+    return Measures(judge(motion, log), _fluctuation_errors(motion), vibration(motion), forces(motion))
 
 
-def _fluctuation(motion: Series) -> Fluctuation:
+def _fluctuation_errors(motion: Series) -> Fluctuation:
     """Compute the rms errors of the disc's speed and of path and velocity of its point q, over full crank turns.
 
     `motion` are the time series of the run. Errors are differences from the ideal motion (`Series`). Steady shifts are

@@ -56,7 +56,7 @@ class Entry:
     endurance_pressure: float = 0.0
 
 
-def _entry(
+def _material_values(
     modulus: float,
     poisson: float,
     density: float,
@@ -96,11 +96,13 @@ LIGHTEST_MODULUS = 9e10
 DEFAULT = "alloy steel"
 
 MATERIALS = {
-    DEFAULT: _entry(210000.0, 0.28, 7700.0, 723.1, 620.4, 250.0, 13.0, "Hsieh 2014, Table 1; SolidWorks Alloy Steel"),
-    "bearing steel": _entry(
+    DEFAULT: _material_values(
+        210000.0, 0.28, 7700.0, 723.1, 620.4, 250.0, 13.0, "Hsieh 2014, Table 1; SolidWorks Alloy Steel"
+    ),
+    "bearing steel": _material_values(
         203000.0, 0.29, 7830.0, 2241.0, 2034.0, 150.0, 12.5, "AISI 52100, 60 to 67 HRC, makers of balls"
     ),
-    "case-hardened 16MnCr5": _entry(
+    "case-hardened 16MnCr5": _material_values(
         210000.0,
         0.30,
         7850.0,
@@ -113,7 +115,7 @@ MATERIALS = {
         2135.0,
         1240.0,
     ),
-    "case-hardened 20MnCr5": _entry(
+    "case-hardened 20MnCr5": _material_values(
         210000.0,
         0.30,
         7850.0,
@@ -126,7 +128,7 @@ MATERIALS = {
         2135.0,
         1240.0,
     ),
-    "nitrided 42CrMo4": _entry(
+    "nitrided 42CrMo4": _material_values(
         210000.0,
         0.30,
         7850.0,
@@ -139,17 +141,23 @@ MATERIALS = {
         1961.0,
         1034.0,
     ),
-    "tempered steel": _entry(
+    "tempered steel": _material_values(
         210000.0, 0.30, 7850.0, 1000.0, 750.0, 250.0, 12.0, "42CrMo4+QT, 16 to 40 mm, EN ISO 683-2"
     ),
-    "stainless steel": _entry(200000.0, 0.30, 7900.0, 500.0, 190.0, 250.0, 16.0, "1.4301, EN 10088-3"),
-    "aluminium 6061": _entry(68900.0, 0.33, 2700.0, 310.0, 276.0, 150.0, 23.6, "6061-T6, ASM Metals Handbook, vol. 2"),
-    "aluminium 7075": _entry(71700.0, 0.33, 2810.0, 572.0, 503.0, 130.0, 23.6, "7075-T6, ASM Metals Handbook, vol. 2"),
-    "bronze": _entry(95000.0, 0.34, 8700.0, 260.0, 140.0, 200.0, 18.5, "CuSn12-C (CC483K), sand cast, EN 1982"),
-    "PA12": _entry(
+    "stainless steel": _material_values(200000.0, 0.30, 7900.0, 500.0, 190.0, 250.0, 16.0, "1.4301, EN 10088-3"),
+    "aluminium 6061": _material_values(
+        68900.0, 0.33, 2700.0, 310.0, 276.0, 150.0, 23.6, "6061-T6, ASM Metals Handbook, vol. 2"
+    ),
+    "aluminium 7075": _material_values(
+        71700.0, 0.33, 2810.0, 572.0, 503.0, 130.0, 23.6, "7075-T6, ASM Metals Handbook, vol. 2"
+    ),
+    "bronze": _material_values(
+        95000.0, 0.34, 8700.0, 260.0, 140.0, 200.0, 18.5, "CuSn12-C (CC483K), sand cast, EN 1982"
+    ),
+    "PA12": _material_values(
         1387.0, 0.39, 1020.0, 43.0, 43.0, 80.0, 110.0, "3D Systems, by PMC10406103, Table 2, ISO 527; nu, limit as PA6"
     ),
-    "PETG": _entry(
+    "PETG": _material_values(
         1810.0,
         0.40,
         1230.0,
@@ -160,14 +168,14 @@ MATERIALS = {
         "Essentium PCTG, printed, in the layers' plane, ISO 527-2 (across 40 to 45); makers of PETG 44 to 56, across "
         "25 to 38 (additive.tools); its deflection by heat at 1.8 MPa is 64 °C",
     ),
-    "POM": _entry(2850.0, 0.37, 1410.0, 64.0, 64.0, 90.0, 110.0, "Hostaform C 9021, ISO 527; UL 746B"),
-    "PA6": _entry(
+    "POM": _material_values(2850.0, 0.37, 1410.0, 64.0, 64.0, 90.0, 110.0, "Hostaform C 9021, ISO 527; UL 746B"),
+    "PA6": _material_values(
         3300.0, 0.39, 1140.0, 79.0, 78.0, 80.0, 100.0, "Ensinger TECAMID 6, dry; moist it has about a third of it"
     ),
-    "Onyx": _entry(
+    "Onyx": _material_values(
         1400.0, 0.39, 1200.0, 36.0, 36.0, 80.0, 100.0, "Markforged Composites data sheet, ASTM D638; nu, limit as PA6"
     ),
-    "PLA": _entry(
+    "PLA": _material_values(
         3039.0,
         0.36,
         1264.0,
@@ -177,7 +185,7 @@ MATERIALS = {
         101.0,
         "Stratasys PLA, printed, in the layers' plane, ASTM D638 (across 26 MPa); other makers 23 (PolyTerra) to 65",
     ),
-    "resin": _entry(2800.0, 0.41, 1180.0, 65.0, 65.0, 50.0, 80.0, "Formlabs Clear, post-cured, ASTM D638"),
+    "resin": _material_values(2800.0, 0.41, 1180.0, 65.0, 65.0, 50.0, 80.0, "Formlabs Clear, post-cured, ASTM D638"),
 }
 """Materials by name."""
 

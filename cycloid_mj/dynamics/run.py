@@ -553,7 +553,7 @@ class _Recorder:
         """
         rows = self.steps.advance(samples)
         self.unconverged_count += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
-        checks = list(self._checks(rows))
+        checks = list(self._sample_checks(rows))
         is_wrong = np.any([is_failed for is_failed, _ in checks], axis=0)
         if not is_wrong.any():
             return rows, ""
@@ -593,7 +593,7 @@ class _Recorder:
             tables[names.PINS] = sensor_values[:, self._first_pin : self._sensor_count]
         return tables | {names.FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
-    def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
+    def _sample_checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield for each check of a run a mask (n,) of the n samples that fail it, and a function for its message.
 
         The function takes the index of a sample in `rows`, shape (n, values), and returns the message. The checks are

@@ -195,7 +195,7 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     stiffness k = F/(clearance + F/K) under the working force F, for the contact stiffness K.
     """
     design = reducer.design
-    gear, _, pin = _masses(reducer)
+    gear, _, pin = _part_masses(reducer)
     if isinstance(reducer, RvReducer):
         share, clearance = gear / reducer.cranks.count, reducer.bearing_clearance
         limits = {"the disc on its cranks": _rolling_limit(reducer, names.CRANK_BEARING, share, clearance)}
@@ -233,7 +233,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     with the eccentricity c and the number N of ring teeth.
     """
     design = reducer.design
-    gear, output, pin = _masses(reducer.shape)
+    gear, output, pin = _part_masses(reducer.shape)
     ring_inertia, carrier_inertia = (output, math.inf) if design.output.turns_ring else (math.inf, output)
     if isinstance(reducer, RvReducer):
         mobility = _rv_mobility(reducer, 0.0 if math.isinf(carrier_inertia) else 1.0 / turning_inertia(reducer))
@@ -270,7 +270,7 @@ def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
 
 
 @once
-def _masses(reducer: Reducer) -> tuple[float, float, float]:
+def _part_masses(reducer: Reducer) -> tuple[float, float, float]:
     """Return the mass of a disc [kg], the inertia of the output [kg m2] and the mass of a moving pin [kg], or 0.
 
     That of a tilting pin is its effective mass at the plane of a disc.

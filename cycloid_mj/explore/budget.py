@@ -108,7 +108,7 @@ def compute_shares(
     figure = _FigureSets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
     if np.ptp(np.concatenate([figure.set_a, figure.set_b])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    terms = _estimator_terms(figure, [_standardise(zones, deviation, rows) for deviation in deviations])
+    terms = _estimator_terms(figure, [_standardise_deviations(zones, deviation, rows) for deviation in deviations])
     first_order_share = terms.first_order.mean(axis=1) / terms.variance.mean()
     total, low, high = _jackknife_ratios(terms.total, terms.variance)
     shares = [
@@ -144,7 +144,7 @@ class _Terms(NamedTuple):
     total: Array
 
 
-def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
+def _standardise_deviations(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
     """Scale the deviations of parts to mean 0 and variance 1; return an array (rows, k) per tolerance.
 
     k is the number of random numbers of the tolerance in a sample, such as 80 for the positions of 40 pins. `zones` are
@@ -166,7 +166,7 @@ def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> 
 
     The parts are the first-order and the total variance of each tolerance. A linear model serves as control variate
     (`_fit_control_variate`). `figure` are the values of the quantity in all sample sets. `deviations` are those in the
-    sets A and B, from `_standardise`: an array (n, k) for each tolerance, with its k random numbers.
+    sets A and B, from `_standardise_deviations`: an array (n, k) for each tolerance, with its k random numbers.
     """
     centre, linear, variances = _fit_control_variate(figure, deviations)
     values_a, values_b, values_mixed = figure.set_a - centre, figure.set_b - centre, figure.mixed - centre
@@ -180,8 +180,8 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
     """Fit a linear model of a quantity to the deviations by cross-validation, as a control variate of its variance.
 
     In each fold of the samples the model has the coefficients fitted to the other folds. `figure` are the values of the
-    quantity in all sample sets. `deviations` are those in the sets A and B, from `_standardise`: an array (n, k) for
-    each tolerance, with its k random numbers in n samples.
+    quantity in all sample sets. `deviations` are those in the sets A and B, from `_standardise_deviations`: an array
+    (n, k) for each tolerance, with its k random numbers in n samples.
 
     Returns
     -------
@@ -220,7 +220,7 @@ def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> li
     Only tolerances that change the value of at least one sample are included, those with the fewest random numbers
     first. The number of columns of the fit is limited to the number of its rows times `SobolSettings.max_columns`.
     `figure` are the values of the quantity in all sample sets; `deviations` are those in set A, from
-    `_standardise`: an array (n, k) for each tolerance, with its k random numbers in n samples.
+    `_standardise_deviations`: an array (n, k) for each tolerance, with its k random numbers in n samples.
     """
     rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0

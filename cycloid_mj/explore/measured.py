@@ -80,7 +80,7 @@ def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> M
     return _from_quantities(measurement.quantities.values(), assumptions=assumptions, warnings=tuple(warnings))
 
 
-def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
+def _simulate_design(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Simulate a design (ramp, then constant speed); return the results of its analysis as columns of a table.
 
     A `MeasuredFigures` has the columns. `options` are settings of the run. Under a load, pins have no inertia unless
@@ -210,7 +210,7 @@ def _compute_figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measur
 MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], MeasuredFigures]] = {
     "statics": _compute_statics,
     **{name: partial(_run_measurement, name) for name in MEASURES},
-    **{"simulate": _simulate, "mass": _compute_masses, "checks": _list_checks, "figures": _compute_figures},
+    **{"simulate": _simulate_design, "mass": _compute_masses, "checks": _list_checks, "figures": _compute_figures},
 }
 """Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 

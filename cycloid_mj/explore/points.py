@@ -83,7 +83,7 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
     Parameters
     ----------
     vary
-        Range ``lo:hi``, or values as in `grid_points`, by key of the design file.
+        Range ``lo:hi``, or a list of values, by key of the design file.
     method
         ``sobol``: a scrambled Sobol sequence; ``lhs``: a Latin hypercube; ``random``: independent draws.
     count, seed

@@ -216,7 +216,7 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        figures, rejecting_checks, offset, error = _evaluate(task, values)
+        figures, rejecting_checks, offset, error = _evaluate_point(task, values)
     violation = offset + sum(rejecting_checks.values()) if rejecting_checks else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
     cells = {
@@ -229,7 +229,7 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
-def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
+def _evaluate_point(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
     """Compute objectives and limited quantities at a point of a problem, `task`, and its violations.
 
     `values` are those of the keys of the problem.

@@ -199,11 +199,11 @@ class _Run:
             for search in searches
             if not search.done and search.used - evaluations_before[id(search)] < per_search
         ]:
-            self._generation(active_searches)
+            self._evaluate_generation(active_searches)
             if self._used >= until:
                 break
 
-    def _generation(self, searches: Sequence[EvolutionSearch]) -> None:
+    def _evaluate_generation(self, searches: Sequence[EvolutionSearch]) -> None:
         """Evaluate the next generation of points of all CMA-ES searches, and update the searches and the best point."""
         generations = [search.ask() for search in searches]
         rows = self._evaluate([point for points in generations for point in points])

@@ -548,7 +548,9 @@ class _Study:
         deviations = {key: np.concatenate([part[key] for part in deviations_by_batch]) for key in self.zones}
         samples = sampling.apply_deviations(self.reducer, identical_samples(self.reducer, jams.size), deviations)
         can_be_written = sampling.has_design_file(self.reducer, samples)
-        budget, no_budget = ((), "") if is_stopped else self._budget(figures_by_batch, figures[self.budget_key][~jams])
+        budget, no_budget = (
+            ((), "") if is_stopped else self._error_budget(figures_by_batch, figures[self.budget_key][~jams])
+        )
         return Tolerances(
             design=self.reducer.design.name,
             condition=condition(self.reducer),
@@ -563,11 +565,11 @@ class _Study:
             budget_of=self.budget_key,
             budget=budget,
             no_budget=no_budget,
-            worst=self._worst(figures[self.budget_key], ~jams & can_be_written),
+            worst=self._worst_samples(figures[self.budget_key], ~jams & can_be_written),
             left_out=sampling.list_omissions(self.reducer, self.zones, int(np.sum(~jams & ~can_be_written))),
         )
 
-    def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
+    def _worst_samples(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
         """Return the samples of a tolerance study with the worst values as designs, worst first, at most `MAX_WORST`.
 
         `values` has the quantity of the error budget and `eligible` whether a sample may be selected, shape (samples,)
@@ -578,7 +580,7 @@ class _Study:
         numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
         return tuple(sampling.sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
 
-    def _budget(
+    def _error_budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
         """Return the error budget, the share of each tolerance in a quantity's variance, and ""; or () and the reason.

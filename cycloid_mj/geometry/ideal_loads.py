@@ -226,7 +226,7 @@ def line_contact_stiffness(
     Parameters
     ----------
     force, length, modulus, depth
-        As in `line_contact_constant`: force [N], length L [m], modulus E* [Pa], depth D [m].
+        Force [N], length L [m] and modulus E* [Pa] of the contact, and depth D [m] of the reference point in each body.
     relative_curvature
         Relative curvature kappa [1/m], any shape; the result has the same shape.
     """

@@ -159,7 +159,10 @@ class InvoluteGear:
         return _rotate(self.corner_depth / distance, s / distance, angle)
 
     def fillet_length(self, corner: npt.ArrayLike) -> Array:
-        """Compute the arc length of the fillet from the root circle [m], at positions [m] as in `fillet`."""
+        """Compute the arc length [m] of the fillet of a tooth from the root circle.
+
+        `corner` [m] are positions of the centre of the rack's corner along the rack, as for `fillet`.
+        """
         s = np.asarray(corner, dtype=np.float64)
         h, r = self.corner_depth, self.reference_radius
         centre = (s * np.hypot(s, h) + h * h * np.arcsinh(s / h)) / (2.0 * r)

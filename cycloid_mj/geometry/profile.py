@@ -436,7 +436,7 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
     chords = max(1, math.ceil(share[-1] / math.sqrt(8 * chord_error)))
     while True:
         nodes = np.interp(np.linspace(0.0, share[-1], chords + 1), share, grid)
-        largest_sagitta = float(np.max(_sagittas(arc, nodes)))
+        largest_sagitta = float(np.max(_chord_sagittas(arc, nodes)))
         if largest_sagitta <= chord_error:
             return nodes
         chords = max(chords + 1, math.floor(chords * math.sqrt(largest_sagitta / chord_error)))
@@ -506,7 +506,7 @@ def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
     )
 
 
-def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
+def _chord_sagittas(arc: SmoothArc, nodes: Array) -> Array:
     """Compute the largest distance [m] of each chord from its arc, (n - 1,), for chords between n `nodes` (n,).
 
     The distance is largest where the tangent of the arc is parallel to the chord.

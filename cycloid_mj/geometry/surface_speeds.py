@@ -51,8 +51,8 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
     gear
         The mesh.
     B
-        Phases of the pins [rad], angles of the pins from the eccentricity, clockwise as in `profile`. They have any
-        shape, and the result has the same shape.
+        Phases of the pins [rad], angles of the pins from the eccentricity, clockwise. They have any shape, and the
+        result has the same shape.
     crank_speed
         Speed of the crank relative to the ring [rad/s].
     """

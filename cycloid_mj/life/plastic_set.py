@@ -88,8 +88,8 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
     loading
         Solved forces at a point of the duty.
     kind, part
-        Kind of mating pair, and one of its two parts, as in `PARTNERS`. Contacts in seats do not move along the
-        surface: their share is 1.
+        Kind of mating pair, and one of its two parts (`PARTNERS`). Contacts in seats do not move along the surface:
+        their share is 1.
     half_width
         Half widths of the strips of n contacts at m crank angles [m], shape (m, n).
 

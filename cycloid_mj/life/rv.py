@@ -285,7 +285,8 @@ def _rate_lubricated(
     contacts
         Entrainment speed at the design's speed [m/s], and reduced radius [m], at each point of the duty.
     pressures, load_rates
-        Largest pressure [Pa] and load rate [rad/s] at each point of the duty, as in `_rate_pitting`.
+        Largest Hertz pressure [Pa] at each point of the duty, and number of loads on a tooth per second, times the
+        point's share of time and 2 pi [rad/s].
     speed_ratios
         Speed at each point over that of the design [1].
     """

@@ -170,7 +170,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     """
     path, contents = Path(path), _Contents(without, rows)
     try:
-        with _open(path) as stream:
+        with _open_log(path) as stream:
             is_complete = _read_records(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
@@ -189,7 +189,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     return Log(run, _viewer_topics(contents), is_complete, size)
 
 
-def _open(path: Path) -> BinaryIO:
+def _open_log(path: Path) -> BinaryIO:
     """Open a log for reading; if it is not a readable file, raise LogError, with the names of similar files."""
     if not path.exists():
         raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")

@@ -140,14 +140,14 @@ class LogWriter:
         """
         if not self._is_open:
             raise LogError(f"log {self.path} is closed: open a new log to write more samples")
-        self._check(time, values)
+        self._check_samples(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
         viewer_messages = self._viewer_messages(time, values)
         start = 0
         while start < time.size:
             end = min(time.size, start + self._samples_per_chunk - self.samples % self._samples_per_chunk)
-            self._append(nanoseconds[start:end], [block[start:end] for block in messages], viewer_messages)
+            self._append_samples(nanoseconds[start:end], [block[start:end] for block in messages], viewer_messages)
             self._last_time = float(time[end - 1])
             start = end
 
@@ -187,7 +187,7 @@ class LogWriter:
                 self._abandon()
                 return
             self.flush()
-            self._end(note, complete, attachments or {})
+            self._finish_log(note, complete, attachments or {})
 
     def __enter__(self) -> "LogWriter":
         return self
@@ -222,7 +222,7 @@ class LogWriter:
             messages_by_time[message[1]].append(message)
         return messages_by_time
 
-    def _append(
+    def _append_samples(
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], viewer_messages: Mapping[int, list[Message]]
     ) -> None:
         """Append k samples that fit into the current chunk; flush the chunk if it is full.
@@ -243,7 +243,7 @@ class LogWriter:
     def _add_message(self, channel: int, time: int, content: bytes, number: int) -> None:
         self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
 
-    def _check(self, time: Array, values: Mapping[str, Array]) -> None:
+    def _check_samples(self, time: Array, values: Mapping[str, Array]) -> None:
         """Raise LogError unless topics, shapes and times of the samples to be logged are valid.
 
         `time` (k,) [s] are the times of k samples. `values` are their values by topic, of shape (k, columns).
@@ -281,7 +281,7 @@ class LogWriter:
                 f"time before it, {time[unordered[0]]:g} s: pass strictly increasing times"
             )
 
-    def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
+    def _finish_log(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write the attached files and the metadata at the end of the log, and rename the file to its final name.
 
         `note` states why the run ended early, unless it is `complete`; `attachments` are the contents by name.

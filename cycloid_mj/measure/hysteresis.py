@@ -104,7 +104,11 @@ class HysteresisLoop:
         return float(np.polyval(coefficients, sign * share * self.rated))
 
     def read_middle(self, share: float, sign: int, values: Array | None = None) -> float:
-        """Return the mean of both branches at a share of the nominal torque; arguments as in `read_branch`."""
+        """Return the mean of loading and unloading branch at a share of the nominal torque.
+
+        `share` is the torque relative to the nominal torque, `sign` its sign, +1 or -1. `values` (n,) are the values at
+        the n samples of the loop, by default the rotation of the output [rad].
+        """
         return 0.5 * (self.read_branch(share, True, sign, values) + self.read_branch(share, False, sign, values))
 
     @property

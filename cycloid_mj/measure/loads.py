@@ -129,7 +129,7 @@ def loads(
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
     missed_peaks = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _capacities(loaded, contacts, coarse, fine, missed_peaks, solver)
+    capacities, capacity_details = _find_capacities(loaded, contacts, coarse, fine, missed_peaks, solver)
     progress(last, last)
     by_kind = (
         _kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed_peaks[kind]) for kind in contacts
@@ -157,7 +157,7 @@ def _run_at_two_steps(reducer: Reducer, periods: int, solver: Solver, progress: 
     return each_in_threads(lambda task: run_steady(task[0], STEADY.settling_time, task[1], solver), tasks, progress)
 
 
-def _capacities(
+def _find_capacities(
     reducer: Reducer,
     contacts: Kinds,
     first_periods: Kinds,
@@ -194,7 +194,7 @@ def _capacities(
     error = missed_peaks[weakest] + _pressure_error(contacts[weakest], first_periods[weakest], half_step[weakest])
     factors = zip(CAPACITIES, (yield_factors, shakedown_factors), strict=True)
     quantities = [
-        _capacity(key, reducer, weakest, torque * by_kind[weakest], error, solver) for key, by_kind in factors
+        _find_capacity(key, reducer, weakest, torque * by_kind[weakest], error, solver) for key, by_kind in factors
     ]
     return quantities, details
 
@@ -243,7 +243,9 @@ def _no_capacity(key: str, note: str = UNDECIDED) -> Quantity:
     return Quantity(key, CAPACITIES[key][0], math.nan, "N m", note=note)
 
 
-def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver) -> Quantity:
+def _find_capacity(
+    key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver
+) -> Quantity:
     """Compute the torque at which a kind of contact reaches first yield or shakedown, by fixed-point iteration.
 
     Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load, or if a run fails:

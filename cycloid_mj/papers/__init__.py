@@ -99,7 +99,11 @@ def papers() -> tuple[Paper, ...]:
 
 def published_torques(reducer: "Reducer") -> "list[Published]":
     """List the published output torques of a design, from all papers."""
-    return [torque for _, torques in _answers(lambda paper: list(paper.torques(reducer.design))) for torque in torques]
+    return [
+        torque
+        for _, torques in _results_of_papers(lambda paper: list(paper.torques(reducer.design)))
+        for torque in torques
+    ]
 
 
 def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
@@ -108,7 +112,9 @@ def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
     They are empty if no paper evaluates runs. `trials` are the runs with their measures. `varied` maps each variation
     of a parameter to the runs that were repeated with it.
     """
-    for _, judgement in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
+    for _, judgement in _results_of_papers(
+        lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None
+    ):
         if judgement:
             return judgement
     return RunsJudged()
@@ -118,17 +124,17 @@ def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
     """Collect the published stresses of a design's parts from all papers: name of the part -> reference."""
     return {
         part: reference
-        for _, references in _answers(lambda paper: dict(paper.stress_references(reducer.design)))
+        for _, references in _results_of_papers(lambda paper: dict(paper.stress_references(reducer.design)))
         for part, reference in references.items()
     }
 
 
 def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim]]":
     """Compare the claims of each paper about stress with studies of several designs: source -> evaluated claims."""
-    return {paper.source: claims for paper, claims in _answers(lambda paper: paper.stress_claims(studies))}
+    return {paper.source: claims for paper, claims in _results_of_papers(lambda paper: paper.stress_claims(studies))}
 
 
-def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
+def _results_of_papers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
     """Call a function for every paper; yield each paper with its result, unless the result is None.
 
     A paper that fails is skipped with a warning.

@@ -33,10 +33,12 @@ def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
     from scipy.interpolate import BSpline
 
     curve = BSpline(spline.knots, spline.controls, 3)
-    return tuple(_fit(curve, curve.derivative(), spline.knots[0], spline.knots[-1], tolerance))
+    return tuple(_fit_arcs(curve, curve.derivative(), spline.knots[0], spline.knots[-1], tolerance))
 
 
-def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float) -> Iterator[Arc | LineSegment]:
+def _fit_arcs(
+    curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float
+) -> Iterator[Arc | LineSegment]:
     """Yield arcs and lines that approximate a spline between two of its parameters within a tolerance [m].
 
     A biarc replaces the spline; if it deviates by more than the tolerance, the interval is halved.
@@ -52,17 +54,17 @@ def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance:
     """
     (start, end), tangents = curve([low, high]), slope([low, high])
     tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
-    pieces = _biarc(start, tangents[0], end, tangents[1])
+    pieces = _make_biarc(start, tangents[0], end, tangents[1])
     points = curve(np.linspace(low, high, FIT.checks + 2)[1:-1])
     if np.min([_deviation(piece, points) for piece in pieces], axis=0).max() <= tolerance:
         yield from pieces
         return
     midpoint = 0.5 * (low + high)
-    yield from _fit(curve, slope, low, midpoint, tolerance)
-    yield from _fit(curve, slope, midpoint, high, tolerance)
+    yield from _fit_arcs(curve, slope, low, midpoint, tolerance)
+    yield from _fit_arcs(curve, slope, midpoint, high, tolerance)
 
 
-def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
+def _make_biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
     """Return the biarc between two points: two arcs (or lines) with a common tangent at their junction.
 
     Parameters
@@ -77,10 +79,10 @@ def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -
     square = float(chord @ chord)
     tangent_length = square / (chord_component + math.sqrt(chord_component**2 + 2.0 * turning_measure * square))
     junction = 0.5 * (start + end + tangent_length * (start_tangent - end_tangent))
-    return _arc(start, start_tangent, junction), _arc(end, -end_tangent, junction)
+    return _make_arc(start, start_tangent, junction), _make_arc(end, -end_tangent, junction)
 
 
-def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
+def _make_arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
     """Return the arc from `start` to `end` (2,) [m] with the unit `tangent` at the start; a line if it is flat.
 
     An `Arc` is counter-clockwise, so a clockwise arc is returned from `end` to `start`.

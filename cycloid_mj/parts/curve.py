@@ -97,7 +97,7 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     """
     spans = FIT.first_spans
     while pieces * spans <= FIT.max_spans:
-        nodes = _nodes(flank, low, high, pieces * spans)
+        nodes = _spline_knots(flank, low, high, pieces * spans)
         segments = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
         splines = [_interpolate(flank, segment) for segment in segments]
         if max(_deviation(flank, *fit) for fit in zip(splines, segments, strict=True)) <= SPLINE_ERROR:
@@ -110,7 +110,7 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     )
 
 
-def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
+def _spline_knots(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
     """Compute parameters [rad] of `spans` + 1 spline knots on a flank that spread the interpolation error evenly.
 
     The first is `low`, the last `high`.

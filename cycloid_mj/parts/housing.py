@@ -76,7 +76,7 @@ def housing_part(reducer: Reducer) -> Part:
         The housing is too thin, or its sockets do not retain the pins.
     """
     design = reducer.design
-    hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
+    hole = _socket_contour(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
         Segment("housing", outline, (TurnedContour(hole, offset_angle),), low, high)
@@ -123,7 +123,7 @@ def _sleeve_pins(reducer: Reducer) -> list[Segment]:
     ]
 
 
-def _pinwheel(reducer: Reducer) -> Contour:
+def _socket_contour(reducer: Reducer) -> Contour:
     """Return the contour of the bore of a ring with sockets; raise DesignError if the sockets do not fit."""
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius

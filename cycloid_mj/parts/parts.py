@@ -90,7 +90,10 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
 
 
 def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Return one solid per body of an RV reducer, named by its part; `chord_error` [m] as in `parts`."""
+    """Return one solid per body of an RV reducer, named by its part.
+
+    `chord_error` [m] is the largest distance of a chord from its curve, by default that for mass properties.
+    """
     fine = checked_chord_error(reducer, chord_error)
     return {name: part.solid(fine) for name, part in rv_body_parts(reducer).items()}
 

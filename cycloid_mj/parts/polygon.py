@@ -36,13 +36,13 @@ def _moments(vertices: bytes) -> AreaMoments:
     u, v = np.roll(polygon, -1, axis=0).T
     weights = [np.ones(len(x)), x + u, y + v, x * x + x * u + u * u, y * y + y * v + v * v]
     weights.append(2 * x * y + x * v + u * y + 2 * u * v)
-    return AreaMoments(*(_sums((x * v - u * y) * np.array(weights)) / (2, 6, 6, 12, 12, 24)).tolist())
+    return AreaMoments(*(_accurate_sums((x * v - u * y) * np.array(weights)) / (2, 6, 6, 12, 12, 24)).tolist())
 
 
 def signed_area(polygon: Array) -> float:
     """Compute the area [m2] of a polygon (n, 2) [m], exactly; negative for a clockwise polygon."""
     (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    return float(_sums((x * v - u * y)[np.newaxis])[0]) / 2
+    return float(_accurate_sums((x * v - u * y)[np.newaxis])[0]) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
@@ -99,7 +99,7 @@ def within(points: Array, loop: Array) -> Mask:
     return is_inside
 
 
-def _sums(values: Array) -> Array:
+def _accurate_sums(values: Array) -> Array:
     """Compute the sums (k,) of the k rows of values (k, n) in about twice the working precision (Knuth's two-sum)."""
     rounding_error = np.zeros(len(values))
     while (half_count := values.shape[1] // 2) > 0:

@@ -143,7 +143,7 @@ def _middle_hole(reducer: RvReducer) -> tuple[CircleContour, ...]:
 @once
 def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return the parts of an RV reducer by name, each once and in its own frame; computed once for each reducer."""
-    parts = [housing_part(reducer), *_discs(reducer), *_crank_and_gears(reducer), *_flanges(reducer)]
+    parts = [housing_part(reducer), *_rv_discs(reducer), *_crank_and_gears(reducer), *_carrier_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
         parts.append(pin_part(reducer))
     half_width = reducer.design.gear.face_width / 2.0
@@ -152,7 +152,7 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     return {part.name: part for part in parts}
 
 
-def _discs(reducer: RvReducer) -> Iterator[Part]:
+def _rv_discs(reducer: RvReducer) -> Iterator[Part]:
     """Yield the discs of an RV reducer: valley 1 and crank bore 1 on +y, lobes of later discs turned by their phase."""
     design = reducer.design
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
@@ -196,7 +196,7 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
     yield Part(SUN, (Segment(SUN, SpurGearContour(sun), (), -half_width, half_width),), density)
 
 
-def _flanges(reducer: RvReducer) -> Iterator[Part]:
+def _carrier_flanges(reducer: RvReducer) -> Iterator[Part]:
     """Yield both flanges of the carrier, the second with the posts, which reach to the first."""
     cranks, axial = reducer.cranks, axial_layout(reducer)
     holes = (*_middle_hole(reducer), *circles_at(cranks.taper_radius, crank_centres(reducer)))

@@ -198,7 +198,10 @@ def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float
 
 
 def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
-    """Draw a filled circle of a radius [m] about a centre [m], in mm; `part` and `opacity` as in `draw_region`."""
+    """Draw a filled circle of a radius [m] about a centre [m], in mm.
+
+    `part` is the key of the part's style in `PART_STYLES`, and `opacity` is the opacity of the fill, 0 to 1.
+    """
     patch_style = _style_of(part, opacity)
     axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **patch_style))
 

@@ -45,19 +45,19 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     columns = optimum.frame.columns
     if len(objectives) > 1:
         x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
-        _scatter(main_axes, optimum, x, y)
+        _scatter_points(main_axes, optimum, x, y)
         front = list(optimum.front)
         main_axes.step(x[front], y[front], where="post", color=style.BLUE, linewidth=0.9)
         main_axes.set(xlabel=_axis_label(optimum, objectives[0].key), ylabel=_axis_label(optimum, objectives[1].key))
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
-        _scatter(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
+        _scatter_points(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
     has_infeasible = len(optimum.feasible) < np.isfinite(y).sum()
     style.legend_above(main_axes, *(item for item in MARKERS.items() if has_infeasible or item[0] != INFEASIBLE))
     for number, key_range in enumerate(varied_ranges):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
-        _scatter(
+        _scatter_points(
             axes,
             optimum,
             np.asarray(columns[key_range.key], dtype=float),
@@ -76,7 +76,7 @@ def _axis_label(optimum: Optimum, key: str) -> str:
     return style.in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
 
 
-def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
+def _scatter_points(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
     """Draw the n evaluated points of an optimisation at coordinates x and y, (n,), with start and best point marked.
 
     Points with a coordinate that is not finite are left out. The limits of the axes cover the feasible points and the

@@ -211,7 +211,7 @@ def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
     if stress.points.shape[1] == 2:
         triangulation = _triangulate(stress.points / MILLIMETRE, stress.cells)
         return axes.tripcolor(triangulation, values, **map_style)
-    points, faces, _ = _project(stress.points, stress.cells, stress.part)
+    points, faces, _ = _project_surface(stress.points, stress.cells, stress.part)
     axes.set_axis_off()
     return axes.tripcolor(_triangulate(points, faces), values, **map_style)
 
@@ -228,7 +228,7 @@ def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
         lines = points[np.unique(ends, axis=0)] / MILLIMETRE
         axes.add_collection(LineCollection(list(lines), colors=EDGE, **line_style))
     else:
-        projected_points, faces, _ = _project(points, cells, grid.part)
+        projected_points, faces, _ = _project_surface(points, cells, grid.part)
         axes.add_collection(
             PolyCollection(list(projected_points[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **line_style)
         )
@@ -250,7 +250,7 @@ def _triangulate(points: Array, cells: Integers) -> Triangulation:
     return Triangulation(x, y, cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3))
 
 
-def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
+def _project_surface(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
     """Project the surface of a solid part onto the plane of its view (`VIEWS`), and select the visible faces.
 
     Parameters

@@ -264,7 +264,7 @@ def build_mechanism(design: Design) -> Mechanism:
     return Mechanism(
         design=design,
         phases=phases(design),
-        bodies=tuple(_bodies(design, errors)),
+        bodies=tuple(_mechanism_bodies(design, errors)),
         matings=(
             *(tooth_mating(design, disc, pins) for disc in discs),
             *seats,
@@ -274,7 +274,7 @@ def build_mechanism(design: Design) -> Mechanism:
     )
 
 
-def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
+def _mechanism_bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     """Yield the bodies of a mechanism at crank angle 0 with their joints.
 
     They are the fixed member, crank, discs, output and moving pins. `errors` displace the ring pins. If the ring is the

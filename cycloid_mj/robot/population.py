@@ -115,7 +115,7 @@ class Population(Tabular):
         """Tabulate the distribution of each joint parameter over random drives, and their correlations."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
-            (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))
+            (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summarize_parameter(key).values())))
             for key, unit in PARAMETERS.items()
         )
         header = ("parameter", "unit", "nominal", "mean", "std", *(f"{item:g} %" for item in QUANTILES))
@@ -137,7 +137,7 @@ class Population(Tabular):
             "asked": self.requested,
             "seed": self.seed,
             "parameters": {
-                key: {"unit": unit, "nominal": self.nominal[key], **self._summary(key)}
+                key: {"unit": unit, "nominal": self.nominal[key], **self._summarize_parameter(key)}
                 for key, unit in PARAMETERS.items()
             },
             "correlation": {"parameters": list(PARAMETERS), "matrix": self.correlation.tolist()},
@@ -146,7 +146,7 @@ class Population(Tabular):
             ],
         }
 
-    def _summary(self, key: str) -> dict[str, float]:
+    def _summarize_parameter(self, key: str) -> dict[str, float]:
         """Return mean, standard deviation and percentiles of the parameter `key` over random drives: name -> value.
 
         The names are ``mean``, ``std``, and those of the percentiles, such as ``p05``.

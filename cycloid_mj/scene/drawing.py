@@ -341,7 +341,7 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Mesh
         Index of the frame.
     """
     gear, deviation = drawing.gear[frame], drawing.gaps.deviation[frame]
-    opening = np.einsum("mk,mk->m", normals, _displacement(outline - gear[:2], deviation))
+    opening = np.einsum("mk,mk->m", normals, _disc_displacement(outline - gear[:2], deviation))
     excess = drawing.magnification - 1.0
     return outline - normals * (excess * tooth_clearance(reducer) + drawing.magnification * opening)[:, np.newaxis]
 
@@ -385,7 +385,7 @@ def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:
     return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
 
 
-def _displacement(arm: Array, deviation: Array) -> Array:
+def _disc_displacement(arm: Array, deviation: Array) -> Array:
     """Compute the displacement of points of the disc to first order [m], shape (..., 2).
 
     `arm` (..., 2) [m] are the vectors from the centre of the disc to the points. `deviation` (..., 3) is the

@@ -115,7 +115,7 @@ def contact_forces(
         Drawing of the same samples, if the points are to be on the drawn parts; by default they are on the measured
         ones.
     kinds
-        Kinds of mating pairs to include, as in `ContactForces.kinds`.
+        Kinds of mating pairs to include, such as "cam" (`ContactForces.kinds`).
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)

@@ -104,7 +104,7 @@ class Scene:
     def schemas(self) -> dict[str, tuple[str, bytes]]:
         """Name and serialized FileDescriptorSet of the message of each topic."""
         kinds: dict[str, Any] = {FRAMES: FrameTransforms, PARTS: SceneUpdate, FORCES: SceneUpdate}
-        return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
+        return {topic: (kind.DESCRIPTOR.full_name, _message_descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
         """Yield a single message with the meshes of all parts (topic `PARTS`), to be written before the first frame.
@@ -214,7 +214,7 @@ def _nanoseconds(time: float) -> int:
     return round(1e9 * time)
 
 
-def _descriptors(message: Any) -> bytes:
+def _message_descriptors(message: Any) -> bytes:
     """Return the serialized FileDescriptorSet of a Protobuf message type: its definition, with dependencies first."""
     files: dict[str, Any] = {}
 

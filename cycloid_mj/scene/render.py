@@ -71,7 +71,7 @@ def render(
     set_sample(model, data, run, sample)
     camera = mujoco.MjvCamera()
     aim_camera(camera, model, *view)
-    return render_model(model, data, camera, size, _arrows(run, reducer, sample))
+    return render_model(model, data, camera, size, _force_arrows(run, reducer, sample))
 
 
 def render_part(
@@ -144,7 +144,7 @@ def render_model(
     return picture[::-1].copy()
 
 
-def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
+def _force_arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
     """Return the arrows of the contact forces of a sample: tail and tip [m], width [m] and colour of each.
 
     The tip is at the contact, on a face of the disc. The longest arrow of each kind of contact has the length

@@ -36,7 +36,7 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     application = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with atomic_file(path) as temporary_path:
         recording = rerun.RecordingStream(application)
-        recording.save(str(temporary_path), default_blueprint=_layout(reducer, run.topics))
+        recording.save(str(temporary_path), default_blueprint=_viewer_layout(reducer, run.topics))
         time = rerun.TimeColumn(TIMELINE, duration=run.time)
         _log_parts(rerun, recording, reducer, time, poses_by_part)
         _log_forces(rerun, recording, reducer, time, forces)
@@ -110,7 +110,7 @@ def _log_forces(rerun: Any, recording: Any, reducer: Reducer, time: Any, forces:
         recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
 
 
-def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
+def _viewer_layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
     """Return the initial layout of the viewer, a blueprint: the mechanism, and plots of speeds, torques and peak force.
 
     `topics` has the column names that belong to each topic.

@@ -35,7 +35,7 @@ def shade(mesh: Mesh) -> ShadedMesh:
     face_normals = np.divide(cross_products, area, out=np.zeros_like(cross_products), where=area > 0.0)
     adjacent = _adjacent_faces(mesh.faces)
     is_smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
-    surface = _components(adjacent[is_smooth], len(mesh.faces))
+    surface = _connected_components(adjacent[is_smooth], len(mesh.faces))
     vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
     unique_keys, vertex_indices = np.unique(vertex_keys, return_inverse=True)
     faces = vertex_indices.reshape(-1, 3)
@@ -55,7 +55,7 @@ def _adjacent_faces(faces: Faces) -> Integers:
     return (order // 3).reshape(-1, 2)
 
 
-def _components(pairs: Integers, count: int) -> Integers:
+def _connected_components(pairs: Integers, count: int) -> Integers:
     """Label the connected components of a graph: return for each of `count` nodes the smallest node of its component.
 
     `pairs` (k, 2) are the connected nodes. Each round hooks roots onto smaller neighbours and then shortens all paths

@@ -46,7 +46,7 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
     pieces_by_part = {
-        name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
+        name: _coloured_pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
     }
     for body, attached_by_name in attached_by_body.items():
         pieces_by_part[body] = pieces_by_part.get(body, ()) + tuple(
@@ -56,7 +56,7 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     return {name: pieces for name, pieces in pieces_by_part.items() if pieces and name not in attached_names}
 
 
-def _pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
+def _coloured_pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
     """Return the coloured pieces of a solid at a position [m], shape (3,); the output's discs and pins are separate."""
     if name == OUTPUT and isinstance(reducer, RvReducer):
         return (Piece("carrier", mesh(solid), COLOURS["disc"]),)

@@ -130,7 +130,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     stud = _round_down(_between(coords[7], (0.4, 1.0)) * max_hole - eccentricity)
     stud = _outsides_of_tubes(stud) if has_tube_sleeves(requirement) else stud
     thickness = DISC_SHARE * requirement.diameter / 2.0
-    core, needle_dynamic, disc_thickness, has_core = _cores(
+    core, needle_dynamic, disc_thickness, has_core = _choose_core_pins(
         coords[8], stud, face, discs * face + (discs - 1) * gap, thickness, is_custom
     )
     valid = (
@@ -376,7 +376,7 @@ def _shaft_bearings(
     return np.round(0.5 * bores[index], 9), widths[index], dynamics[index], statics[index], index >= 0
 
 
-def _cores(
+def _choose_core_pins(
     choice: Array, roller_radius: Array, face: Array, stack: Array, usual_thickness: float, is_custom: bool
 ) -> tuple[Array, Array, Array, Mask]:
     """Choose the core pins of output rollers for each of n candidates: dowels in needle bearings or in plain sleeves.
@@ -471,7 +471,7 @@ def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
 
 def design_of(requirement: Requirement, sizes: Sizes, torque: float = 1.0) -> Design:
     """Return the design of a candidate for a torque [N m], which may not fit together."""
-    return override(PRESETS["pin"].but(**_tables(requirement, sizes, torque)), requirement.changes)
+    return override(PRESETS["pin"].but(**_design_tables(requirement, sizes, torque)), requirement.changes)
 
 
 def casing_of(requirement: Requirement, reducer: Reducer) -> Casing:
@@ -483,7 +483,7 @@ def _fails(checks: Iterable[Check]) -> bool:
     return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
 
 
-def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
+def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
     """Return the design file of a candidate drive as tables by name, each with values in SI units by key.
 
     `requirement` is that for the drive. `sizes` are the dimensions of the candidate with the fields `SIZES`, and

@@ -99,14 +99,14 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
         Title, such as "lightest", and a sentence on why the drive is shown.
     """
     reducer = rated.reducer
-    figures = _figures(rated)
+    figures = _drive_quantities(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
         why += f"; the screws are outside of the ring: diameter with covers {figures['drive_diameter_mm']:.3g} mm"
     reasons = dict(reasons_of(solution.requirement, reducer, rated.weakest.name))
     return SizedDrive(title, why, reducer.design, figures, reasons)
 
 
-def _figures(rated: Rated) -> dict[str, float]:
+def _drive_quantities(rated: Rated) -> dict[str, float]:
     """Compute the quantities of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value.
 
     `rated` is the drive with its computed limits.

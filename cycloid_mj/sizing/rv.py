@@ -411,10 +411,10 @@ def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: st
         "stiffness_nm_per_arcmin": motion["stiffness_ideal"],
         "backlash_arcmin": motion["backlash"],
     }
-    return SizedDrive(title, why, reducer.design, figures, dict(_reasons(reducer.design, rated.weakest.name)))
+    return SizedDrive(title, why, reducer.design, figures, dict(_reasons_of_values(reducer.design, rated.weakest.name)))
 
 
-def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
+def _reasons_of_values(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
     """Yield pairs of a key of the design file and the reason for its value, such as ("drive.speed", "required").
 
     Only keys whose value was chosen are included. `weakest` is the name of the part that fails first.

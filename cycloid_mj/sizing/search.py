@@ -421,7 +421,7 @@ class Pool:
         if improvements[candidate] > (SETTINGS.min_improvement if is_within else SETTINGS.min_probability):
             least_load = 1e-3 * FIRST_TORQUE * self.requirement.diameter**3
             torque = max(float(figures["capacity"][candidate]), least_load)
-            return 1.0 if self._rate(candidate, torque) else SETTINGS.build_share
+            return 1.0 if self._rate_candidate(candidate, torque) else SETTINGS.build_share
         return 0.0 if row is not None and self._add_neighbours(row) else None
 
     def nearest(self, objective: Objective) -> Rated | None:
@@ -438,7 +438,7 @@ class Pool:
         rows = [index for index, drive in self.rated.items() if drive and math.isfinite(merits[index])]
         return min(rows, key=lambda index: (excesses[index], -merits[index]), default=None)
 
-    def _rate(self, row: int, torque: float) -> bool:
+    def _rate_candidate(self, row: int, torque: float) -> bool:
         """Compute and store the torque limits of the candidate with the index `row`; return whether this succeeded.
 
         `torque` is that of the first computation [N m]. The logarithms of the ratios of rated to estimated quantities
@@ -626,16 +626,16 @@ def _find_elites(kind: Requirement) -> Array:
     random = np.random.default_rng(0)
     points, sizes = decode(kind, _sequence(SETTINGS.start))
     for _ in range(SETTINGS.generations):
-        parents = points[_elites(_estimate(kind, sizes))]
+        parents = points[_elite_indices(_estimate(kind, sizes))]
         parent_rows, partners = random.integers(len(parents), size=(2, SETTINGS.children))
         line_steps = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
         random_steps = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
         children = parents[parent_rows] + random_steps + line_steps * (parents[partners] - parents[parent_rows])
         points, sizes = decode(kind, np.concatenate([parents, np.clip(children, 0.0, 1.0 - 1e-9)]))
-    return points[_elites(_estimate(kind, sizes))]
+    return points[_elite_indices(_estimate(kind, sizes))]
 
 
-def _elites(guess: Estimate) -> Integers:
+def _elite_indices(guess: Estimate) -> Integers:
     """Return the indices of the lightest candidate in each cell of torque and length (elites).
 
     `guess` are the estimates of all candidates. There are elites for each kind of torque limit (`_capacities`).

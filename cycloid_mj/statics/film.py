@@ -352,7 +352,8 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
         Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
     motion
         Velocities [m/s] of the parts, shape (m, 3 D + 1), which determine the sliding directions: x, y and rotation of
-        each of D discs, then rotation of the output. Rotations are arc lengths, as in ``reducer.gaps``.
+        each of D discs, then rotation of the output. Rotations are multiplied by the radius of the circle of output
+        pins.
     """
     gear = reducer.tooth_profile
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]

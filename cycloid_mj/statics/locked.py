@@ -229,7 +229,7 @@ def _compute_vertices(
     limits, stiffness
         Limits [N m] and stiffness [N m/rad] of the slip elements of constant friction, shape (elements,).
     share, friction_slip
-        Share [1] and slip rotations [rad] of the friction in proportion to the torque, as in `LoadFriction`.
+        Share [1] and slip rotations [rad] of the friction in proportion to the torque of the contacts.
     reversals
         Torques at which branches begin and end [N m], shape (branches + 1,).
     """

@@ -485,7 +485,7 @@ def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
     """
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
-    compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
+    compliance = np.asarray(np.linalg.solve(_tangent_stiffness(springs, displacements), unit[..., np.newaxis]))
     compliance = compliance[:, springs.carrier, 0]
     gaps, _, _ = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
@@ -520,7 +520,9 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
         active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size + force_rounding
         if not active.any():
             return z
-        step = np.linalg.solve(_tangent(springs, z), residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
+        step = (
+            np.linalg.solve(_tangent_stiffness(springs, z), residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
+        )
         predicted_decrease, step_length = np.sum(step * residual, axis=1), np.ones(len(z))
         # a change of the energy below the rounding of its terms cannot be compared
         highest = energy + NEWTON.rounding * (np.abs(energy) + np.sum(np.abs(load * z), axis=1))
@@ -674,7 +676,7 @@ def _sum_along(slope: Array, force: Array) -> Array:
     return np.asarray((force[:, np.newaxis] @ slope)[:, 0])
 
 
-def _tangent(springs: RvSprings, displacements: Array) -> Array:
+def _tangent_stiffness(springs: RvSprings, displacements: Array) -> Array:
     """Return the tangent stiffness (m, u, u) [N/m] by the u displacements, at known displacements (m, u) [m].
 
     `springs` are the contact springs at m crank angles. The curvature of the flanks is neglected.

@@ -247,7 +247,10 @@ def pin_centre(turn: Turn, pin: int) -> Array:
 
 
 def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
-    """Compute the centre of a ring pin in the middle of its socket [m], shape (2,); indices as in `pin_centre`."""
+    """Compute the centre of a ring pin in the middle of its socket [m], shape (2,).
+
+    `pin` is the index of the pin from 0 on +y, clockwise.
+    """
     ring = reducer.design.ring
     return ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + reducer.deviations.pin_displacement[pin]
 

@@ -139,7 +139,8 @@ def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
     Returns
     -------
     tuple
-        Accelerations (l, c) [m/s^2 or rad/s^2], and the imbalance (c, r) as in `equilibrate_loads`.
+        Accelerations (l, c) [m/s^2 or rad/s^2], and the imbalance (c, r): the resultants [N or N m] of the loads along
+        the r rigid motions, 0 along motions that supports fix.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
     loose_motions = list(part.loose)
@@ -329,7 +330,7 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     """Raise CycloidError unless the grid of a part is in one piece and its supports prevent all rigid motions.
 
     `motions` are the displacements of `rigid_motions`, `fixed` the indices of the fixed unknowns, and `springs` the
-    elastic supports as in `assemble_body`.
+    stiffness of elastic supports.
     """
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)

@@ -47,7 +47,7 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     of edges between two corners is the integral of 1/(target length) along the outline, rounded up. An outline has at
     least 12 edges.
     """
-    points, corner, radius = _subdivide(polygon, sizing)
+    points, corner, radius = _subdivide_polygon(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
     edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
     closed_lengths = np.append(edge_length, edge_length[0])
@@ -81,7 +81,7 @@ def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
     return size
 
 
-def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
+def _subdivide_polygon(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     """Halve the edges of a closed polygon of n points (n, 2) [m] until each has at most half its target length.
 
     `sizing` determines the target lengths.

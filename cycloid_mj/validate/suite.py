@@ -36,7 +36,7 @@ STEP_NAMES = (
 """Names of the steps, from simple to complex."""
 
 
-def _parts() -> Iterator[ValidationPart]:
+def _validation_parts() -> Iterator[ValidationPart]:
     """Yield all validation parts of this package: step, function, and CPU time [s] of quick and full runs."""
     yield ValidationPart("two-body", two_bodies.rows, (1.0, 1.0))
     yield ValidationPart("friction", incline.rows, (0.2, 0.2))
@@ -91,7 +91,7 @@ class Validation(Presented):
         return ", ".join(f"{sum(row.verdict is each for row in self.rows)} {each}" for each in RowOutcome)
 
 
-PARTS = tuple(_parts())
+PARTS = tuple(_validation_parts())
 """The parts of this package; other packages bring further parts of the same steps."""
 
 
@@ -133,7 +133,7 @@ def run_parts(
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
     tasks = [(parts[index], quick) for index in order]
     # a single part runs in this process
-    for part_index, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run, tasks):
+    for part_index, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run_part, tasks):
         for text in messages:
             warnings.warn(text, CycloidWarning, stacklevel=2)
         yield order[part_index], rows
@@ -144,7 +144,7 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
     return [row for _, rows in sorted(rows_of_parts, key=lambda numbered: numbered[0]) for row in rows]
 
 
-def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
+def _run_part(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
     """Run a validation part; `task` is the part and whether to run it with `quick`.
 
     A part that raises CycloidError has one failed row.

@@ -373,7 +373,7 @@ def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monk
     # a red arrow from the axis to the right, seen from straight above: its tip is where its end is
     end = np.array([0.02, 0.0, 0.02])
     arrow = {"tail": np.array([0.0, 0.0, 0.02]), "tip": end, "width": 8e-4, "colour": (1.0, 0.0, 0.0, 1.0)}
-    monkeypatch.setattr(render, "_arrows", lambda *_: [arrow])
+    monkeypatch.setattr(render, "_force_arrows", lambda *_: [arrow])
     red = render.render(modelled, Reducer(PIN), 200, (400, 400), straight_down).astype(int)
     columns = np.flatnonzero((red[..., 0] > red[..., 1:].max(axis=2) + 20).any(axis=0))
     model = replay_model(modelled)

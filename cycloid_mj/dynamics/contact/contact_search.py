@@ -347,7 +347,7 @@ def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
 
 
 @njit(inline="always")
-def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
+def _contact_separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
     """Compute how far the contacts on arc and root of a lobe are apart [1]: 0 for one contact patch, 1 for two.
 
     It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
@@ -478,7 +478,7 @@ def _write_root(
         factor, arc_factor = _root_factor(profile, arc_radius, minimum), arc.factor
         if arc.exists and profile.deflection > 0.0:
             mid_phase = 0.5 * (minimum.B + (min_phase if root.own else 2.0 * math.pi - min_phase))
-            separation = _separation(profile, arc_radius, gear_pose, mid_phase, max(gap, arc.gap))
+            separation = _contact_separation(profile, arc_radius, gear_pose, mid_phase, max(gap, arc.gap))
             factor = (0.5 + 0.5 * separation) * (arc_factor + separation * (factor - arc_factor))
             arc = ArcTouch(arc.exists, arc.gap, arc_factor * (0.5 + 0.5 * separation), arc.nx, arc.ny)
         depth = arc_radius + 0.5 * gap

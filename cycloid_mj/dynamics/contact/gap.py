@@ -272,7 +272,7 @@ def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, flo
     Returns
     -------
     tuple of float
-        As in `trochoid_distance`: parameter [rad], distance [m], positive outside, and outward unit normal (x, y).
+        Parameter [rad] of the foot point, distance [m], positive outside, and outward unit normal (x, y).
     """
     t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
     offset, offset_rate, _ = wave_offset(t, flank.waves)

@@ -142,7 +142,7 @@ def pin_distance(
     Returns
     -------
     tuple of float
-        As in `local_distance`: distance [m], unit normal (x, y) and curvature [1/m].
+        Distance [m], unit normal (x, y) and curvature [1/m].
     """
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return local_distance(x, y, flank.curve, start, max_distance)

@@ -143,10 +143,10 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, b
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone.
 
-    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). `model` and `data` are the
-    memory addresses of its structures, `layout` the offsets of their arrays. The lift is mu |t - b| - m^2 (n - a), or 0
-    if this is negative. n and a are the reference and the actual acceleration along the normal, t and b those along the
-    tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts without friction are not changed.
+    MuJoCo's elliptic friction cone presses sliding contacts too hard. `model` and `data` are the memory addresses of
+    its structures, `layout` the offsets of their arrays. The lift is mu |t - b| - m^2 (n - a), or 0 if this is
+    negative. n and a are the reference and the actual acceleration along the normal, t and b those along the tangents.
+    mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts without friction are not changed.
     """
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)

@@ -101,7 +101,7 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     files[DESIGN] = dump(reducer.design).encode()
     files[REDUCER] = _reducer_xml(mesh.spec, reducer).encode()
     files[SCENE] = scene_xml(reducer, REDUCER).encode()
-    files[MANIFEST] = _manifest(reducer, settings, compiled.model, surface_errors, remainders, files).encode()
+    files[MANIFEST] = _manifest_json(reducer, settings, compiled.model, surface_errors, remainders, files).encode()
     return files
 
 
@@ -164,7 +164,7 @@ def _reducer_xml(spec: Any, reducer: Reducer) -> str:
     return note + text.rstrip() + "\n"
 
 
-def _manifest(
+def _manifest_json(
     reducer: Reducer,
     settings: ConvexSettings,
     model: Any,

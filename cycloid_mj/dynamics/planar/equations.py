@@ -212,7 +212,9 @@ def _add_shaft_torques(
 ) -> None:
     """Add unbalance, servo and drag of the output (`shaft` 0) or the input (1) to the equations.
 
-    The remaining arguments are as in `_assemble`; `half_step` is half of the time step [s].
+    `system` has the arrays of the reducer. `q0` are positions of all unknowns at the beginning of the step, `predicted`
+    their speeds at its middle, `command` is the angle [rad] that the servo has to hold, or the torque [N m] of a shaft
+    without servo, and `half_step` half of the time step [s].
     """
     matrix, right, i = equations.matrix, equations.right, system.shafts[shaft]
     mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]

@@ -228,8 +228,8 @@ def drags_and_servos(
     """Return drag and servo gains of the shafts of a reducer for the planar solver, each of shape (2, 2).
 
     The drag has a limit [N m] and a torque per speed below it [N m s], the servo the gains [N m/rad] and [N m s/rad].
-    Rows are output and crank, as in `System`. The shaft `held` has the servo. `shaft_inertia` are the inertias [kg m2]
-    of the shafts ``output`` and ``crank``; `servo_inertia` are those that a servo on each shaft moves.
+    The first row is the output, the second the crank. The shaft `held` has the servo. `shaft_inertia` are the inertias
+    [kg m2] of the shafts ``output`` and ``crank``; `servo_inertia` are those that a servo on each shaft moves.
     """
     crank_drag, output_drag = drag_torques(reducer)
     losses = {"output": output_drag, "crank": crank_drag}

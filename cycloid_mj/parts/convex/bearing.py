@@ -38,7 +38,7 @@ def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Return the bore of the disc in the frame of the disc; `member` is 1."""
     cam = reducer.design.gear.bore_radius
     hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
-    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
+    return _facet_walls(hole, gear_depth(reducer, settings), reducer, settings)
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
@@ -52,7 +52,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     radius = output.hole_radius + reducer.design.clearance.output
     centres = output.pin_circle_radius * unit(angles) + reducer.deviations.hole_displacement[disc]
     hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
-    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
+    return _facet_walls(hole, gear_depth(reducer, settings), reducer, settings)
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
@@ -67,7 +67,7 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     radius = ring.pin_radius + design.clearance.pin_socket
     centres = ring.pin_circle_radius * unit(angles) + reducer.deviations.pin_displacement
     hole = Hole("socket", radius, ring.pin_radius, socket_half_angle(design), angles, centres)
-    return _facets(hole, housing_depth(reducer, settings), reducer, settings)
+    return _facet_walls(hole, housing_depth(reducer, settings), reducer, settings)
 
 
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:
@@ -77,7 +77,7 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
     return max(settings.fewest_facets, math.ceil(needed))
 
 
-def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
+def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Approximate the walls of equal round holes by flat convex slices.
 
     `hole` has the radius and the positions of the holes. The result has one slice, and its position on each facet of

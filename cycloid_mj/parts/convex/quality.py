@@ -95,7 +95,7 @@ def union_heights(
     seam
         Gaps up to this width are ignored [m].
     """
-    sample, low, high = _intervals(points, normals, bodies, max(start, reach))
+    sample, low, high = _inside_intervals(points, normals, bodies, max(start, reach))
     end = np.full(len(points), -start)
     while True:
         is_joined = low <= end[sample] + seam
@@ -161,7 +161,7 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
             )
 
 
-def _intervals(
+def _inside_intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], max_distance: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
     """Compute the intervals in which lines along the surface normals are inside convex bodies.

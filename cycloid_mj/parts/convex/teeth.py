@@ -50,7 +50,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
         profile.outline(gear, half_lobe_nodes, offset + inset) for inset in (settings.chord_error, depth)
     )
     curvatures = profile.curvature(gear, (half_lobe_nodes[:-1] + half_lobe_nodes[1:]) / 2.0, offset)
-    quads = _quads("teeth", face, base_points, curvatures + 1.0 / gear.pin_radius, settings)
+    quads = _quadrilateral_slices("teeth", face, base_points, curvatures + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     samples = profile.sample(gear, METHOD.samples, offset)
     base_area = -area_moments(_all_round(_symmetric(base_points), gear.lobes)).area
@@ -80,7 +80,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     mid_phases = (B[:-1] + B[1:]) / 2.0
     gear_curvatures = profile.curvature(gear, -mid_phases / gear.lobes, reducer.profile_offset)
     curvatures = gear_curvatures - 1.0 / envelope.Sigma(gear, mid_phases).radius
-    slices = [*_quads("lobe", face, base_points, curvatures, settings), _ring_tip(gear, settings, depth)]
+    slices = [*_quadrilateral_slices("lobe", face, base_points, curvatures, settings), _ring_tip(gear, settings, depth)]
     samples = envelope.sample_ring(gear, METHOD.samples)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
@@ -147,7 +147,9 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
     return flank.points + into * profile.unit(flank.normal_angle)
 
 
-def _quads(name: str, face: Array, base_points: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
+def _quadrilateral_slices(
+    name: str, face: Array, base_points: Array, curvature: Array, settings: ConvexSettings
+) -> list[Slice]:
     """Return quadrilateral slices of a concave flank, one for each chord between neighbouring points.
 
     Parameters

@@ -324,7 +324,9 @@ def _size_motor_side(
     second_disc_end = (
         -half_width - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half_width
     )
-    cavity, max_cavity = _cavity(reducer, screws, max(rim if second_disc_end < -half_width else 0.0, seat - wall), wall)
+    cavity, max_cavity = _cavity_radii(
+        reducer, screws, max(rim if second_disc_end < -half_width else 0.0, seat - wall), wall
+    )
     weight = segments.get("counterweight")
     floor = min(weight.z0 if weight else second_disc_end, second_disc_end) - AXIAL_GAP
     flange = choose_motor_flange(reducer, motor, outer, seat, wall, max_cavity)
@@ -542,7 +544,7 @@ def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
     return -end - max(0.5 * dowel.length if dowel else 0.0, pressed)
 
 
-def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
+def _cavity_radii(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
     """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest possible radius [m].
 
     The largest cavity still covers a fifth of the end face of each ring pin, so that the cover retains the pins. Raises

@@ -123,14 +123,19 @@ class _Edge:
     def is_convex(self, size: float) -> bool:
         """Return whether a chamfer of a `size` [m] fits: only the edge's own segment has material next to it."""
         width = EDGES.room * size
-        if self.own.z1 - self.own.z0 < 2.0 * width or not _covered([self.own], self._points(-self.side * width)).all():
+        if (
+            self.own.z1 - self.own.z0 < 2.0 * width
+            or not _covered_points([self.own], self._points(-self.side * width)).all()
+        ):
             return False
-        return not any(_covered(self.beyond, self._points(step)).any() for step in (-width, width))
+        return not any(_covered_points(self.beyond, self._points(step)).any() for step in (-width, width))
 
     def is_shoulder(self, size: float) -> bool:
         """Return whether a fillet of a `size` [m] fits: the segment beyond is wider, and the own one long enough."""
         width = EDGES.room * size
-        return self.own.z1 - self.own.z0 > width and bool(_covered(self.beyond, self._points(self.side * width)).all())
+        return self.own.z1 - self.own.z0 > width and bool(
+            _covered_points(self.beyond, self._points(self.side * width)).all()
+        )
 
     def _points(self, step: float) -> Array:
         """Return points around the edge, at its radius and a step [m], shape (rays, 2)."""
@@ -138,7 +143,7 @@ class _Edge:
         return np.array(self.centre) + (self.radius + step) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _covered(segments: Iterable[Segment], points: Array) -> Mask:
+def _covered_points(segments: Iterable[Segment], points: Array) -> Mask:
     """Return a mask of the n `points` (n, 2) [m] that are inside the cross-section of one or more segments, (n,)."""
     covered = np.zeros(len(points), dtype=bool)
     for segment in segments:

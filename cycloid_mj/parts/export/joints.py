@@ -294,8 +294,8 @@ def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), sizes.top, face)),
     )
     bought_parts = (
-        _screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
-        *_inserts(reducer, names.RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
+        _bought_screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
+        *_bought_inserts(reducer, names.RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT_COVER, centres, thread, depth),)
     parts = names.OUTPUT_COVER, names.RETAINER
@@ -321,8 +321,8 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     if not screws.outside:
         holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))
     bought_parts = [
-        _screws(names.SCREW, bolt, screws.length, names.HOUSING, centres, head_face),
-        *_inserts(reducer, names.SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
+        _bought_screws(names.SCREW, bolt, screws.length, names.HOUSING, centres, head_face),
+        *_bought_inserts(reducer, names.SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
     parts = (names.MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), names.OUTPUT_COVER)
     threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, bolt.thread, thread_depth),)
@@ -340,7 +340,7 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     if not motor.tapped:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
-        inserts = tuple(_inserts(reducer, names.MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
+        inserts = tuple(_bought_inserts(reducer, names.MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
         threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, motor.thread, depth),)
         return Joint(name, JointKind.SCREWED, parts, ((names.MOTOR_COVER, thread),), inserts, threads=threads)
     head_face = face + motor_grip(motor, sizes.wall)
@@ -348,7 +348,7 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, head_face),
         (centres, counterbore(thickest_bolt(motor.thread)), head_face, sizes.floor),
     )
-    bought_parts = _screws(names.MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
+    bought_parts = _bought_screws(names.MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
     return Joint(name, JointKind.SCREWED, parts, tuple((names.MOTOR_COVER, hole) for hole in holes), (bought_parts,))
 
 
@@ -378,9 +378,9 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         (names.FLANGE, (centres, bore, head_face - washer, end)),
     )
     bought_parts = (
-        _screws(names.FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
-        *(_washers(bolt, centres, head_face) if washer else ()),
-        *_inserts(reducer, names.FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
+        _bought_screws(names.FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
+        *(_bought_washers(bolt, centres, head_face) if washer else ()),
+        *_bought_inserts(reducer, names.FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, names.FLANGE)
@@ -417,7 +417,7 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
-    inserts = tuple(_inserts(reducer, names.LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
+    inserts = tuple(_bought_inserts(reducer, names.LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
     threads = (_tapped_holes(reducer, names.FLANGE, centres, bolt.thread, end - sizes.top),)
     return Joint(
         "threads for the load",
@@ -504,7 +504,7 @@ def _tapped_holes(reducer: Reducer, part: str, centres: Array, thread: float, de
     return TappedHole(part, len(centres), thread, depth, insert.designation if insert else "")
 
 
-def _screws(
+def _bought_screws(
     item: str,
     bolt: stock.Bolt,
     length: float,
@@ -541,7 +541,7 @@ def _screws(
     )
 
 
-def _washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[BoughtPart]:
+def _bought_washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[BoughtPart]:
     """Yield the washers under the heads of the n flange screws with the axes `centres` (n, 2) [m].
 
     The heads are on the plane z = `head_face` [m]. `bolt` is the size of the screw in stock.
@@ -559,7 +559,7 @@ def _washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[Bou
     )
 
 
-def _inserts(
+def _bought_inserts(
     reducer: Reducer, item: str, thread: float, body: str, centres: Array, mouth: float, direction: float
 ) -> Iterator[BoughtPart]:
     """Yield the heat-set inserts of threads in a plastic, each flush with the mouth of its hole; none in a metal.

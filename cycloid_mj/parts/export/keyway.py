@@ -91,7 +91,7 @@ class SplineContour:
 
         The argument `splines` has no effect, because lines and arcs are exact.
         """
-        arcs = list(self._arcs())
+        arcs = list(self._joint_arcs())
         return tuple(
             curve
             for previous, (radius, start, end) in zip([arcs[-1], *arcs[:-1]], arcs, strict=True)
@@ -106,9 +106,9 @@ class SplineContour:
 
         `chord_error` [m] is the largest distance of a chord from an arc.
         """
-        return np.concatenate([arc(*arc_of_outline, chord_error) for arc_of_outline in self._arcs()])
+        return np.concatenate([arc(*arc_of_outline, chord_error) for arc_of_outline in self._joint_arcs()])
 
-    def _arcs(self) -> Iterator[tuple[float, float, float]]:
+    def _joint_arcs(self) -> Iterator[tuple[float, float, float]]:
         """Yield radius [m], start and end [rad] of all arcs of the spline joint: tops of splines, and arcs between."""
         half_foot, half_top = (math.asin(0.5 * self.width / radius) for radius in (self.minor, self.major))
         step = 2.0 * math.pi / self.count

@@ -133,14 +133,14 @@ def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
     parts = assembly_parts(reducer, sizes)
     for placement in place_parts(reducer, 0.0, sizes):
         for segment in parts[placement.part].segments:
-            annulus = _sweep(placement, segment)
+            annulus = _swept_ring(placement, segment)
             if names.family(placement.part) in (names.SHAFT_BEARING, names.OUTPUT_BEARING):
                 yield from _split_bearing(reducer, sizes, annulus)
             else:
                 yield annulus
 
 
-def _sweep(placement: PlacedPart, segment: Segment) -> Annulus:
+def _swept_ring(placement: PlacedPart, segment: Segment) -> Annulus:
     """Return the ring-shaped space (annulus) that a segment of a part sweeps as it turns about the axis or orbits.
 
     `placement` is the position of the part. A part of a disc orbits about the axis with it.

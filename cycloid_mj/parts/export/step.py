@@ -174,8 +174,8 @@ def _add_part(
     """
     try:
         first_body, *other_bodies = [_extrude(section) for section in sections]
-        shape = _fuse(first_body, other_bodies) if other_bodies else first_body
-        shape = _break_edges(_drill(shape, bores), edges)
+        shape = _unite_bodies(first_body, other_bodies) if other_bodies else first_body
+        shape = _break_edges(_drill_bores(shape, bores), edges)
     except CycloidError:
         raise
     except Exception as error:
@@ -248,7 +248,7 @@ def _rgb(entity: Any) -> tuple[float, ...]:
     return (entity.Red(), entity.Green(), entity.Blue()) if is_colour else ()
 
 
-def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
+def _unite_bodies(first_body: Any, other_bodies: Sequence[Any]) -> Any:
     """Return the union of OpenCASCADE solids, `first_body` and `other_bodies`, without superfluous faces and edges."""
     fuse = occ.BRepAlgoAPI_Fuse()
     fuse.SetArguments(_list([first_body]))
@@ -258,7 +258,7 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
     return fuse.Shape()
 
 
-def _drill(shape: Any, bores: Sequence[CrossHole]) -> Any:
+def _drill_bores(shape: Any, bores: Sequence[CrossHole]) -> Any:
     """Return an OpenCASCADE solid, `shape`, with the holes `bores` across its axis."""
     for bore in bores:
         start = occ.gp_Pnt(*(MILLIMETRES * value for value in bore.start))
@@ -341,11 +341,11 @@ def _wire(loop: Sequence[Curve], z: float) -> Any:
     """Return a closed loop of curves at a height [mm]."""
     wire = occ.BRepBuilderAPI_MakeWire()
     for curve in loop:
-        wire.Add(_edge(curve, z))
+        wire.Add(_curve_edge(curve, z))
     return wire.Wire()
 
 
-def _edge(curve: Curve, z: float) -> Any:
+def _curve_edge(curve: Curve, z: float) -> Any:
     """Convert a curve at a height z [mm] to an edge of OpenCASCADE [mm]."""
 
     def point(position: Array | tuple[float, float]) -> Any:

@@ -380,7 +380,7 @@ def _is_expansion_valid(
     Parameters
     ----------
     trochoid
-        Pin-circle radius [m], eccentricity [m] and number of ring pins, as in `KernelSprings`.
+        Pin-circle radius [m], eccentricity [m] and number of ring pins.
     curvature, curvature_rate
         Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
     p

@@ -355,7 +355,7 @@ def _predict_and_correct(
     `load` (u,) [N] the generalised load.
     """
     copy(path.tangent, path.previous_tangent)
-    if not _correct(springs, k, load, length, tolerance, path, system):
+    if not _correct_point(springs, k, load, length, tolerance, path, system):
         return False
     determinant, advance = _update_tangent(springs, k, load, path.next_point, sign, path, system), 0.0
     for j in range(load.size + 1):
@@ -367,7 +367,7 @@ def _predict_and_correct(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _correct(
+def _correct_point(
     springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: Path, system: System
 ) -> bool:
     """Compute the next point of a continuation path by Newton's method (corrector); return whether it converges.

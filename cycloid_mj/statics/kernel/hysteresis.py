@@ -555,10 +555,10 @@ def _add_geometric_stiffness(
 ) -> None:
     """Add the geometric stiffness of a contact under a `force` [N] to the tangent stiffness [N/m].
 
-    It has two terms, as in `system._add_contact`. Because the contact normal rotates, -`force` ``gap.rate`` times the
-    outer product of the gradients ``gap.tangential`` is added. Because the parts rotate, `rotation_stiffness` [N/m]
-    couples their rotation with the motion along these gradients. Rotations are arc lengths, as in `KernelSprings`. The
-    disc's unknowns begin at index `x`; `rotates` is whether the profile rotates with the disc.
+    It has two terms. Because the contact normal rotates, -`force` ``gap.rate`` times the outer product of the gradients
+    ``gap.tangential`` is added. Because the parts rotate, `rotation_stiffness` [N/m] couples their rotation with the
+    motion along these gradients. Rotations are multiplied by the radius of the output pins. The disc's unknowns begin
+    at index `x`; `rotates` is whether the profile rotates with the disc.
     """
     y, t, output_dof = x + 1, x + 2, len(tangent) - 1
     (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate

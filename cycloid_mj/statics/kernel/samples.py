@@ -239,7 +239,7 @@ def _write_sample_figures(
     cam_position, cam_clearance, cam_stiffness
         Positions (k, D, 2) [m], clearance [m] and stiffness [N/m] of the cams.
     z
-        Displacements at each crank angle, shape (k, u) [m], as in `KernelSprings`.
+        Displacements at each crank angle, shape (k, u) [m].
     force
         Contact forces (k, n) [N].
     row

@@ -156,7 +156,7 @@ def solve_equilibria_briefly(
         z_k = z[k]
         copy(z_k, start)
         if extrapolate and k:
-            _extrapolate(z, k, was_quick)
+            _extrapolate_row(z, k, was_quick)
         work_before = system.assembly_count[0]
         scale = largest(load[k]) or 1.0
         norm = _solve_with_continuation(springs, k, load[k], z_k, start, scale, warm_start, system) / scale
@@ -173,7 +173,7 @@ def solve_equilibria_briefly(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
+def _extrapolate_row(z: Array, k: int, quadratic: bool) -> None:
     """Replace row `k` of the displacements `z` (angles, unknowns) by their extrapolation from the rows before it.
 
     The extrapolation is linear, or of the second order if `quadratic` and there are three rows before it.
