@@ -311,10 +311,9 @@ def protocol(
 def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> MeasuredLoop:
     """Compute the hysteresis loop of a model with the crank locked at an angle [rad], as a bench would measure it.
 
-    The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated, as by ``measure lost-motion``. A
-    design with friction elements parallel to the torsion spring (`slip_elements`) cannot be simulated. Its loop is
-    computed by statics, in which these elements are the only friction. Two torque cycles are then computed, and the
-    second is returned.
+    The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated. A design with friction elements
+    parallel to the torsion spring (`slip_elements`) cannot be simulated. Its loop is computed by statics, in which
+    these elements are the only friction. Two torque cycles are then computed, and the second is returned.
 
     Raises
     ------

@@ -32,7 +32,7 @@ class LeastSquaresSettings:
     """Settings of the robust least squares: trust region with soft L1 loss (`scipy.optimize.least_squares`)."""
 
     failed_residual: float = 1.0
-    """Residual of every point where the model has no static balance."""
+    """Residual of every point where the model has no static equilibrium."""
     outlier: float = 0.03
     """Residual, as a share of a loop's range, from which a point counts less (scale of the soft L1 loss)."""
     difference_step: float = 0.05

@@ -1,6 +1,6 @@
 """Comparison of a measured transmission error with a design, order by order, with a fitted zero of the crank.
 
-The model is the static balance under the load over a full turn of the output, without friction except for an RV
+The model is the static equilibrium under the load over a full turn of the output, without friction except for an RV
 reducer. Both curves are decomposed by least squares into the orders that the measurement resolves: those of the ring,
 and those of disc and output (`measure.orders`). Angles and orders of an RV reducer are those of its cranks; a bench
 measures them at the sun.

@@ -60,7 +60,7 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
     try:
         loads = rated_load(reducer)
     except CycloidError as error:
-        yield _failed_balance_check(error)
+        yield _failed_equilibrium_check(error)
         return
     for part in PARTS:
         if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
@@ -71,7 +71,7 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
         yield _check_wall(loads, wall)
 
 
-def _failed_balance_check(error: CycloidError) -> Check:
+def _failed_equilibrium_check(error: CycloidError) -> Check:
     """Return a failed check, a warning: no static equilibrium at the nominal torque, with the text of `error`."""
     return Check(
         name="rated_load",
@@ -285,10 +285,10 @@ def _check_pressure_angle(loads: RatedLoad) -> Check:
 
 
 def _find_threshold(is_met: Callable[[float], bool]) -> float:
-    """Find the largest share in [0, 1] at which `is_met` returns true, by bisection; 0 if there is none.
+    """Find the largest argument in [0, 1] at which `is_met` returns true, by bisection; 0 if there is none.
 
-    `is_met` is a function of the share that is false at 1. It is assumed to be true at all shares below the result. An
-    error of the type `CycloidError` counts as false.
+    `is_met` is false at 1, and is assumed to be true at all arguments below the result. An error of the type
+    `CycloidError` counts as false.
     """
 
     def is_met_safely(share: float) -> bool:

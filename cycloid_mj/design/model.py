@@ -1125,7 +1125,7 @@ class Design(Section, Presented):
         samples
             Number of further samples of the log, for filters and differences at the end.
         changes
-            Other changes as for `but`, by table; the crank's speed must not be 0.
+            Other changes of the design by table, then key; the crank's speed must not be 0.
         """
         design = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
         time = turns * 2.0 * math.pi / abs(design.drive.speed) + samples / design.settings.log_rate

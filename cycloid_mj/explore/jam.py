@@ -20,7 +20,7 @@ class JamCriteria:
 
     preload_share: float = 0.01
     """A sample jams where a preload is more than this share of the same pair's largest force under the nominal torque,
-    or where it has no balance at all."""
+    or where it has no equilibrium at all."""
     max_examined: int = 6
     angles: int = 6
     """Jammed samples that are examined for the cause, and crank angles at which."""

@@ -24,7 +24,7 @@ class Need(StrEnum):
     GEOMETRY = "geometry"
     """Dimensions and materials: milliseconds."""
     STATICS = "statics"
-    """The balance of the contacts over a turn of the crank: tenths of a second."""
+    """The equilibrium of the contacts over a turn of the crank: tenths of a second."""
     LIFE = "life"
     """The rating of every part for its life: about a second."""
     STRESS = "stress"

@@ -79,7 +79,7 @@ def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: np
     zeta = profile.pin_angles(gear)
     B = zeta + theta[..., np.newaxis]
     normals = profile.unit(zeta - profile.conjugate_alpha(gear, B))
-    return _balance_gear(profile.moment_arm(gear, B), normals, torque, theta)
+    return _equilibrate_gear(profile.moment_arm(gear, B), normals, torque, theta)
 
 
 def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
@@ -93,7 +93,7 @@ def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_ang
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
     arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))
     gear_normals = -np.concatenate([part.normals for part in contacts])
-    return _balance_gear(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
+    return _equilibrate_gear(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
 
 
 def ideal_output_forces(
@@ -269,7 +269,7 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     return float(force / brentq(excess_force, max_deflection * 1e-9, max_deflection, xtol=1e-18, rtol=1e-12))
 
 
-def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
+def _equilibrate_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
     """Share a torque [N m] among n contacts by their lever arms (..., n) [m], and compute the eccentric's reaction.
 
     The reaction acts on the gear. `gear_normals` (..., n, 2) are the directions in which the contacts push the gear.

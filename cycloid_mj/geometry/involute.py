@@ -161,7 +161,7 @@ class InvoluteGear:
     def fillet_length(self, corner: npt.ArrayLike) -> Array:
         """Compute the arc length [m] of the fillet of a tooth from the root circle.
 
-        `corner` [m] are positions of the centre of the rack's corner along the rack, as for `fillet`.
+        `corner` [m] are positions of the centre of the rack's corner along the rack, from the pitch point.
         """
         s = np.asarray(corner, dtype=np.float64)
         h, r = self.corner_depth, self.reference_radius

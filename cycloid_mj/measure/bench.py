@@ -200,7 +200,9 @@ def run_with_step_retries(
     solver: Solver = "planar",
     damping_ratio: float = BENCH.damping_ratio,
 ) -> Run:
-    """Simulate with a locked crank as in `prepare_bench` and `locked_run`; repeat a failed run with half the time step.
+    """Simulate a design with a locked crank; repeat a failed run with half the time step.
+
+    `prepare_bench` determines the first time step, with a low creep speed for the slow motion.
 
     Parameters
     ----------

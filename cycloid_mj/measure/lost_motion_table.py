@@ -43,7 +43,7 @@ class LostMotionLoops:
     service_checks, ideal_checks
         Loops at the first crank angle, slower and with a shorter time step, for the numerical error.
     statics
-        One for each crank angle; none where statics find no balance.
+        One for each crank angle; none where statics find no equilibrium.
     """
 
     reducer: Reducer

@@ -5,7 +5,7 @@ R psi of the output; R is the radius of the circle of output pins, phi and psi a
 normal distance of two surfaces, positive if they are separate. At the ideal pose it follows from clearances,
 manufacturing errors, profile modification and wear; its gradient is the direction of the contact force on the parts.
 
-A contact also moves along the surface: a static balance (`kernel.gap`) represents each curve by its circle of curvature
+A contact also moves along the surface: statics (`kernel.gap`) represents each curve by its circle of curvature
 and the rate of change of the curvature, and rotations to second order. Neglected terms are of fourth order in
 displacements, of third in rotations; where this is not enough, as in the valleys of the paper's gear with their radius
 of 18 um, it searches the foot point.

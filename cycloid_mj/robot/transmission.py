@@ -45,7 +45,7 @@ def solve_ripple(reducer: Reducer, on_part: Callable[[], None]) -> Ripple:
     They are computed in both directions of the crank; `on_part` is called after each of the `count_parts` parts of a
     turn that are solved.
     """
-    lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
+    lightest = next((load for load in RIPPLE.unloaded if _has_equilibrium(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
     spectra = {
         (load, sign): compute_amplitudes(solve_error(reducer, load, sign, on_part))
@@ -68,7 +68,7 @@ def count_parts(reducer: Reducer) -> int:
     return 2 * (1 + len(RIPPLE.loads)) * full_model(reducer).parts
 
 
-def _has_balance(reducer: Reducer, load: float) -> bool:
+def _has_equilibrium(reducer: Reducer, load: float) -> bool:
     """Return whether a static equilibrium exists over the first part of a turn, in both directions of the crank.
 
     `load` is a share of the nominal torque.

@@ -53,7 +53,7 @@ class RvDrawing(MeshDrawing):
 def largest_rv_magnification(reducer: RvReducer) -> float:
     """Compute the largest factor by which the clearances of an RV reducer can be magnified in a drawing.
 
-    As for `largest_magnification`, each part keeps at least `DRAWING.min_radius_share` of its radius.
+    Each part keeps at least `DRAWING.min_radius_share` of its radius.
     """
     radii = [(reducer.design.ring.pin_radius, tooth_clearance(reducer))]
     radii += [(reducer.bore_radius, clearance) for clearance in (reducer.bearing_clearance,) if clearance > 0.0]

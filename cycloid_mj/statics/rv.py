@@ -1,4 +1,4 @@
-"""Static balance of an RV reducer: discs on several cranks, their bearings, the pins, and the planet meshes.
+"""Static equilibrium of an RV reducer: discs on several cranks, their bearings, the pins, and the planet meshes.
 
 The frame is that of the ring. The unknowns z [m] at a crank angle are the displacements x, y and R phi of each of the D
 discs, R psi of the carrier, R chi of each of the n cranks, and x and y of the sun; R is the radius of the circle of

@@ -325,7 +325,7 @@ def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
 
 
 def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> Powers:
-    """Compute the mean powers through sun and output and the friction losses of an RV reducer, as `balance.powers`.
+    """Compute the mean powers through sun and output and the friction losses of an RV reducer in static equilibrium.
 
     Parameters
     ----------

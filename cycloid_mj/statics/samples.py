@@ -222,8 +222,8 @@ def _solve_rows(
         workspace = allocate_workspace(springs.contacts)
         solve = solve_few_samples if len(samples) <= MAX_UNCOMPILED else solve_many_samples
         solve(*inputs, first_sample, end_sample, rows, None, workspace)
-        is_balanced = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
-        for sample in (first_sample + np.flatnonzero(~is_balanced)).tolist():
+        has_equilibrium = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
+        for sample in (first_sample + np.flatnonzero(~has_equilibrium)).tolist():
             solve_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
 
     if threads == 1:

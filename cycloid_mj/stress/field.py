@@ -293,7 +293,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     UsageError
         There is no such index.
     CycloidError
-        As for ``solve``.
+        The grid has several pieces, a rigid motion is free, or the matrix cannot be factorised.
     """
     reducer = reducer_of(design)
     if not 0 <= index < len(loads.angle):

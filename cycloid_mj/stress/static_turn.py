@@ -1,4 +1,4 @@
-"""A turn of the cranks of an RV reducer by its static balance with friction: forces as those that a run logs."""
+"""A turn of the cranks of an RV reducer by its static equilibrium with friction: forces as those that a run logs."""
 
 from collections.abc import Iterator
 
@@ -33,11 +33,11 @@ def solve_over_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tupl
     RunError
         No static equilibrium exists.
     """
-    return _balance_turn(reducer, tuple(np.ravel(angles).tolist()))
+    return _solve_turn(reducer, tuple(np.ravel(angles).tolist()))
 
 
 @once
-def _balance_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
+def _solve_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
     """Solve the static equilibrium as `solve_over_turn`; cached."""
     design = reducer.design
     springs = compute_rv_springs(reducer, np.array(angles) * design.lobes / design.ring.teeth)

@@ -27,7 +27,7 @@ STRENGTH_HEADER = ("section", "nominal [MPa]", "factor", "stress [MPa]", "safety
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
-    """Return the bulk stress of each part as a row of text; columns as in `BULK_HEADER`.
+    """Return the bulk stress of each part as a row of text, in the columns `BULK_HEADER`.
 
     `findings` are the results of a stress study. "from" is the distance from narrow contacts at which the largest
     stress reaches its plateau. "choice" is the relative change of the stress with this choice: its drop to twice the
@@ -39,7 +39,7 @@ def bulk_table(findings: StressFindings) -> list[list[str]]:
 
 
 def contact_table(findings: StressFindings) -> list[list[str]]:
-    """Return the contact stress of each part as a row of text; columns as in `CONTACT_HEADER`.
+    """Return the contact stress of each part as a row of text, in the columns `CONTACT_HEADER`.
 
     "shakedown" is the safety factor of the contact pressure against shakedown.
     """

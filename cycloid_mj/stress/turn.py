@@ -47,7 +47,7 @@ class Turn:
         Crank angle relative to the ring of each sample [rad], within half a sampling step of the requested angle, (k,);
         of an RV reducer relative to the carrier.
     run, rows
-        The columns in the frame of the ring, of a run or a static balance, and the indices of the samples, shape (k,).
+        The columns in the frame of the ring, of a run or of statics, and the indices of the samples, shape (k,).
     ring_angle, ring_speed
         Angle and speed of the ring [rad], [rad/s], shape (k,): 0 for a fixed ring.
     """

@@ -126,8 +126,8 @@ def equilibrium_rows(layout: str, *changes: str) -> list[ValidationRow]:
     The reference are contact springs with gaps from the exact curves, while the static model approximates the curves.
     The equilibrium is that of the statics at one crank angle, without friction. The first row compares the generalised
     forces of the reference springs in this pose [N] with minus the load. The second row compares the forces of all
-    contacts [N] with those of the reference springs. `layout` is a key of `LAYOUTS`, `changes` are settings as for
-    ``--set``.
+    contacts [N] with those of the reference springs. `layout` is a key of `LAYOUTS`, `changes` are settings of the form
+    ``key=value``.
     """
     design = design_with_errors(layout, *changes)
     reducer = Reducer(design)

@@ -224,7 +224,7 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
     """Return rotations, tooth forces and cam force of a `locked` reducer that is in equilibrium at a pose `z`.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     """
     springs = _springs_at_pose(locked, z, False)
     ring_springs, cam_spring = springs["ring"], springs["cam"]
@@ -259,7 +259,7 @@ def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[s
 def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
     """Compute the nearest points of disc and ring of a `locked` reducer by search along the exact curves.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     The result has a row per ring pin; for an internal gear a row per arc that the disc can touch, then the minima in
     its roots.
     """
@@ -276,7 +276,7 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
     """Compute the contact springs between disc and ring of a `locked` reducer, in the order of `_nearest_points`.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     If `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
     """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
@@ -299,7 +299,7 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the contact springs of pins in sockets, or of sleeves on pins, of a `locked` reducer, a row per ring pin.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     All sockets are assumed to be full circles, because an unloaded pin could leave an open socket during the search.
     The force directions of the result are those on the pin.
     """
@@ -354,7 +354,7 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the contact spring between disc and cam of a `locked` reducer; the result has a single row.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     """
     eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
@@ -369,7 +369,7 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the contact springs between output pins and holes of a `locked` reducer, a row per pin.
 
-    `z` [m] are the unknown displacements of disc, output and moving pins; rotations are times the output pins' radius.
+    `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     Each force acts along the line between the centres of pin and hole.
     """
     output, pose = locked.design.output, locked.pose(z)

@@ -196,8 +196,8 @@ def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[Validatio
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     """Compare the power of the cams on the discs with the power of the load plus friction at teeth and output pins.
 
-    The design has fixed pins, friction and no gravity. `changes` are further settings as for ``--set``, and `name`
-    names the changed design in the row.
+    The design has fixed pins, friction and no gravity. `changes` are further settings of the form ``key=value``, and
+    `name` names the changed design in the row.
     """
     frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
@@ -225,7 +225,8 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare the smallest gap that `best_fit` reports with the smallest gap between the exact curves in its pose.
 
     `best_fit` moves disc and output to where their smallest gap is largest. The list has one row, for fixed pins and
-    wide clearances at one crank angle. `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
+    wide clearances at one crank angle. `bound` is the allowed difference [%], `changes` are settings of the form
+    ``key=value``.
     """
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
@@ -241,7 +242,7 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare two gaps of each free pin in the pose of `best_fit`: to the nearest disc, and to its socket.
 
     They are computed from the exact curves. The best fit shifts a pin so that both gaps are equal; pins that it does
-    not shift are left out. `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
+    not shift are left out. `bound` is the allowed difference [%], `changes` are settings of the form ``key=value``.
     """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)

@@ -85,7 +85,7 @@ def rated_design(kind: str, *changes: str) -> Design:
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
     """Simulate the reducer of Hsieh 2014 with a kind of ring at rated load and a crank speed [rpm].
 
-    `kind` is `FIXED`, `FREE`, `SLEEVED` or `NONPIN`; `changes` are settings as for ``--set``, ``key=value``.
+    `kind` is `FIXED`, `FREE`, `SLEEVED` or `NONPIN`; `changes` are settings of the form ``key=value``.
 
     Returns
     -------

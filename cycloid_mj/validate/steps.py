@@ -176,7 +176,7 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
     """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the main results.
 
-    `changes` are settings as for ``--set``, ``key=value``.
+    `changes` are settings of the form ``key=value``.
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)

@@ -455,7 +455,7 @@ def _add_bent_pins(
     The forces f of the discs on a pin solve the linear complementarity problem K^-1 f + B f + w >= 0, f >= 0. K is the
     contact stiffness, w are the gaps of the straight pin, and B is the `bending` of the springs. `k` is the index of
     the crank angle, `z` (u,) [m] are the u unknown displacements, and `stiffness_factor` and `friction` are factors on
-    stiffness and friction [1]; for `rebuild_list` see `assemble`.
+    stiffness and friction [1]; `rebuild_list` is whether the neighbour list of contacts is rebuilt.
     """
     discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
