@@ -195,7 +195,17 @@ def test_the_command_writes_all_files(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["datasheet", "rv80e", "--out", str(tmp_path / "new"), "--life-h", "3000", "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["life_h"] == 3000.0
-    assert content["rated_torque_nm"] > 801.8
-    assert content["weakest"]["key"] == "pin_gear_pitting"
+    assert content["weakest"]["key"] == "pin_gear_pitting_lubricated"
+    # AGMA 2001-D04: the permissible pressure follows n^-0.056 for n loads, and the torque its square
+    torque, rv80e = content["rated_torque_nm"], PRESETS["rv80e"]
+    full_life = compute_rv_limits(RvReducer(rv80e), 6000.0).rated[0]
+    assert torque == pytest.approx(full_life * 2.0 ** (2.0 * 0.056), rel=5e-3)
+    # ISO 6336-2: the lubricant (130 mm2/s, 0.38 m/s, Rz10 2.15 um) multiplies the permissible pressure by Z_L Z_v Z_R
+    items = rate(rv80e, constant_duty(torque, rv80e.drive.speed)).items
+    dry, lubricated = (items[f"pin_gear_pitting{suffix}"] for suffix in ("", "_lubricated"))
+    factors = lubricated.limit / dry.limit
+    by_hand = (0.91 + 0.36 / (1.2 + 134.0 / 130.0) ** 2) * (0.93 + 0.14 / (0.8 + 32.0 / 0.38) ** 0.5)
+    assert factors == pytest.approx(by_hand * (3.0 / 2.15) ** 0.08, rel=1e-3)
+    assert dry.life * factors ** (1.0 / 0.056) == pytest.approx(3000.0, rel=0.01)
     names = {path.name for path in (tmp_path / "new").iterdir()}
     assert names >= {"rv80e-datasheet.pdf", "rv80e-datasheet.html", "rv80e-datasheet.csv"}
