@@ -225,8 +225,8 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
     yield SheetFigure(
         "te_errors", "arcsec", "transmission error by errors of cranks, bores, planets and pins, peak to peak",
         "Range of the output's angle by the errors of cranks, bores, carrier and planets at a fixed sun, in closed "
-        "form without clearance and load, over a turn of the carrier. Position errors of the ring pins add the "
-        "rotation by statics under the nominal torque.", "te_errors_arcsec", layouts=RV)
+        "form without clearance and load, and by position errors of the ring pins, by statics under the nominal "
+        "torque, over a turn of the carrier.", "te_errors_arcsec", layouts=RV)
     yield SheetFigure(
         "te_ideal", "arcsec", "transmission error under the load, without friction, peak to peak",
         "Range of the output's angle about the ideal one under the load at a fixed sun, without friction and weight, "
