@@ -23,7 +23,7 @@ _log = logging.getLogger(__name__)
 PACKAGE = Path(__file__).parents[1]
 SOURCES = (
     *("base/compiling.py", "dynamics/contact/*.py", "dynamics/planar/*.py", "statics/kernel/*.py"),
-    *("dynamics/film_table.py", "reducer/bodies.py", "reducer/impact.py"),
+    *("dynamics/film_table.py", "reducer/bodies.py", "reducer/impact.py", "reducer/roller_needles.py"),
 )
 """Files with compiled functions, and with what is compiled into them."""
 

@@ -620,8 +620,8 @@ class ContactLaw(Section):
     )
     needles: Literal["lumped", "each"] = choice(
         "lumped",
-        "crank bearings. lumped: a spring between eccentric and bore; each: a spring for each needle, in a cage that "
-        "rolls",
+        "crank bearings and output rollers. lumped: a spring between eccentric and bore, and rigid rollers; each: a "
+        "spring for each needle, in a cage that rolls",
     )
     damping_ratio: float = quantity(
         0.5, "damping of a contact as a share of critical damping (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
@@ -1325,11 +1325,13 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_needles(self) -> Self:
-        """Raise ValueError if a plain cam, which has no rollers, is to have a spring for each roller."""
-        if self.layout == "central" and self.contact.needles == "each" and self.gear.bearing != "rolling":
+        """Raise ValueError if rollers are to be springs of their own, but neither cams nor output pins have rollers."""
+        has_rollers = self.gear.bearing == "rolling" or (self.output.has_needles and self.output.has_roller_parts)
+        if self.layout == "central" and self.contact.needles == "each" and not has_rollers:
             raise ValueError(
-                'contact.needles = "each" applies to cams on rollers, but gear.bearing is "plain": set gear.bearing = '
-                '"rolling", or contact.needles = "lumped"'
+                'contact.needles = "each" applies to cams on rollers and to output pins with rollers on needles '
+                '(output.core_radius), but this design has neither: set gear.bearing = "rolling", or contact.needles = '
+                '"lumped"'
             )
         return self
 

@@ -27,6 +27,7 @@ from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.roller_needles import needle_row
 from cycloid_mj.statics.film import lubricant_temperature
 
 
@@ -36,15 +37,12 @@ class AssumedRollers:
 
     Attributes
     ----------
-    needle_share
-        Diameter of the needles of an output roller over its wall.
     shaft_rollers, shaft_roller_share
         Number of rollers of a shaft bearing, and their diameter over the shaft's radius.
     needle_friction
         Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018).
     """
 
-    needle_share: float = 0.35
     shaft_rollers: int = 14
     shaft_roller_share: float = 0.4
     needle_friction: float = 0.002
@@ -285,9 +283,8 @@ def _output_roller_ratings(reducer: Reducer) -> Ratings:
     """
     design = reducer.design
     output, bearing = design.output, design.bearing
-    needle = ASSUMED_ROLLERS.needle_share * (output.pin_radius - output.root_radius) * 2.0
-    pitch = 2.0 * output.root_radius + needle
-    row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
+    needles = needle_row(output)
+    row = RollerRow(needles.needles, needles.diameter, design.gear.face_width, needles.pitch)
     stated_ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
     return _choose_ratings(stated_ratings, None, row, "round the core of a pin")
 

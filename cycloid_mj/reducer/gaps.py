@@ -234,13 +234,12 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         np.sum(arm_vector * -quarter_turned(push_direction), axis=-1),
         np.sum(arm_vector * push_direction, axis=-1),
     )
-    nominal_gap = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     worn = reducer.worn.of_output(np.arctan2(normal_arm, tangent_arm)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
-        clearance=np.full(normal_arm.shape, nominal_gap),
+        clearance=np.full(normal_arm.shape, reducer.output_clearance),
         play=np.zeros(normal_arm.shape),
         distance=np.sum(hole_displacement * push_direction, axis=-1) + worn,
         slope=_by_unknown(reducer, disc, push_direction, normal_arm, -normal_arm),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer.bodies import Mechanism
     from cycloid_mj.reducer.contact import Contacts
     from cycloid_mj.reducer.member import Member
+    from cycloid_mj.reducer.roller_needles import RollerNeedles
     from cycloid_mj.reducer.worn import WornGaps
 
 Given = ParamSpec("Given")
@@ -146,8 +147,22 @@ class Reducer:
         return contact.cam_rollers if contact.needles == "each" and gear.bearing == "rolling" else 0
 
     @property
+    def roller_needles(self) -> "RollerNeedles":
+        """Needles of the rollers of output pins that are springs of their own."""
+        from cycloid_mj.reducer.roller_needles import roller_needles
+
+        return self.kept("roller_needles", lambda: roller_needles(self))
+
+    @property
+    def output_clearance(self) -> float:
+        """Gap between an output pin and its hole in the ideal pose [m]: clearance and differences of nominal sizes."""
+        design = self.design
+        output = design.output
+        return design.clearance.output + output.hole_radius - output.pin_radius - design.gear.eccentricity
+
+    @property
     def cage_ratio(self) -> float:
-        """Turns of the cage of these rollers per turn of the cam, both relative to the disc, by rolling.
+        """Turns of the cage of separate rollers of a cam per turn of the cam, both relative to the disc, by rolling.
 
         The rollers fill the bore of the disc, as in `Contacts.roller_radius`: their radius is sin(pi/Z) of that of
         their circle.

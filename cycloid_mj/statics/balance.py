@@ -16,6 +16,7 @@ from cycloid_mj.statics.cam_needles import cam_needles
 from cycloid_mj.statics.film import FilmFriction, drag_power, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
 from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, solve_equilibria
+from cycloid_mj.statics.roller_needles import roller_springs
 from cycloid_mj.statics.rv_motion import rv_transmission_error
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -48,6 +49,12 @@ class FilmSettings:
 
 
 FILM = FilmSettings()
+
+MAX_ROLLER_STEPS = 30
+"""Largest number of Newton steps for output rollers on separate needles; usually 3 to 6 are needed."""
+
+ROLLER_RTOL = 1e-6
+"""Largest error of the force of an output roller on separate needles, over the largest of these forces."""
 
 NEEDLE_ROUNDS = 2
 """Solutions with separate rollers of the cams (heuristic): the friction of a cam acts on the resultant of the
@@ -260,6 +267,34 @@ def _solve_carrier_output(
 
 
 def _solve_contacts(
+    reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
+) -> tuple[Array, Array, float]:
+    """Solve for equilibrium as `_solve_with_cams`, also with output rollers on separate needles.
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium, or the forces of the rollers do not converge.
+    """
+    rollers = roller_springs(reducer, springs)
+    if rollers is None:
+        return _solve_with_cams(reducer, springs, load, z, warm_start)
+    total_work = 0.0
+    for step in range(MAX_ROLLER_STEPS):
+        linear = replace(springs, contacts=rollers.insert(springs.contacts, springs.teeth))
+        force, cam, work = _solve_with_cams(reducer, linear, load, z, warm_start and step == 0)
+        total_work, linear_force = total_work + work, force[:, springs.teeth :]
+        rollers, roller_force = rollers.linearise(rollers.approach(linear_force))
+        error, largest = float(np.abs(roller_force - linear_force).max()), float(linear_force.max())
+        if error <= ROLLER_RTOL * largest:
+            return force, cam, total_work
+    raise RunError(
+        f"the forces of the output rollers on their needles did not converge in {MAX_ROLLER_STEPS} steps: the last "
+        f'error is {error:.3g} N of {largest:.3g} N; set contact.needles = "lumped"'
+    )
+
+
+def _solve_with_cams(
     reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
 ) -> tuple[Array, Array, float]:
     """Solve for equilibrium from the displacements `z` (m, u) [m], which are overwritten by the solution.

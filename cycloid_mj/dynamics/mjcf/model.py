@@ -103,7 +103,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     reducer = reducer_of(resolve(design))
-    if reducer.separate_needles:
+    if reducer.separate_needles or reducer.roller_needles.needles:
         raise DesignError(
             f'{reducer.design.name}: contact.needles = "each" is supported by statics and the planar solver, not by '
             'MuJoCo: use --solver planar, or set contact.needles = "lumped"'

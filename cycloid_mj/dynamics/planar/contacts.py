@@ -27,7 +27,7 @@ from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, look_up, phase_cosine
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.reducer import impact
+from cycloid_mj.reducer import impact, roller_needles
 
 OPEN, STICKS, SLIDES, SLIDES_BACK = range(4)
 """States of a contact. A sticking contact creeps; a sliding one transmits the Coulomb limit."""
@@ -93,6 +93,7 @@ njit = compiling.njit(inner=True, allocates=False, error_model="numpy", forceinl
 """Compile a function that the solver calls in every step."""
 
 _spring, _damper = njit(impact.spring), njit(impact.damper)
+_onset, _roller_contact = njit(roller_needles.onset), njit(roller_needles.roller_contact)
 
 
 def allocate_contacts(system: System) -> Contacts:
@@ -172,10 +173,36 @@ def find_contacts(
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
             hx, hy = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
             pin = Round(sx, sy, frame.x + hx, frame.y + hy, system.stud, 1.0)
-            count += _find_round_contacts(
+            added = _find_round_contacts(
                 system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
             )
+            for k in range(added if system.roller_needles.needles else 0):
+                _soften_by_needles(system, contacts[count + k], mating.law, q, v, half_step)
+            count += added
     return count
+
+
+@njit
+def _soften_by_needles(system: System, contact: Contact, law: Any, q: Array, v: Array, half_step: float) -> None:
+    """Replace the force of the contact of an output roller with its hole by that of the roller on its needles.
+
+    The gap becomes that of a linear spring, the tangent of this force. `law` is the law of the contact with the hole,
+    `q` and `v` are positions and speeds of all unknowns, and `half_step` is half of the time step [s].
+    """
+    needles = system.roller_needles
+    carrier = q[system.stud_shaft] if system.stud_shaft >= 0 else 0.0
+    cage = carrier + needles.cage_ratio * (q[system.shafts[1]] - carrier)
+    angle = math.atan2(-contact.nx, contact.ny) - cage
+    first, approach, factor = _onset(needles, angle), needles.clearance - contact.gap, 1.0
+    contact.gap = first - approach
+    if approach > first:
+        force, slope = _roller_contact(
+            approach, angle, law.stiffness, needles.needles, needles.stiffness, needles.clearance
+        )
+        contact.gap, factor = -force / slope, slope / law.stiffness
+    chord_excess = _chord_excess(q, v, contact.disc, contact.nx, contact.ny, half_step)
+    linearise_law(contact, law, factor, chord_excess, v, half_step)
+    set_film_friction(system, contact, _OUTPUT, 1.0, v)
 
 
 @njit

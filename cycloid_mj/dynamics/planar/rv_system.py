@@ -11,6 +11,7 @@ from cycloid_mj.dynamics.planar.crank_train import CrankTrain
 from cycloid_mj.dynamics.planar.system import System, drags_and_servos, law_of_needle, law_record, teeth_and_ring
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.roller_needles import NO_NEEDLES
 
 FIXED_SUN_STIFFNESS = 1e10
 """Stiffness of the bearings of a sun that is not floating [N/m]: its displacement under a kilonewton is 0.1 um."""
@@ -44,6 +45,7 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         bearing_contacts=discs * cranks * max(2, reducer.separate_needles),
         needles=0,
         cage_ratio=0.0,
+        roller_needles=NO_NEEDLES,
         floating=is_floating,
         support=np.array([] if is_floating else fixed_support),
         holes=np.zeros((0, 0, 2)),

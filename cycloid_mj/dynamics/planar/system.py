@@ -28,6 +28,7 @@ from cycloid_mj.parts import moving_masses, pin_mass_matrix
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
 from cycloid_mj.reducer.impact import ImpactLaw
+from cycloid_mj.reducer.roller_needles import RollerNeedles
 from cycloid_mj.reducer.rv_bodies import needle_share
 from cycloid_mj.statics.film import drag_torques
 
@@ -56,6 +57,8 @@ class System(NamedTuple):
         Largest number of contacts of crank bearings, or of cams with separate rollers.
     needles, cage_ratio
         Number of separate rollers of a cam, or 0; turns of their cage per turn of the cam, both relative to the disc.
+    roller_needles
+        Separate needles of the rollers of output pins.
     floating
         Whether there is a sun that moves along x and y.
     support
@@ -107,6 +110,7 @@ class System(NamedTuple):
     bearing_contacts: int
     needles: int
     cage_ratio: float
+    roller_needles: RollerNeedles
     floating: bool
     support: Array
     teeth: Teeth
@@ -168,6 +172,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         bearing_contacts=len(discs) * reducer.separate_needles,
         needles=reducer.separate_needles,
         cage_ratio=reducer.cage_ratio,
+        roller_needles=reducer.roller_needles,
         floating=False,
         support=np.zeros(0),
         holes=np.array([mating.on.place for mating in output]),

@@ -10,6 +10,7 @@ solution is an equilibrium or a jam.
 from cycloid_mj.statics.kernel.contacts import Gap, KernelSprings, gap, is_open
 from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, FrictionElements, assemble_after, follow_path
 from cycloid_mj.statics.kernel.newton import PATH_RESIDUAL_RTOL, RESIDUAL_RTOL, RIGID_BODY_STIFFNESS, Residual
+from cycloid_mj.statics.kernel.rollers import linearise_rollers
 from cycloid_mj.statics.kernel.samples import (
     CARRYING_SHARE,
     FIGURES,
@@ -41,6 +42,7 @@ __all__ = [
     "follow_path",
     "gap",
     "is_open",
+    "linearise_rollers",
     "solve_equilibria",
     "solve_few_samples",
     "solve_many_samples",

@@ -1,0 +1,159 @@
+"""Needles between the rollers of the output pins and their cores, as springs of their own.
+
+A roller is a rigid ring on its core, on Z needles that can push but not pull. The hole of the disc presses it towards
+the core; across this direction, it is free, as it rolls in the hole. The force follows from the least energy of the
+contact with the hole and of the needles (``contact.needles = "each"``).
+"""
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.reducer.contact import STRIBECK
+from cycloid_mj.reducer.rv_bodies import needle_share
+
+if TYPE_CHECKING:
+    from cycloid_mj.design.model import Output
+    from cycloid_mj.reducer import Reducer
+
+NEEDLE_SHARE = 0.35
+"""Assumed diameter of the needles over the difference in diameter of an output roller and its core."""
+
+
+class NeedleRow(NamedTuple):
+    """Needles around a core: their number, and their diameter and pitch diameter [m]."""
+
+    needles: int
+    diameter: float
+    pitch: float
+
+
+class RollerNeedles(NamedTuple):
+    """Needles of the rollers of a reducer.
+
+    Attributes
+    ----------
+    needles
+        Number of needles of a roller; 0 without separate needles.
+    stiffness
+        Stiffness of a needle between core and roller [N/m].
+    clearance
+        Radial clearance of the needles [m]: all of the clearance between output pin and hole.
+    cage_ratio
+        Turns of the cage per turn of the crank, both relative to the carrier; negative.
+    """
+
+    needles: int
+    stiffness: float
+    clearance: float
+    cage_ratio: float
+
+
+NO_NEEDLES = RollerNeedles(0, 0.0, 0.0, 0.0)
+
+
+def needle_row(output: "Output") -> NeedleRow:
+    """Return the needles of an output roller: as many as fit around the core, of the size `NEEDLE_SHARE`."""
+    diameter = NEEDLE_SHARE * 2.0 * (output.pin_radius - output.root_radius)
+    pitch = 2.0 * output.root_radius + diameter
+    return NeedleRow(max(int(math.pi * pitch / diameter), 3), diameter, pitch)
+
+
+def roller_needles(reducer: "Reducer") -> RollerNeedles:
+    """Return the separate needles of the rollers of a reducer, at the stiffness of its working force.
+
+    Rollers have separate needles if ``contact.needles`` is "each", they are parts of their own with needles
+    (``output.core_radius``), and contacts are line contacts. A needle is in contact with core and roller; both contacts
+    are as stiff as a pin on a flat (`ideal_loads.line_contact_stiffness`), with the material of the output.
+    """
+    design = reducer.design
+    contact, output = design.contact, design.output
+    has_parts = output.has_needles and output.has_roller_parts
+    if contact.needles != "each" or not has_parts or contact.law == "impact":
+        return NO_NEEDLES
+    row, force = needle_row(output), reducer.contacts["output"].force
+    material, depth = design.material_of("output"), 0.5 * row.diameter
+    line = contact.stiffness or float(
+        ideal_loads.line_contact_stiffness(
+            STRIBECK * force / row.needles,
+            design.gear.face_width,
+            ideal_loads.contact_modulus(material.youngs_modulus, material.poisson),
+            depth,
+            1.0 / depth,
+        )
+    )
+    bearing = 0.5 * line * row.needles / STRIBECK
+    # the centre of the hole circles around the pin, so that the roller turns back
+    roller_turn = 1.0 - output.hole_radius / output.pin_radius
+    inner, outer = row.pitch - row.diameter, row.pitch + row.diameter
+    return RollerNeedles(
+        needles=row.needles,
+        stiffness=needle_share(row.needles) * bearing,
+        clearance=max(reducer.output_clearance, 0.0),
+        cage_ratio=roller_turn * outer / (inner + outer),
+    )
+
+
+def onset(needles: RollerNeedles, angle: float) -> float:
+    """Compute the approach of hole and core at which a roller begins to carry load [m].
+
+    Without load, the roller rests on the two needles next to the direction of the force. `angle` is this direction,
+    relative to that of a needle [rad].
+    """
+    half_spacing = math.pi / needles.needles
+    return needles.clearance * math.cos(angle % (2.0 * half_spacing) - half_spacing) / math.cos(half_spacing)
+
+
+def roller_contact(
+    approach: float,
+    angle: float,
+    stiffness: float,
+    needles: int,
+    needle_stiffness: float,
+    clearance: float,
+) -> tuple[float, float]:
+    """Compute force [N] and stiffness [N/m] of a roller between hole and core, by a semismooth Newton method.
+
+    The unknowns are the displacements of the roller on its core, x along the force and y across. The energy of all
+    springs is convex; steps that raise it are halved.
+
+    Parameters
+    ----------
+    approach
+        Approach of the hole to the core since the roller touches the hole, centred on its core [m].
+    angle
+        Direction of the force, relative to that of a needle [rad].
+    stiffness
+        Stiffness of the contact with the hole [N/m].
+    needles, needle_stiffness, clearance
+        Number, stiffness [N/m] and clearance [m] of the needles, as in `RollerNeedles`.
+    """
+    x, y, step_x, step_y, lowest = approach, 0.0, 0.0, 0.0, math.inf
+    spacing, regular = 2.0 * math.pi / needles, 1e-9 * stiffness
+    xx, xy, yy = stiffness, 0.0, regular
+    for _ in range(100):
+        trial_x, trial_y = x + step_x, y + step_y
+        force = stiffness * (approach - trial_x)
+        energy, gradient_x, gradient_y = 0.5 * force * (approach - trial_x), -force, 0.0
+        hessian_xx, hessian_xy, hessian_yy = stiffness + regular, 0.0, regular
+        for needle in range(needles):
+            cosine, sine = math.cos(needle * spacing - angle), math.sin(needle * spacing - angle)
+            depth = trial_x * cosine + trial_y * sine - clearance
+            if depth > 0.0:
+                load = needle_stiffness * depth
+                energy += 0.5 * load * depth
+                gradient_x += load * cosine
+                gradient_y += load * sine
+                hessian_xx += needle_stiffness * cosine * cosine
+                hessian_xy += needle_stiffness * cosine * sine
+                hessian_yy += needle_stiffness * sine * sine
+        if energy > lowest * (1.0 + 1e-12):
+            step_x, step_y = 0.5 * step_x, 0.5 * step_y
+            continue
+        x, y, lowest, xx, xy, yy = trial_x, trial_y, energy, hessian_xx, hessian_xy, hessian_yy
+        if abs(gradient_x) + abs(gradient_y) <= 1e-9 * stiffness * approach:
+            break
+        determinant = xx * yy - xy * xy
+        step_x = -(yy * gradient_x - xy * gradient_y) / determinant
+        step_y = -(xx * gradient_y - xy * gradient_x) / determinant
+    return stiffness * (approach - x), stiffness * (1.0 - stiffness * yy / (xx * yy - xy * xy))
