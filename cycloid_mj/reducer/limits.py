@@ -198,10 +198,11 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
                 f"the two halves of the ring clamp the disc {location}, so rigid parts cannot rotate there: reduce "
                 "ring.preload_arcmin, or use `cycloid-mj statics`, which includes deflection"
             )
-        raise RunError(
-            f"the disc jams {location}, because the manufacturing errors exceed the clearances: increase clearance.* "
-            "or reduce errors.*"
-        )
+        cause, remedy = "the manufacturing errors exceed", "increase clearance.* or reduce errors.*"
+        if temperature := design.thermal.words:
+            cause = f"thermal expansion ({temperature}) and manufacturing errors exceed"
+            remedy += ", or keep the parts closer to 20 °C"
+        raise RunError(f"the disc jams {location}, because {cause} the clearances: {remedy}")
     rotations = np.asarray(solution.x).reshape(objective.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * rotations, axis=1)
 

@@ -222,6 +222,11 @@ def test_a_design_is_taken_by_position_and_by_its_flag(chain: tuple[str, ...]) -
     assert designs_of(by_place) == designs_of(by_flag) == ("nonpin",)
 
 
+@pytest.mark.parametrize("chain", DESIGNED, ids=" ".join)
+def test_every_command_with_a_design_takes_a_temperature(chain: tuple[str, ...]) -> None:
+    assert "--at-c" in flag_names(LEAVES[chain])
+
+
 def designs_of(bound: BoundArguments) -> tuple[str, ...]:
     """Return the designs that a command was asked for."""
     given = bound.arguments

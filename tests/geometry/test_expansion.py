@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from designs import design_file
 
 import cycloid_mj as cm
-from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import PRESETS, Design, override, presets_for
+from cycloid_mj.base.errors import DesignError, RunError
+from cycloid_mj.design import PRESETS, Design, load, override, presets_for
 from cycloid_mj.geometry.expansion import expand, jam_difference, strain, warm_clearances
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import find_tightest_pairs
+from cycloid_mj.reducer.limits import find_tightest_pairs, stops
 
 STEEL = 13e-6
 """Expansion of the alloy steel of the presets [1/K]."""
@@ -92,6 +93,14 @@ def test_a_lost_clearance_is_an_error_with_its_cause() -> None:
     ) as error:
         Reducer(warm("pin", "pin_material.expansion_um_m_k=80", "thermal.ring_c=60"))
     assert "Increase the clearance" in str(error.value)
+
+
+def test_a_disc_that_jams_warm_names_its_temperature() -> None:
+    """The disc of this design expands more than its ring, although both have the same temperature."""
+    parts = ("disc", "ring", "crank", "output", "housing")
+    design = override(load(design_file("fixed-n31-d1-carrier-250um")), [f"thermal.{part}_c=60" for part in parts])
+    with pytest.raises(RunError, match=r"jams .* because thermal expansion \(60 °C\) .* or keep the parts closer to"):
+        stops(Reducer(design), 0.0)
 
 
 def test_warm_sizes_are_not_expanded_twice_nor_manufactured() -> None:
