@@ -7,9 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import RPM
+from cycloid_mj.design import Design
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.expansion import at_temperatures
 from cycloid_mj.life.duty import DutyPoint
@@ -19,6 +20,7 @@ from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.bearings import Planes, compute_reactions
+from cycloid_mj.statics.film import FilmFriction
 from cycloid_mj.statics.peaks import is_hertzian
 from cycloid_mj.statics.springs import POSES as POWER_POSES
 from cycloid_mj.statics.springs import turn_evenly
@@ -226,9 +228,9 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     """Compute force times speed, pressure times speed and speed of sliding contacts, by kind of mating pair.
 
     The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
-    turn slides where its friction is lower: on the flank or in its seat. The bores of sleeves and rollers wear evenly;
-    flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and `contact_loads` are the
-    contact springs and the forces at the crank angles of a turn.
+    turn slides where its friction is lower (`slides_in_seat`): on the flank or in its seat. The bores of sleeves and
+    rollers wear evenly; flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and
+    `contact_loads` are the contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -236,25 +238,30 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     towards = np.arctan2(directions[..., 1], directions[..., 0])
     teeth, tooth_speed = contact_loads.teeth, slip[:, :count]
     seat = design.seat_pair
+    in_seat = slides_in_seat(design, contact_loads.friction, teeth.shape)
+    has_both = bool(seat) and design.has_film
     sliding: dict[str, Sliding] = {}
-    if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
+    if has_both or not in_seat.any():
+        on_flank = np.where(in_seat, 0.0, teeth)
         line_power = _largest_line_power(
-            teeth * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
+            on_flank * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
         )
         sliding[design.tooth_pair] = _summarize_sliding(
-            reducer, design.tooth_pair, teeth, tooth_speed, ring.pin_radius, line_power
+            reducer, design.tooth_pair, on_flank, tooth_speed, ring.pin_radius, line_power
         )
-    elif seat == "pin_sleeve":
-        bore_speed = tooth_speed * ring.sleeve_bore_radius / ring.pin_radius
-        line_power = _mean_line_power(teeth * bore_speed, ring.sleeve_bore_radius)
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, bore_speed, ring.sleeve_bore_radius, line_power)
-    else:
-        lengths = _circle_lengths(ring.pin_radius, teeth.shape[1])
-        azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        line_power = _largest_line_power(
-            teeth * tooth_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False
-        )
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, tooth_speed, ring.pin_radius, line_power)
+    if has_both or in_seat.any():
+        teeth = np.where(in_seat, teeth, 0.0)
+        radius = ring.sleeve_bore_radius if seat == "pin_sleeve" else ring.pin_radius
+        seat_speed = tooth_speed * radius / ring.pin_radius
+        if seat == "pin_sleeve":
+            line_power = _mean_line_power(teeth * seat_speed, radius)
+        else:
+            azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
+            lengths = _circle_lengths(radius, teeth.shape[1])
+            line_power = _largest_line_power(
+                teeth * seat_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False
+            )
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, seat_speed, radius, line_power)
     output_forces, pin_speed = contact_loads.output, slip[:, count:]
     if not output.rollers:
         lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
@@ -278,6 +285,17 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
         line_power = _largest_line_power(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
         sliding["cam"] = _summarize_sliding(reducer, "cam", force, speed, design.gear.bore_radius, line_power)
     return sliding
+
+
+def slides_in_seat(design: Design, friction: FilmFriction | None, shape: tuple[int, ...]) -> Mask:
+    """Return which contacts of ring pins slide in the seat instead of on the flank of the disc, of a shape.
+
+    With the law ``coulomb`` (`friction` is None), all pins slide where the coefficients of the design are lower. With
+    the law ``film``, each contact slides where its `friction` is lower.
+    """
+    if friction is not None:
+        return friction.rolls
+    return np.full(shape, bool(design.seat_pair) and design.mesh_friction < design.friction_of(design.tooth_pair))
 
 
 def _summarize_sliding(

@@ -14,6 +14,7 @@ from cycloid_mj.base.units import HOUR
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.wear_data import Interval, run_in_depth, wear_coefficient, wear_rate, worn_depth
 from cycloid_mj.life.wearing_surfaces import (
+    Contacts,
     Gap,
     SlidingContacts,
     WearingSurface,
@@ -137,11 +138,11 @@ class WearingDrive:
             )
             sliding = _sliding_contacts(turning_reducer, self.crank, abs(point.torque))
             for surface in self.surfaces:
-                rates[surface.key] += point.share * dose_rate(surface, sliding[surface.gap])
+                rates[surface.key] += point.share * dose_rate(surface, sliding[surface.contacts])
         return rates
 
 
-def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, SlidingContacts]:
+def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Contacts, SlidingContacts]:
     """Solve for forces, sliding speeds and positions of the contacts of each kind of gap at m crank angles [rad], (m,).
 
     `load` [N m] is the torque that opposes the rotation of the output.

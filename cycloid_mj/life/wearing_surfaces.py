@@ -6,25 +6,29 @@ Hertzian strip, which matters where a contact dwells: at the tips of the lobes, 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.geometry import profile
-from cycloid_mj.life.loading import relative_speed
+from cycloid_mj.life.loading import relative_speed, slides_in_seat
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.contact import CONTACT
 from cycloid_mj.reducer.worn import WornGaps, table_angles
 from cycloid_mj.statics import Loads, Springs
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_film import running_friction
+from cycloid_mj.statics.rv_film import RvFilm, running_friction
 from cycloid_mj.statics.rv_sheet import torque_on_carrier
 
 Gap = Literal["teeth", "output", "cam"]
 """A gap that a worn surface opens."""
+
+Contacts = Literal["teeth", "flank", "seat", "output", "cam"]
+"""Contacts that slide on a surface: all teeth, only those that slide on the flank or in the seat of a pin, and others.
+"""
 
 TABLE = 2048
 """Angles of the tables of openings: 0.2 deg, or at most 50 um of the flank of `pin`, less than its Hertzian strips."""
@@ -45,6 +49,8 @@ class WearingSurface:
         Part of `design.PARTS`, which determines the material.
     gap
         The gap that it opens.
+    contacts
+        The contacts that slide on it.
     count
         Number of equal sections on all parts.
     section
@@ -64,6 +70,7 @@ class WearingSurface:
     name: str
     part: str
     gap: Gap
+    contacts: Contacts
     count: int
     section: float
     length: float
@@ -117,9 +124,10 @@ def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
 
 
 def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield the wearing surfaces of the mesh: flanks and pins (or lobes), or both surfaces of the seats of pins.
+    """Yield the wearing surfaces of the mesh: flanks and pins (or lobes), and both surfaces of the seats of pins.
 
-    If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears.
+    If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears. With
+    film friction this differs between contacts, so flanks and seats wear.
     """
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
     length, count = design.line_length(design.tooth_pair), ring.mate_count * design.gear.discs
@@ -127,37 +135,44 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     angle_on_pin = profile.conjugate_alpha(gear, phase)
     seat, bore = design.seat_pair, ring.sleeve_bore_radius
     circumference = 2.0 * math.pi * ring.pin_radius
-    if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
+    coordinate = ring.pin_radius * angle_on_pin
+    in_seats = bool(seat) and (design.has_film or design.mesh_friction < design.friction_of(design.tooth_pair))
+    on_flanks = not in_seats or design.has_film
+    if on_flanks:
         flank = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
         flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
         flanks = design.lobes * design.gear.discs * ring.halves
-        yield WearingSurface("flank", "flanks of the discs", "gear", "teeth", flanks, flank, length, flank_coordinate)
-        if seat:
-            # a smaller pin also widens the clearance of its socket
-            opening = 2.0 if ring.has_sockets else 1.0
-            yield WearingSurface("pin", "pins", "pin", "teeth", count, circumference, length, opening=opening)
-        elif ring.kind == "pin":
-            yield WearingSurface(
-                "pin", "pins", "pin", "teeth", count, circumference, length, ring.pin_radius * angle_on_pin
-            )
-        else:
-            coordinate = ring.pin_radius * angle_on_pin
-            yield WearingSurface(
-                "lobe", "lobes of the ring", "housing", "teeth", count, circumference, length, coordinate
-            )
-    elif seat == "pin_socket":
-        coordinate = ring.pin_radius * angle_on_pin
-        yield WearingSurface("pin", "pins", "pin", "teeth", count, circumference, length, opening=2.0)
         yield WearingSurface(
-            "socket", "sockets of the pins", "housing", "teeth", count, circumference, length, coordinate
+            "flank", "flanks of the discs", "gear", "teeth", "flank", flanks, flank, length, flank_coordinate
         )
-    else:
+    if seat == "pin_socket":
+        # a smaller pin also widens the clearance of its socket
+        yield WearingSurface("pin", "pins", "pin", "teeth", "teeth", count, circumference, length, opening=2.0)
+    elif seat and on_flanks:
+        yield WearingSurface("pin", "pins", "pin", "teeth", "flank", count, circumference, length)
+    elif not seat:
+        key, name, part = ("pin", "pins", "pin") if ring.kind == "pin" else ("lobe", "lobes of the ring", "housing")
+        yield WearingSurface(key, name, part, "teeth", "flank", count, circumference, length, coordinate)
+    if in_seats and seat == "pin_socket":
+        yield WearingSurface(
+            "socket", "sockets of the pins", "housing", "teeth", "seat", count, circumference, length, coordinate
+        )
+    elif in_seats:
         bore_circumference, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
         yield WearingSurface(
-            "sleeve", "bores of the sleeves", "pin", "teeth", count, bore_circumference, length, lever=lever
+            "sleeve", "bores of the sleeves", "pin", "teeth", "seat", count, bore_circumference, length, lever=lever
         )
         yield WearingSurface(
-            "core", "pins in sleeves", "pin", "teeth", count, bore_circumference, length, bore * angle_on_pin, lever
+            "core",
+            "pins in sleeves",
+            "pin",
+            "teeth",
+            "seat",
+            count,
+            bore_circumference,
+            length,
+            bore * angle_on_pin,
+            lever,
         )
 
 
@@ -175,16 +190,17 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
             ("output_pin", "output pins", "output", output.pin_radius),
         ):
             circumference = 2.0 * math.pi * radius
-            yield WearingSurface(key, name, part, "output", count, circumference, length, radius * angle)
+            yield WearingSurface(key, name, part, "output", "output", count, circumference, length, radius * angle)
     elif not output.has_needles:
         radius, lever = output.root_radius, output.root_radius / output.pin_radius
         circumference = 2.0 * math.pi * radius
         yield WearingSurface(
-            "roller", "bores of the rollers", "output", "output", count, circumference, length, lever=lever
+            "roller", "bores of the rollers", "output", "output", "output", count, circumference, length, lever=lever
         )
         yield WearingSurface(
             "roller_core",
             "cores of the rollers",
+            "output",
             "output",
             "output",
             count,
@@ -204,13 +220,13 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     if gear.bearing != "plain":
         return
     circumference, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
-    yield WearingSurface("bore", "bores of the discs", "gear", "cam", gear.discs, circumference, gear.face_width)
+    yield WearingSurface("bore", "bores of the discs", "gear", "cam", "cam", gear.discs, circumference, gear.face_width)
     coordinate = gear.bore_radius * angle
-    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, circumference, gear.face_width, coordinate)
+    yield WearingSurface("cam", "cams", "shaft", "cam", "cam", gear.discs, circumference, gear.face_width, coordinate)
 
 
-def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
-    """Return the sliding contacts over a turn by the kind of pair: teeth, output pins and plain cams.
+def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Contacts, SlidingContacts]:
+    """Return the sliding contacts over a turn by kind: teeth (all, on flanks, in seats), output pins and plain cams.
 
     `springs` and `contact_loads` are the contact springs and the forces at the crank angles of the turn.
     """
@@ -227,13 +243,14 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     cam_force = np.linalg.norm(cam, axis=-1)
     cam_speed = design.gear.bore_radius * relative_speed(reducer, design.drive.speed)
     tooth = design.tooth_pair
+    on_teeth = SlidingContacts(
+        _wrap(-contacts.phase[:, :teeth]),
+        contact_loads.teeth,
+        slip[:, :teeth],
+        _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
+    )
     return {
-        "teeth": SlidingContacts(
-            _wrap(-contacts.phase[:, :teeth]),
-            contact_loads.teeth,
-            slip[:, :teeth],
-            _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
-        ),
+        **_split_teeth(on_teeth, slides_in_seat(design, contact_loads.friction, on_teeth.force.shape)),
         "output": SlidingContacts(
             np.arctan2(*hole_direction),
             contact_loads.output,
@@ -249,7 +266,7 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     }
 
 
-def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Gap, SlidingContacts]:
+def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Contacts, SlidingContacts]:
     """Solve for forces and sliding speeds of the contacts of discs and ring of an RV reducer.
 
     They are those under a torque on the output [N m]. `crank` [rad] are m crank angles relative to the ring, shape
@@ -262,11 +279,29 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
         No static equilibrium exists.
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
-    force = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, np.sign(on_carrier))).pins
+    friction = running_friction(reducer, crank, np.sign(on_carrier))
+    solution = solve_rv_loads(springs, on_carrier, friction)
+    force = solution.pins
     speed = np.abs(springs.slip) * abs(reducer.speed_against_ring)
     kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
     half_width = _half_width(reducer, kind, force, springs.curvature, radius)
-    return {"teeth": SlidingContacts(_wrap(-springs.phase), force, speed, half_width)}
+    if isinstance(friction, RvFilm):
+        _, in_seat = friction.surfaces(solution).smaller_friction(force)
+    else:
+        in_seat = slides_in_seat(reducer.design, None, force.shape)
+    return _split_teeth(SlidingContacts(_wrap(-springs.phase), force, speed, half_width), in_seat)
+
+
+def _split_teeth(teeth: SlidingContacts, in_seat: Mask) -> dict[Contacts, SlidingContacts]:
+    """Return all contacts of the teeth, those that slide on the flank, and those that slide in the seat of a pin.
+
+    A contact has no force where it does not slide. `in_seat` is true for contacts that slide in the seat.
+    """
+    return {
+        "teeth": teeth,
+        "flank": replace(teeth, force=np.where(in_seat, 0.0, teeth.force)),
+        "seat": replace(teeth, force=np.where(in_seat, teeth.force, 0.0)),
+    }
 
 
 def _wrap(angle: Array) -> Array:

@@ -23,6 +23,8 @@ from cycloid_mj.statics import loads, springs_of
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 WITHOUT_RUN_IN = {"service": {"run_in_depth": 1e-15}}
 PLAIN = PIN.but(gear={"bearing": "plain"}, output={"rollers": False}, friction={"cam": 0.01, "output": 0.01})
+FILM = PIN.but(name="film", friction={"law": "film"})
+SLEEVED = FILM.but(name="sleeved", ring={"pins": "sleeved"})
 
 
 def drive_of(design: cm.Design, **settings: float) -> WearingDrive:
@@ -59,7 +61,7 @@ def test_spreading_keeps_the_sum_and_matches_single_strips() -> None:
 
 @pytest.mark.parametrize(
     "design",
-    [PIN, NONPIN, PLAIN, pytest.param(PRESETS["twodisc"], marks=pytest.mark.slow)],
+    [PIN, NONPIN, PLAIN, FILM, SLEEVED, pytest.param(PRESETS["twodisc"], marks=pytest.mark.slow)],
     ids=lambda item: item.name,
 )
 def test_worn_volume_is_k_times_force_times_distance(design: cm.Design) -> None:
@@ -70,10 +72,25 @@ def test_worn_volume_is_k_times_force_times_distance(design: cm.Design) -> None:
     sliding = sliding_contacts(drive.reducer, springs, contact_loads)
     assert {surface.gap for surface in drive.surfaces} >= {"teeth"}
     for surface in drive.surfaces:
-        rub = sliding[surface.gap]
+        rub = sliding[surface.contacts]
         area = surface.count * surface.length * surface.section
         power = (rub.force * rub.speed).sum(axis=1).mean() * surface.lever
         assert dose_rate(surface, rub).mean() * area == pytest.approx(power, rel=1e-9), surface.key
+
+
+@pytest.mark.parametrize("design", [FILM, SLEEVED], ids=lambda item: item.name)
+def test_with_film_friction_flanks_and_seats_share_the_sliding(design: cm.Design) -> None:
+    """A pin slides on the flank or in its seat, where its friction is lower, so both together have all sliding."""
+    drive = drive_of(design)
+    springs = springs_of(drive.reducer, drive.crank)
+    contact_loads = loads(drive.reducer, springs, math.copysign(design.rated_torque, design.drive.speed))
+    sliding = sliding_contacts(drive.reducer, springs, contact_loads)
+    work = {kind: float((sliding[kind].force * sliding[kind].speed).sum()) for kind in ("teeth", "flank", "seat")}
+    assert work["flank"] + work["seat"] == pytest.approx(work["teeth"], rel=1e-12)
+    assert work["seat"] > work["flank"] > 0.0, "most loaded free pins roll"
+    kinds = {surface.key: surface.contacts for surface in drive.surfaces if surface.gap == "teeth"}
+    seats = {"socket": "seat"} if design.ring.has_sockets else {"sleeve": "seat", "core": "seat"}
+    assert kinds == {"flank": "flank", "pin": "teeth" if design.ring.has_sockets else "flank", **seats}
 
 
 def test_flank_loses_a_micrometre_in_the_hours_of_a_hand_calculation() -> None:

@@ -27,6 +27,18 @@ def test_dose_of_the_flanks_is_the_power_of_friction_over_its_coefficient(name: 
     assert reducer.design.mesh_friction * power == pytest.approx(friction_powers(reducer, load)["teeth"], rel=5e-3)
 
 
+def test_with_film_friction_flanks_and_sockets_share_the_sliding() -> None:
+    """The dose times the area of flanks and sockets together is that of the pins, which slide on one of both."""
+    reducer = RvReducer(PRESETS["rv80e"])
+    drive = WearingDrive(reducer, constant_duty(LOAD, reducer.design.drive.speed).points)
+    rates = drive.dose_rates(reducer)
+    power = {
+        item.key: item.count * item.section * item.length * float(rates[item.key].mean()) for item in drive.surfaces
+    }
+    assert power["flank"] + power["socket"] == pytest.approx(power["pin"], rel=1e-9)
+    assert min(power.values()) > 0.0
+
+
 def test_evenly_worn_flanks_add_their_depth_to_the_lost_motion() -> None:
     """The output turns by 2 h/(e (lobes + 1 + z_s/z_p)) more, as by a clearance h along the normals of the flanks."""
     design = override(

@@ -93,6 +93,18 @@ def test_sleeves_slip_at_their_bore() -> None:
     assert rub.density == pytest.approx(rub.power / (2.0 * math.pi * ring.sleeve_bore_radius * ring.teeth))
 
 
+def test_with_film_friction_pins_wear_flanks_and_sockets() -> None:
+    """Each pin slides on the flank or in its socket, where its friction is lower."""
+    film = loaded(Reducer(override(PRESETS["pin"], ["friction.law=film"])), 61)
+    coulomb = loaded(Reducer(PRESETS["pin"]), 61)
+    assert set(coulomb.sliding) == {"pin_gear"}
+    assert set(film.sliding) == {"pin_gear", "pin_socket"}
+    assert min(item.power for item in film.sliding.values()) > 0.0
+    assert sum(item.power for item in film.sliding.values()) == pytest.approx(
+        coulomb.sliding["pin_gear"].power, rel=0.2
+    )
+
+
 def test_each_material_wears_by_its_own_coefficient() -> None:
     """2.65e-6 mm3/(N m) of Onyx, a PA 6, and 1e-9 of metals; what the design file states counts for both."""
     printed, metal = (rate(PRESETS[name], stops=False).items for name in ("printed", "pin"))
