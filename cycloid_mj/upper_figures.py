@@ -40,7 +40,7 @@ def _has_covers(reducer: Reducer) -> bool:
     return has_casing(reducer)
 
 
-def _make_figures(
+def _make_catalogue_entries(
     need: Need,
     module: str,
     rows: Iterable[tuple[str, str, str, str]],
@@ -83,7 +83,7 @@ def _part_function(kind: str, name: str) -> Compute:
     return compute
 
 
-def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
+def _make_part_entries(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
     """Return the catalogue entries (`Figure`) of a finite-element quantity, one for each kind of part.
 
     `key` and `unit` are those of the quantity. The key of an entry is that of the part, "_" and `key`; {} in `name` and
@@ -105,14 +105,14 @@ def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple
 
 # fmt: off
 UPPER_FIGURES = (
-    *_make_figures(Need.STATICS, "checks.rated_load", [
+    *_make_catalogue_entries(Need.STATICS, "checks.rated_load", [
         ("pressure_angle", "deg", "pressure angle, averaged by force",
          "Pressure angle of the tooth forces, averaged by force under the nominal torque, with friction."),
         ("loaded_teeth_per_disc", "1", "loaded teeth of a disc at the nominal torque, mean number",
          "Contacts of one disc with the ring with at least 1 % of the largest force under the nominal torque, with "
          "friction: mean number."),
     ]),
-    *_make_figures(Need.GEOMETRY, "life.figures", [
+    *_make_catalogue_entries(Need.GEOMETRY, "life.figures", [
         ("input_inertia", "kg cm2", "inertia at the input",
          "Inertia at the crank (RV reducer: at the sun): crank, discs on their orbit, all other parts over the ratio "
          "squared."),
@@ -120,7 +120,7 @@ UPPER_FIGURES = (
          "Distance along the axis from the input journal (RV reducer: from the planets) to the far side of the output "
          "disc."),
     ], layouts=BOTH),
-    *_make_figures(Need.GEOMETRY, "life.figures", [
+    *_make_catalogue_entries(Need.GEOMETRY, "life.figures", [
         ("drive_mass", "kg", "mass of the drive",
          "Mass including covers, bearings, screws, dowels and output flange, without motor and grease."),
         ("drive_inertia", "kg cm2", "inertia of the drive at the input",
@@ -130,18 +130,18 @@ UPPER_FIGURES = (
         ("drive_diameter", "mm", "overall diameter",
          "Diameter of the covers: that of the ring, or more if their screws do not fit into its wall."),
     ], _has_covers),
-    *_make_figures(Need.GEOMETRY, "life.figures", [
+    *_make_catalogue_entries(Need.GEOMETRY, "life.figures", [
         ("largest_speed", "rpm", "largest speed of the crank",
          "Speed of the crank that the bearings of cams and shaft allow with grease: 300 000 over their mean diameter "
          "in mm, half of it for rollers without a cage."),
     ]),
-    *_make_figures(Need.LIFE, "life.figures", [
+    *_make_catalogue_entries(Need.LIFE, "life.figures", [
         (f"{key}_speed", "rpm", f"largest speed of the crank, {words}",
          f"Speed of the crank at which the housing reaches its limit under the nominal torque, {words}; at most the "
          "largest that its bearings allow.")
         for key, words in (("continuous", "continuous"), ("intermittent", "for a quarter of the time"))
     ]),
-    *_make_figures(Need.STATICS, "life.output_bearing", [
+    *_make_catalogue_entries(Need.STATICS, "life.output_bearing", [
         ("output_tilting_capacity", "N m", "tilting moment on the output",
          "Moment across the axis that the bearings of the output's hub support next to the nominal torque, for "
          "the life of the design with its service factor (ISO 281) and standing (ISO 76)."),
@@ -155,7 +155,7 @@ UPPER_FIGURES = (
          "Force along the axis on the flange without other loads: a quarter of a deep groove bearing's static rating, "
          "or by ISO 281 and 76."),
     ], _has_covers),
-    *_make_figures(Need.LIFE, "life.figures", [
+    *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("life", "h", "life",
          f"Time until the first part fails, wear excluded, by `cycloid-mj rate`, {_RATED}."),
         ("bearing_life", "h", "life of the bearings",
@@ -163,13 +163,13 @@ UPPER_FIGURES = (
         ("least_safety", "1", "smallest safety factor",
          f"Smallest safety factor of `cycloid-mj rate`, {_RATED}."),
     ], layouts=BOTH),
-    *_make_figures(Need.LIFE, "life.figures", [
+    *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("drive_efficiency", "%", "efficiency with all bearings",
          f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}."),
         ("temperature_rise", "K", "temperature rise",
          f"Temperature of the housing above ambient, {_RATED}."),
     ]),
-    *_make_figures(Need.LIFE, "life.figures", [
+    *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("momentary_torque", "N m", "momentary torque",
          "Torque on the output in an emergency stop with a safety factor of 1 of contacts, pins, bearings and joints "
          "(RV reducer: of cycloid teeth and crank bearings)."),
@@ -177,17 +177,17 @@ UPPER_FIGURES = (
          "Rated torque on the output for service.life_h (by default 6000 h) at the design's speed; at most the "
          "momentary torque (RV reducer: without heat)."),
     ], layouts=BOTH),
-    *_make_part_figures(
+    *_make_part_entries(
         "stress_mpa", "MPa", "largest stress of {}",
         "Largest von Mises stress of {} away from contacts, or at a fillet by its notch factor, over a turn of the "
         "crank under the load or else the nominal torque, by `cycloid-mj stress --quick`.",
     ),
-    *_make_part_figures(
+    *_make_part_entries(
         "contact_pressure_mpa", "MPa", "largest contact pressure on {}",
         "Largest Hertz pressure on {} over a turn of the crank under the load, or the nominal torque without one, by "
         "`cycloid-mj stress --quick`; none if every contact is conformal.",
     ),
-    *_make_part_figures(
+    *_make_part_entries(
         "contact_safety", "1", "safety factor of the contact pressure on {}",
         "Shakedown limit 4 k of the surface over the largest Hertz pressure on {}, by `cycloid-mj stress --quick`: "
         "below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",

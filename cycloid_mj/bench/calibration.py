@@ -268,7 +268,7 @@ class Calibration(Presented):
         )
         return (
             self._parameter_table(),
-            self._figure_table(),
+            self._quantity_table(),
             self._loop_table(),
             self._deviation_table(),
             *(_comparison_table(title, self.fitted.loops, fits) for title, fits in compared if fits),
@@ -286,7 +286,7 @@ class Calibration(Presented):
             rows.append((key, item.value, interval, *texts, prior))
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
-    def _figure_table(self) -> Table:
+    def _quantity_table(self) -> Table:
         """Return a table of play, width, stiffness and Coulomb torque of measured loops and fitted model.
 
         Each has a row with its unit and 95 % intervals (`DEFINITIONS`).

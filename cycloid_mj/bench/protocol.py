@@ -400,10 +400,10 @@ def _loop_quantities(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict
         }
         for loop in full_loops
     ]
-    return {key: _merge_figures([item[key] for item in figures]) for key in figures[0]}
+    return {key: _merge_quantities([item[key] for item in figures]) for key in figures[0]}
 
 
-def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
+def _merge_quantities(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Return the mean of a test quantity over several loops, with an interval that covers all of their intervals.
 
     `figures` are the values with intervals; those that are NaN are left out.

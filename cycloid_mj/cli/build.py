@@ -89,7 +89,7 @@ def build(
     files = model_files(reducer, settings)
     directory = claim_folder(out, "the model", files, output_flags.force)
     write_folder(files, directory)
-    figures = _surface_figures(files[MANIFEST])
+    figures = _surface_deviations(files[MANIFEST])
     if plain_coacd:
         figures |= _measure_plain_coacd(reducer, seed)
     rows = tuple(_tabulate_deviations(*item) for item in figures.items())
@@ -112,7 +112,7 @@ def _require_writable(out: str) -> None:
         raise CycloidError(f"cannot write the model to {out}: {existing} {reason}. Choose another folder with --out")
 
 
-def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
+def _surface_deviations(manifest: bytes) -> dict[str, dict[str, Any]]:
     """Read the deviations of the convex pieces from the manifest, by surface."""
     from json import loads
 

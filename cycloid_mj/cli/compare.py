@@ -281,7 +281,7 @@ def _compare_runs(
     """Simulate all runs of a plan into logs, and return their comparison as printable results.
 
     `q` is the point of the disc whose motion is compared [m], or None for the default point. `destination` has the
-    paths of the output files, `output_flags` the output flags.
+    paths of the output files, `output_flags` those of the output, such as ``--quiet``.
     """
     from cycloid_mj.cli.batch import run_all
 

@@ -418,7 +418,7 @@ def _is_drawn(output_flags: MeasureDelivery) -> bool:
 def _deliver_measurement(measurement: "Measurement", destination: Destination, output_flags: MeasureDelivery) -> None:
     """Write the files of a measurement and the logs of its runs, and print it unless JSON is requested.
 
-    `destination` has the paths, `output_flags` the output flags.
+    `destination` has the paths, `output_flags` those of the output, such as ``--quiet``.
     """
     from cycloid_mj.log import write as write_log
 

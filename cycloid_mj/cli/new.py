@@ -441,8 +441,8 @@ def _claim_files(stem: str, output_flags: NewDelivery) -> Destination:
 def _deliver_drives(stem: str, answer: "Answer", destination: Destination, output_flags: NewDelivery) -> int:
     """Write the design files of the drives of a search, print them in a table, and return the exit code.
 
-    `answer` has the drives, `destination` the folder, and `output_flags` the output flags. The file of the first drive
-    is `stem`.toml. Files of other drives have the drive's title after the stem.
+    `answer` has the drives, `destination` the folder, and `output_flags` those of the output, such as ``--quiet``. The
+    file of the first drive is `stem`.toml. Files of other drives have the drive's title after the stem.
     """
     files: dict[str, bytes] = {}
     for index, drive in enumerate(answer.drives):
@@ -472,8 +472,8 @@ def _write_designs(
     """Write design files, print their paths with tables and summary, and return the exit code.
 
     `files` maps names to contents. `descriptions` has the values that the JSON result states for each file.
-    `destination` has the folder, `output_flags` the output flags. Raises TakenError if a file exists and must not be
-    replaced.
+    `destination` has the folder, `output_flags` those of the output, such as ``--quiet``. Raises TakenError if a file
+    exists and must not be replaced.
     """
     paths = destination.paths(files)
     claim_outputs(*map(Path, paths), force=output_flags.force)

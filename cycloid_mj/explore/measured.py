@@ -198,11 +198,11 @@ def _summarize_design(reducer: Reducer) -> MeasuredFigures:
     return MeasuredFigures({**measured_figures.values, "weakest": figures.weakest}, measured_figures.units)
 
 
-def _compute_figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_quantities(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     return _from_quantities(quantities(reducer).values())
 
 
-def _compute_figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_quantity(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Compute one quantity of the catalogue: a column under its key."""
     return MeasuredFigures({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
 
@@ -210,7 +210,7 @@ def _compute_figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measur
 MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], MeasuredFigures]] = {
     "statics": _compute_statics,
     **{name: partial(_run_measurement, name) for name in MEASURES},
-    **{"simulate": _simulate_design, "mass": _compute_masses, "checks": _list_checks, "figures": _compute_figures},
+    **{"simulate": _simulate_design, "mass": _compute_masses, "checks": _list_checks, "figures": _compute_quantities},
 }
 """Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 
@@ -219,7 +219,7 @@ def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Mea
     """Compute a measure of a design, or a quantity of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)
-    return _compute_figure(figure(name), reducer, options)
+    return _compute_quantity(figure(name), reducer, options)
 
 
 MEASURE_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {

@@ -638,14 +638,14 @@ def solve_sample_batch(
     batch, keys = work
     samples = sampling.draw_samples(reducer, zones, seed, batch)
     computed_alone = {
-        key: np.array([_figure_of_sample(reducer, samples, index, figure(key)) for index in range(len(samples))])
+        key: np.array([_quantity_of_sample(reducer, samples, index, figure(key)) for index in range(len(samples))])
         for key in keys
         if figure(key).sampled is None
     }
     return compute_sampled(reducer, samples, keys, angles) | computed_alone
 
 
-def _figure_of_sample(reducer: Reducer, samples: Samples, index: int, catalogue_figure: Figure) -> float:
+def _quantity_of_sample(reducer: Reducer, samples: Samples, index: int, catalogue_figure: Figure) -> float:
     """Compute a quantity of a sample as a design; NaN where there is none."""
     try:
         return catalogue_figure.value(Reducer(sampling.design_of_sample(reducer, samples, index, reducer.design.name)))

@@ -109,12 +109,12 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
     """Run a design, and return its quantities with those of statics; the note has the error of a run that fails."""
     statics = COMPARED[reducer.LAYOUT].statics(reducer)
     try:
-        return DynamicsCheck(reducer.design.name, statics, _simulate_figures(reducer, solver), solver=solver)
+        return DynamicsCheck(reducer.design.name, statics, _simulate_quantities(reducer, solver), solver=solver)
     except CycloidError as error:
         return DynamicsCheck(reducer.design.name, statics, {}, str(error), solver)
 
 
-def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
+def _simulate_quantities(reducer: Reducer, solver: Solver) -> dict[str, float]:
     """Simulate a crank turn at nominal torque and the design's speed; return quantities by key.
 
     These are the peak-to-peak transmission error [arcsec], and the largest force of each kind of contact [N]. `solver`

@@ -54,7 +54,7 @@ def short_width(reducer: Reducer) -> float:
     return ring.teeth * reducer.design.gear.eccentricity / ring.pin_circle_radius
 
 
-def _make_figure(
+def _make_entry(
     key: str,
     name: str,
     unit: str,
@@ -85,25 +85,25 @@ def _make_figure(
 
 # fmt: off
 OF_GEOMETRY = (
-    _make_figure("ratio", "turns of the input per turn of the output", "1",
+    _make_entry("ratio", "turns of the input per turn of the output", "1",
             "Turns of the input, crank or sun, per turn of the output, without sign.",
             lambda reducer: float(abs(reducer.design.ratio))),
-    _make_figure("nominal_torque_nm", "nominal torque", "N m",
+    _make_entry("nominal_torque_nm", "nominal torque", "N m",
             "Torque of the motor times the ratio: the default load of a design.",
             lambda reducer: reducer.design.rated_torque, "nominal_torque", deprecated=("rated_torque_nm",)),
-    _make_figure("outer_diameter_mm", "outer diameter", "mm",
+    _make_entry("outer_diameter_mm", "outer diameter", "mm",
             "Outer diameter of the housing.",
             lambda reducer: 2.0 * MILLIMETRES * reducer.design.housing.outer_radius, "outer_diameter"),
-    _make_figure("mass_kg", "mass of all parts", "kg",
+    _make_entry("mass_kg", "mass of all parts", "kg",
             "Mass of all parts as drawn, without covers and the rings of bearings; of an RV reducer with needles and "
             "tapered bearings, without main bearings.", mass, "mass"),
-    _make_figure("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
+    _make_entry("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
             "Nominal torque over the mass of all parts as drawn.",
             specific_torque),
-    _make_figure("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
+    _make_entry("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
             "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
             least_convex_radius),
-    _make_figure("short_width", "K1 = c N / E", "1",
+    _make_entry("short_width", "K1 = c N / E", "1",
             "Eccentricity times the number of ring teeth over the pin-circle radius.",
             short_width),
 )

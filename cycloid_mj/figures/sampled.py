@@ -76,7 +76,7 @@ def _solve_design(reducer: Reducer, state: State) -> SampleFigures:
     return solve_states(reducer, identical_samples(reducer, 1), [state])[state]
 
 
-def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
+def _make_entry(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
     """Return the catalogue entry (`Figure`) of a quantity that can be computed for many random samples at once.
 
     For the design itself, it is computed from a single sample without random deviations.
@@ -96,35 +96,35 @@ _UNLOADED = f"under {TOUCH:g} of the nominal torque, without friction, over a tu
 
 # fmt: off
 OF_SAMPLES = (
-    _make_figure("te_loaded_arcsec", "transmission error of the output, peak to peak, loaded", "arcsec",
+    _make_entry("te_loaded_arcsec", "transmission error of the output, peak to peak, loaded", "arcsec",
             f"Range of the output's angle about the ideal one {_RATED}.",
             Sampled(("loaded",), lambda loaded: ARCSECONDS * loaded.output_range)),
-    _make_figure("te_unloaded_arcsec", "transmission error of the output, peak to peak, unloaded", "arcsec",
+    _make_entry("te_unloaded_arcsec", "transmission error of the output, peak to peak, unloaded", "arcsec",
             f"Range of the output's angle about the ideal one {_UNLOADED}.",
             Sampled(("ahead",), lambda ahead: ARCSECONDS * ahead.output_range)),
-    _make_figure("wind_up_arcmin", "turn of the output, loaded minus unloaded, mean", "arcmin",
+    _make_entry("wind_up_arcmin", "turn of the output, loaded minus unloaded, mean", "arcmin",
             "Turn of the output under the nominal torque at a locked crank, from contact without load: mean over a "
             "turn, without friction.",
             Sampled(("ahead", "loaded"), lambda ahead, loaded: (loaded.output_mean - ahead.output_mean) / ARCMINUTE)),
-    _make_figure("tooth_force_n", "largest force on a tooth", "N",
+    _make_entry("tooth_force_n", "largest force on a tooth", "N",
             f"Largest normal force of one contact between disc and ring {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.tooth)),
-    _make_figure("output_pin_force_n", "largest force on an output pin", "N",
+    _make_entry("output_pin_force_n", "largest force on an output pin", "N",
             f"Largest normal force of one disc on one output pin {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.output_pin)),
-    _make_figure("cam_force_n", "largest force of the cam", "N",
+    _make_entry("cam_force_n", "largest force of the cam", "N",
             f"Largest force of one cam on its disc {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.cam)),
-    _make_figure("loaded_teeth", "loaded teeth, mean number", "1",
+    _make_entry("loaded_teeth", "loaded teeth, mean number", "1",
             f"Contacts of all discs with the ring with at least 1 % of the largest force {_RATED}: mean number.",
             Sampled(("loaded",), lambda loaded: loaded.carrying)),
-    _make_figure("preload_n", "largest force on a tooth, unloaded", "N",
+    _make_entry("preload_n", "largest force on a tooth, unloaded", "N",
             f"Largest normal force of one contact between disc and ring, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.tooth, back.tooth))),
-    _make_figure("output_preload_n", "largest force on an output pin, unloaded", "N",
+    _make_entry("output_preload_n", "largest force on an output pin, unloaded", "N",
             f"Largest normal force of one disc on one output pin, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.output_pin, back.output_pin))),
-    _make_figure("cam_preload_n", "largest force of the cam, unloaded", "N",
+    _make_entry("cam_preload_n", "largest force of the cam, unloaded", "N",
             f"Largest force of one cam on its disc, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.cam, back.cam))),
 )

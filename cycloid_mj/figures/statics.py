@@ -26,7 +26,7 @@ def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
     return sheet_part(reducer, part)
 
 
-def _make_figure(row: SheetFigure) -> Figure:
+def _make_entry(row: SheetFigure) -> Figure:
     """Return the catalogue entry (`Figure`) of a quantity of the static data sheet, which `row` describes.
 
     Its aliases are the key of the data sheet, without and with the unit.
@@ -49,7 +49,7 @@ def _make_figure(row: SheetFigure) -> Figure:
     )
 
 
-OF_STATICS = tuple(map(_make_figure, SHEET_FIGURES.values()))
+OF_STATICS = tuple(map(_make_entry, SHEET_FIGURES.values()))
 
 
 def no_load_torque(reducer: Reducer) -> float:
@@ -127,7 +127,7 @@ def _at_creep_speed(reducer: Reducer) -> Reducer:
     return reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
 
 
-def _make_torque_figure(
+def _make_torque_entry(
     key: str,
     name: str,
     function: Compute,
@@ -172,14 +172,14 @@ def _make_torque_figure(
 
 # fmt: off
 OF_BALANCE = (
-    _make_torque_figure("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
+    _make_torque_entry("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
                 "Torque on the crank (RV reducer: on the sun) that starts it without load, mean over a turn: weight of "
                 "the discs (not of RV reducers), and drag of seals and lubricant, without shaft bearings."),
-    _make_torque_figure("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
+    _make_torque_entry("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
                 back_driving_spread,
                 "Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer is "
                 "self-locking.", CENTRAL),
-    _make_torque_figure("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
+    _make_torque_entry("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
                 "Torque on the crank (RV reducer: on the sun) without load at the design's speed, mean over a turn: "
                 "weight and centrifugal force of the discs (not of RV reducers), and drag of seals and lubricant, "
                 "without shaft bearings."),

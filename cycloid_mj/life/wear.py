@@ -51,14 +51,14 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
             f"k = {MM3 * coefficient.typical:g} mm3/(N m), 5 to 95 %: {MM3 * coefficient.low:g} to "
             f"{MM3 * coefficient.high:g}; {coefficient.source}; steady wear without run-in: see `cycloid-mj wear`",
         )
-        yield _figure(
+        yield _item_without_limit(
             f"{kind}_way",
             f"sliding distance of {NAMES[kind]}, per {WEAR_HOURS:.0f} h",
             distance,
             "km",
             "mean sliding speed of the loaded contacts",
         )
-        yield _figure(
+        yield _item_without_limit(
             f"{kind}_pv",
             f"p v of {NAMES[kind]}",
             1e-6 * largest,
@@ -68,7 +68,7 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         )
 
 
-def _figure(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> RatedItem:
+def _item_without_limit(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> RatedItem:
     """Return an item without a limit."""
     return RatedItem(key, name, value, math.nan, unit, None, None, source, note)
 

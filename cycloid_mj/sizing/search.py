@@ -367,7 +367,7 @@ class Pool:
         target_merit = objective.merit({objective.key: goal})
         ratings, studies = 0.0, 0
         while True:
-            figures, scale = self._known_figures()
+            figures, scale = self._known_quantities()
             merits, excesses = objective.merit(figures), objective.excess(figures)
             row = self._best_row(merits, excesses)
             best = -math.inf if row is None or excesses[row] > 0.0 else float(merits[row])
@@ -401,7 +401,7 @@ class Pool:
         objective
             Quantity to be improved, such as mass.
         figures, scale
-            Results of `_known_figures`.
+            Results of `_known_quantities`.
         row, best
             Index of the best evaluated candidate, or None; and its merit, or -inf if it exceeds a limit.
 
@@ -426,7 +426,7 @@ class Pool:
 
     def nearest(self, objective: Objective) -> Rated | None:
         """Return the best rated drive by an objective, or the one that exceeds its limits least; None without any."""
-        figures, _ = self._known_figures()
+        figures, _ = self._known_quantities()
         row = self._best_row(objective.merit(figures), objective.excess(figures))
         return None if row is None else self.rated[row]
 
@@ -507,7 +507,7 @@ class Pool:
             drive, figures={**drive.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
         )
 
-    def _known_figures(self) -> tuple[Estimate, Array]:
+    def _known_quantities(self) -> tuple[Estimate, Array]:
         """Return torque limits, mass, length and backlash of all n candidates, and the scale of their errors.
 
         All have the shape (n,). The values are computed, corrected by `study_factors`, or estimated. The standard

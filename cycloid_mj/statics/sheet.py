@@ -321,7 +321,7 @@ def known_difference(quantity: Quantity) -> float | None:
     return next((share for end, share in KNOWN_DIFFERENCES_OF_KINDS.items() if quantity.key.endswith(f"_{end}")), None)
 
 
-def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _motion_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin], stiffness [N m/arcmin] and compliances [arcmin/(N m)].
 
     They are means over angles of a locked crank, without friction and weight. The backlash is extrapolated to zero
@@ -365,7 +365,7 @@ def _stiffness(windups: Sequence[Windup]) -> float:
     return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in windups]))
 
 
-def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _error_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors of disc and output [arcsec], unloaded and loaded, in both directions.
 
     They include friction. Two differences of mean angles follow [arcsec]: the reversal error, between forward and
@@ -380,7 +380,7 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
             means |= {
                 (shaft, case, direction): float(rotation.mean()) / ARCSECOND for shaft, rotation in rotations.items()
             }
-            yield from _range_figures(rotations, case, direction)
+            yield from _range_quantities(rotations, case, direction)
             if (case, direction) == ("loaded", "forward") and SHEETS[reducer.LAYOUT].is_compared:
                 yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
     for shaft in rotations:
@@ -391,7 +391,7 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the forward transmission error of disc and output under the `load` [N m]: peak to peak and rms [arcsec]."""
-    return _range_figures(_compute_rotations(reducer, load, "loaded", "forward"), "loaded", "forward")
+    return _range_quantities(_compute_rotations(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
@@ -418,7 +418,7 @@ def _central_rotations(reducer: Reducer, load: float, case: str, direction: str)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
-def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
+def _range_quantities(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
     """Yield peak-to-peak and rms values [arcsec] of the transmission errors of the disc ("gear") and the output.
 
     `rotations` has the rotations from the ideal angles [rad] at m angles of a turn, shape (m,), by these keys. `case`
@@ -431,7 +431,7 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
         yield sheet_quantity(f"{shaft}_rms_{end}", rms_about_mean(rotation) / ARCSECOND)
 
 
-def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
+def _load_quantities(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
     """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and torques at `LIMITS` such as yield.
 
     `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs,
@@ -449,7 +449,7 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
     }
     yield from disc_shares(contact_loads.share)
     for kind in design.pair_kinds:
-        yield from _pair_figures(springs, contact_loads, kind, reducer, strength_ratios.get(kind, math.nan))
+        yield from _pair_quantities(springs, contact_loads, kind, reducer, strength_ratios.get(kind, math.nan))
     if contact_loads.discs > 1:
         yield from reaction_quantities(compute_reactions(reducer, springs, contact_loads))
     for key, allowed in islice(LIMITS.items(), limit_count):
@@ -462,8 +462,8 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the quantities of `_load_figures` with the torque of the first of `LIMITS` only."""
-    return _load_figures(reducer, load, limit_count=1)
+    """Yield the quantities of `_load_quantities` with the torque of the first of `LIMITS` only."""
+    return _load_quantities(reducer, load, limit_count=1)
 
 
 def _force_angles(reducer: Reducer) -> Array:
@@ -494,7 +494,7 @@ def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
             yield sheet_quantity(f"{key}_force", float(np.hypot(*forces.T).max()))
 
 
-def _pair_figures(
+def _pair_quantities(
     springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, strength_ratio: float
 ) -> Iterator[Quantity]:
     """Yield the quantities of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
@@ -514,12 +514,12 @@ def _pair_figures(
     yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio, note=note)
 
 
-def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _loss_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
     The torque is NaN for a self-locking reducer. With the law ``film``, the efficiencies include an interval.
     """
-    yield from _efficiency_figures(reducer, load)
+    yield from _efficiency_quantities(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)
     note = describe_self_locking(reducer, load) if math.isnan(back_torque) else ""
     yield sheet_quantity("back_driving_torque_rated", back_torque, note=note)
@@ -529,7 +529,7 @@ def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
         yield sheet_quantity("back_driving_efficiency", 100.0 * back_powers.efficiency, note=note)
 
 
-def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _efficiency_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%], losses [W] and shaft powers [W] when the crank drives a `load` on the output [N m].
 
     With the law ``film``, the efficiency includes an interval.
@@ -615,17 +615,17 @@ def describe_self_locking(reducer: Reducer, load: float) -> str:
 
 RV_PARTS: Mapping[SheetPart, Callable[[RvReducer, float], Iterator[Quantity]]] = {
     "motions": rv_sheet.motion_figures,
-    "errors": _error_figures,
+    "errors": _error_quantities,
     "loads": rv_sheet.force_figures,
-    "losses": _efficiency_figures,
+    "losses": _efficiency_quantities,
 }
 """The same for RV reducers."""
 
 PARTS_OF_SHEET: Mapping[SheetPart, Part] = {
-    "motions": _motion_figures,
-    "errors": _error_figures,
-    "loads": _load_figures,
-    "losses": _loss_figures,
+    "motions": _motion_quantities,
+    "errors": _error_quantities,
+    "loads": _load_quantities,
+    "losses": _loss_quantities,
 }
 """Functions that yield the figures of a sheet, by name."""
 
@@ -692,7 +692,7 @@ class SheetOfLayout(NamedTuple):
 SHEETS: Mapping[Layout, SheetOfLayout] = {
     "central": SheetOfLayout(
         parts=PARTS_OF_SHEET,
-        quick_parts=(_motion_figures, _loaded_error, _loads_and_yield, _efficiency_figures),
+        quick_parts=(_motion_quantities, _loaded_error, _loads_and_yield, _efficiency_quantities),
         assumptions=_assumptions,
         inertia="quasi-static with disc centrifugal force",
         is_compared=True,

@@ -85,8 +85,8 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
     """
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
-    figures, finer = (_run_figures(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
-    return _compare_figures(
+    figures, finer = (_run_quantities(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
+    return _compare_quantities(
         kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
     )
 
@@ -101,8 +101,8 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
         raise real_pins
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
-    figures = _run_figures(FREE, _periods(FREE, quick), changes)
-    return _compare_figures(FREE, f"massless, {step:g} us", figures, real_pins, "real pins", MASSLESS_BOUNDS)
+    figures = _run_quantities(FREE, _periods(FREE, quick), changes)
+    return _compare_quantities(FREE, f"massless, {step:g} us", figures, real_pins, "real pins", MASSLESS_BOUNDS)
 
 
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
@@ -140,7 +140,7 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
             rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
             continue
         bounds = MOVING_BOUNDS if _has_moving_pins(kind) else BOUNDS if step >= automatic_step else HALF_STEP_BOUNDS
-        step_rows = _compare_figures(kind, f"{step:g} us", figures, reference, source, bounds)
+        step_rows = _compare_quantities(kind, f"{step:g} us", figures, reference, source, bounds)
         if step <= automatic_step:
             rows += step_rows
         else:
@@ -168,12 +168,12 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
 def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunError:
     """Simulate with one time step [us]; return the quantities, or the error of a run that fails."""
     try:
-        return _run_figures(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
+        return _run_quantities(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
     except RunError as error:
         return error
 
 
-def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
+def _run_quantities(kind: str, periods: int, *changes: str) -> StepFigures:
     """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the main results.
 
     `changes` are settings of the form ``key=value``.
@@ -199,7 +199,7 @@ def _has_moving_pins(kind: str) -> bool:
     return kind in (FREE, SLEEVED)
 
 
-def _compare_figures(
+def _compare_quantities(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
     """Compare the results of a run with those of a reference run, one row per quantity.

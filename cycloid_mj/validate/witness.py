@@ -111,10 +111,10 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     )
     speed = evaluated_run[f"{gear}_speed"] + evaluated_run["crank_speed"] / design.lobes
     speed = speed - speed.mean()  # where the ring turns, gears do not
-    return _compute_figures(output_error(evaluated_run, reducer), evaluated_run.forces("cam")[:, 0], powers, speed)
+    return _compute_quantities(output_error(evaluated_run, reducer), evaluated_run.forces("cam")[:, 0], powers, speed)
 
 
-def _compute_figures(
+def _compute_quantities(
     error: Array, cam_force: Array, powers: tuple[Array, Array], speed_error: Array
 ) -> tuple[float, ...]:
     """Compute the results by which MuJoCo and the planar solver are compared, over n samples.

@@ -104,7 +104,7 @@ def solve_few_samples(
     load
         Generalised loads (t, k, u) [N].
     rows
-        Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
+        Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_quantities`, then the
         relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
         True: where Newton's method fails, follow continuation paths (`search`). None: do not. Compiled code requires
@@ -148,7 +148,7 @@ def solve_few_samples(
                 residual = solve_equilibria_briefly(springs, load[t], z, force, TRUE, FIRST, system)
             else:
                 residual = solve_equilibria_with_paths(springs, load[t], z, force, TRUE, system)
-            _write_sample_figures(
+            _write_sample_quantities(
                 ideal.radius,
                 ideal.rotates,
                 workspace.cam_position,
@@ -217,7 +217,7 @@ def _fill_sample(
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def _write_sample_figures(
+def _write_sample_quantities(
     radius: float,
     is_tooth: Mask,
     cam_position: Array,
