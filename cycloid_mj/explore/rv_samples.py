@@ -275,7 +275,10 @@ def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
 
 
 def _list_length(reducer: RvReducer, field: str) -> int:
-    """Return the length of a list of errors; 0 of a single number."""
+    """Return the length of a list of errors in a design; 0 of a single number.
+
+    `field` is the name of the list.
+    """
     if field in PIN_FIELDS:
         return reducer.design.ring.teeth
     if isinstance(CrankErrors.model_fields[field].default, float):

@@ -393,6 +393,7 @@ def _loss_growth(
 
     It is the slope between the mean `losses` [W] of the duty and those at the nominal torque, or at a quarter of the
     duty's torques (`ThermalSettings.light_load`), at the steady temperatures, or at 20 °C if there is no steady state.
+    `points` are those of the duty, `settings` those of the thermal computation.
     """
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
@@ -498,7 +499,8 @@ def _estimate_limit(
     """Return the factor on torque or speed at which a limit is reached if the losses are linear in this factor.
 
     `growth` is the increase of the losses by source [W] when the factor increases by 1. If the part of the losses
-    without torque alone exceeds a limit, all losses are assumed to be in proportion to the factor.
+    without torque alone exceeds a limit, all losses are assumed to be in proportion to the factor. `steady_state` has
+    the steady temperatures, `settings` are those of the thermal computation.
     """
     idle = {source: losses - growth[source] for source, losses in steady_state.losses.items()}
     rises, idle_rises = (

@@ -341,7 +341,10 @@ def _tables(
 
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
-    """Return curves of the output torque [N m] over the crank angle, and of the amplitudes of its crank orders."""
+    """Return curves of the output torque [N m] over the crank angle, and of the amplitudes of its crank orders.
+
+    `test` is the simulated run with a braked output.
+    """
     torque, angle = test.run["load_torque"], reducer.member.crank_angle(test.run[f"{test.run.driven_shaft}_angle"])
     swept = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"

@@ -135,7 +135,7 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
 
 
 def _results_of_papers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
-    """Call a function for every paper; yield each paper with its result, unless the result is None.
+    """Call the function `ask` for every paper; yield each paper with its result, unless the result is None.
 
     A paper that fails is skipped with a warning.
     """

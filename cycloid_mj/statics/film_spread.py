@@ -90,7 +90,8 @@ def sample_inputs(
 ) -> tuple[tuple[FilmInputs, ...], Array]:
     """Return samples of the uncertain inputs of the friction law ``film``: a scrambled Sobol sequence, fixed seed.
 
-    The inputs are factors such as those on viscosity and roughness.
+    The inputs are factors such as those on viscosity and roughness. `boundary` is the range of the boundary friction
+    coefficient.
 
     Returns
     -------

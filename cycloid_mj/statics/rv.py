@@ -582,7 +582,8 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 def _tooth_gradients(springs: RvSprings, rise: Array, arm: Array) -> Array:
     """Return the gradients of the gaps of pins by x, y and rotation of their disc [1], shape (m, pins, 3).
 
-    `rise` and `arm` are the factors a and b of `_contact_gaps`, shape (m, pins).
+    `rise` and `arm` are the factors a and b of `_contact_gaps`, shape (m, pins). `springs` are the contact springs at m
+    crank angles.
     """
     gradients = springs.tooth_slope + rise[..., np.newaxis] * springs.shift_slope
     gradients[..., 2] -= arm / springs.lever

@@ -66,7 +66,7 @@ class Distances:
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
     """Return distances [m] of the nodes of `grid` from narrow contact patches of a loaded part, per crank angle.
 
-    `grid` is the finite-element mesh of the part.
+    `grid` is the finite-element mesh of the part, and `case` has the contact patches at each crank angle.
     """
     points = grid.points
     axial_distance = np.zeros(len(points))

@@ -249,6 +249,7 @@ def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | 
     """Assemble the stiffness matrix of a linear elastic part without supports, sparse, n unknowns: (n, n) [N/m].
 
     A planar part is in plane stress. An `assembler` of the same grid, if there is one, is reused to save time.
+    `material` has Young's modulus and Poisson's ratio.
     """
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)

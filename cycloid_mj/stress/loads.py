@@ -152,7 +152,8 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
     """Compute the loads of a part other than its contact forces at k crank angles, as fields of `PartLoads`.
 
     By name, they are "body_force" (gravity minus acceleration) [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and
-    "torque" (torque of crank, load or fixation) [N m], (k,) each. `turn` has positions and speeds.
+    "torque" (torque of crank, load or fixation) [N m], (k,) each. `turn` has positions and speeds, and `contact_sum` is
+    the resultant of the contact forces on the part.
     """
     zeros = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment

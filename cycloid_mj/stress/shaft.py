@@ -82,7 +82,7 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     """Divide the bearing seats of a shaft into patches ("pads"); return unit load and elastic support of each.
 
     The unit load of a pad is a uniform outward pressure with a sum of 1 N, as nodal forces of `grid`, the
-    finite-element mesh.
+    finite-element mesh. `stiffness` [N/m] is the radial stiffness of a bearing.
 
     Raises
     ------

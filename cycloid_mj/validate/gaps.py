@@ -269,7 +269,7 @@ def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flan
     """Compute the local minima of the distance between the disc, at a `pose`, and the ring in the `roots` (indices).
 
     A root may have no minimum or several minima. Each is a sample lower than its two neighbours, and is refined by a
-    parabola through the three.
+    parabola through the three. `flanks` are those of the disc, `gear` is its profile.
     """
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))

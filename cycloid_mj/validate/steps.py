@@ -202,7 +202,7 @@ def _has_moving_pins(kind: str) -> bool:
 def _compare_quantities(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Compare the results of a run with those of a reference run, one row per quantity.
+    """Compare the results of a run, `figures`, with those of a reference run, one row per quantity.
 
     `kind` (the kind of ring) and `case` name the run in the rows, `source` names the reference. `bounds` are the
     allowed differences; an infinite bound counts as no bound.

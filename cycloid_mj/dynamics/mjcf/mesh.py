@@ -94,6 +94,8 @@ class MeshSpec:
 def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
     """Build the MuJoCo model of a design with convex slices of its surfaces, for MuJoCo's own collision detection.
 
+    `settings` are those of the convex slices.
+
     Returns
     -------
     ReducerModel

@@ -143,10 +143,12 @@ def solve_equilibria_briefly(
 ) -> Residual:
     """Solve for static equilibrium at each crank angle from index `first_angle` on, without continuation along a path.
 
-    For the other arguments, see `solve_equilibria`; the workspace `system` counts the assemblies. If there is no
-    solution at an angle, the result has the index of the angle, and `system.path_start` its start values. With
-    `extrapolate` and a `first_angle` above 0, the first solution is warm-started as after a difficult angle
-    (`SearchSettings.short_work`), and the count of assemblies continues.
+    `springs` are the contact springs, and `load` the generalised loads on the u unknowns. `z` (angles, u) [m] are start
+    values of the displacements, which are replaced by the solutions; `force` is the output array for the contact forces
+    [N]. The workspace `system` counts the assemblies. If there is no solution at an angle, the result has the index of
+    the angle, and `system.path_start` its start values. With `extrapolate` and a `first_angle` above 0, the first
+    solution is warm-started as after a difficult angle (`SearchSettings.short_work`), and the count of assemblies
+    continues.
     """
     start, largest_norm = system.path_start, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
