@@ -292,7 +292,7 @@ class TestInTheBrowser:
             if name in studies:
                 page.click("#panel button", studies[name])
                 page.wait(
-                    "document.querySelector('#panel .bars') && !document.querySelector('#panel progress')", name, 900.0
+                    "document.querySelector('#panel .lying') && !document.querySelector('#panel progress')", name, 900.0
                 )
             page.wait("!document.querySelector('#panel .waits')", f"results of {name}", 400.0)
             assert not page.run("document.querySelectorAll('#panel .fails:not(b)').length") or name == "Life", name
