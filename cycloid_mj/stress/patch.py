@@ -153,7 +153,7 @@ def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[n
 
 
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
-    """Compute the arc length [m] (a,) along the outline of the points nearest to each of a positions (a, 2) [m].
+    """Compute the arc length [m] (a,) along the outline of the point nearest to each `position` (a, 2) [m].
 
     `edges` are those of all outlines, `edge` and `xi` (a,) are the index of the edge on which the nearest sample of the
     outline is, and the sample's parameter on this edge. The outline is replaced by its tangent at this sample.

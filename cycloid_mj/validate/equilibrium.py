@@ -243,9 +243,9 @@ def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str
 def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
     """Compute the contact springs of a `locked` reducer at a pose, by kind of pair.
 
-    The keys are "ring", "cam", "output", and "socket" if pins move. `pose` contains the pose z of the module docstring
-    as bytes (`ndarray.tobytes`), which can be the key of the cache. With `uniform`, all tooth contacts have the same
-    stiffness.
+    The keys are "ring", "cam", "output", and "socket" if pins move. `pose` contains the displacements of disc, output
+    and moving pins [m] as bytes (`ndarray.tobytes`), which can be the key of the cache. With `uniform`, all tooth
+    contacts have the same stiffness.
     """
     unknowns = np.frombuffer(pose)
     springs = {

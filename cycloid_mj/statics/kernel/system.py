@@ -262,7 +262,8 @@ def _sum_contacts(
     Only contacts that may have closed since the neighbour list was built are evaluated. Their forces are written to
     `system.spring_forces`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the
     sum so far, and `has_friction` whether friction acts. `k` is the index of the crank angle, `z` (u,) [m] are the u
-    unknown displacements; `stiffness_factor`, `use_foot_points` and `rebuild_list` are explained in `assemble`.
+    unknown displacements, and `stiffness_factor` is a factor on all stiffnesses. `use_foot_points` is whether the foot
+    point of every tooth is computed, and `rebuild_list` whether the neighbour list is rebuilt.
 
     Returns
     -------
