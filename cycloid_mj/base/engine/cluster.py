@@ -163,9 +163,9 @@ def _require_workers(client: Any, scheduler: str) -> None:
 
 
 def _worker_error(future: Any, scheduler: str) -> BaseException:
-    """Return the error to raise for a failed future: that of the work itself, or that the cluster is lost.
+    """Return the error to raise for work that failed on a cluster: its own error, or that the cluster is lost.
 
-    `scheduler` is the address of the cluster, for messages.
+    `future` is Dask's handle of the work, `scheduler` the address of the cluster, for messages.
     """
     if future.status != "error":
         return _connection_error(scheduler)
