@@ -1,7 +1,5 @@
 """The bill of materials: each part of a reducer with count, size and material, manufactured or bought."""
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,6 +10,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.frame import make_frame
 from cycloid_mj.base.units import in_mm
 from cycloid_mj.design import Material, stock
 from cycloid_mj.parts import Part, mass_properties, sleeve_core_radius
@@ -198,11 +197,8 @@ def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
 
 def bill_csv(items: tuple[BillLine, ...]) -> bytes:
     """Encode a bill of materials as CSV."""
-    text = io.StringIO()
-    table = csv.DictWriter(text, [field.name for field in fields(BillLine)], lineterminator="\n")
-    table.writeheader()
-    table.writerows(asdict(item) for item in items)
-    return text.getvalue().encode()
+    columns = [field.name for field in fields(BillLine)]
+    return make_frame([asdict(item) for item in items], columns, {}).as_csv().encode()
 
 
 def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
