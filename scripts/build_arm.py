@@ -99,16 +99,16 @@ height="300"/>
 """
 
 
-def bare_arm(reducer: cm.Reducer, rated_torque: float, step: float) -> str:
+def bare_arm(reducer: cm.Reducer, rated_torque: float, timestep: float) -> str:
     """Return the MJCF of the arm without reducers, with the sizes of their housings.
 
-    The servos are limited to `rated_torque` [N m]; `step` is the time step [s].
+    The servos are limited to `rated_torque` [N m]; `timestep` is the time step [s].
     """
     half = 0.5 * drive_length(reducer)
     radius = 0.5 * drive_diameter(reducer)
     offset = half + 0.024
     return ARM.format(
-        step=f"{step:g}",
+        step=f"{timestep:g}",
         radius=f"{radius:g}",
         half=f"{half:g}",
         mass=f"{drive_mass(reducer):.4g}",
@@ -141,7 +141,7 @@ def arm_files(reduced: cm.ReducedJoint) -> dict[str, bytes]:
     return {name: text.encode() for name, text in texts.items()}
 
 
-def format_readme(reduced: cm.ReducedJoint, reducer: cm.Reducer, step: float, mjx_step: float) -> str:
+def format_readme(reduced: cm.ReducedJoint, reducer: cm.Reducer, timestep: float, mjx_step: float) -> str:
     """Return the README of the folder with the figures of the reducer and the time steps [s]."""
     low, high = reduced.stops
     return README.read_text(encoding="utf-8").format(
@@ -153,7 +153,7 @@ def format_readme(reduced: cm.ReducedJoint, reducer: cm.Reducer, step: float, mj
         diameter=f"{1e3 * drive_diameter(reducer):.0f}",
         length=f"{1e3 * drive_length(reducer):.0f}",
         mass=f"{drive_mass(reducer):.2g}",
-        step=f"{1e3 * step:g}",
+        step=f"{1e3 * timestep:g}",
         mjx_step=f"{1e3 * mjx_step:g}",
         mujoco=mujoco.__version__,
     )

@@ -96,9 +96,11 @@ class Face:
     angle: float = 0.0
     origin: tuple[float, float] = (0.0, 0.0)
 
-    def moved(self, place: PlacedPart) -> "Face":
-        """Return the face at a place of its part."""
-        return Face(self.outline, place.angle, (MILLIMETRES * place.origin[0], MILLIMETRES * place.origin[1]))
+    def moved(self, placement: PlacedPart) -> "Face":
+        """Return the face at the position of a part."""
+        return Face(
+            self.outline, placement.angle, (MILLIMETRES * placement.origin[0], MILLIMETRES * placement.origin[1])
+        )
 
     @cached_property
     def points(self) -> Array:
@@ -224,13 +226,13 @@ def _prisms(
                 yield Prism(place.name, place.body, face.moved(place), *ends)
 
 
-def _rings(reducer: Reducer, sizes: Casing, place: PlacedPart, drawn: PartSection) -> Iterator[tuple[str, Face]]:
+def _rings(reducer: Reducer, sizes: Casing, placement: PlacedPart, drawn: PartSection) -> Iterator[tuple[str, Face]]:
     """Yield the outer ring of a bearing with its body, and its inner ring unless it is a drawn cup."""
     (outside,), (bore,) = drawn.loops
     assert isinstance(outside, Circle)
     assert isinstance(bore, Circle)
-    on_shaft = names.family(place.part) == names.SHAFT_BEARING
-    around = names.OUTPUT if on_shaft and sizes.far and place.origin[2] > 0.0 else names.HOUSING
+    on_shaft = names.family(placement.part) == names.SHAFT_BEARING
+    around = names.OUTPUT if on_shaft and sizes.far and placement.origin[2] > 0.0 else names.HOUSING
     if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield around, _annulus(outside.radius, bore.radius)
         return

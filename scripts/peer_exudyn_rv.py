@@ -132,18 +132,18 @@ class ExudynModel:
         self._load(carrier[1])
         self.carrier_angle, self.ring_angle = (self._sensor(member[0]) for member in (carrier, ring))
 
-    def _body(self, mass: float, inertia: float, place: Array) -> tuple[Any, Any]:
-        node = self.system.AddNode(self.items.NodeRigidBody2D(referenceCoordinates=[*place, 0.0]))
+    def _body(self, mass: float, inertia: float, position: Array) -> tuple[Any, Any]:
+        node = self.system.AddNode(self.items.NodeRigidBody2D(referenceCoordinates=[*position, 0.0]))
         return node, self.system.AddObject(self.items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 
-    def _marker(self, body: Any, place: Array, kind: str = "MarkerBodyPosition") -> Any:
-        return self.system.AddMarker(getattr(self.items, kind)(bodyNumber=body, localPosition=[*place, 0.0]))
+    def _marker(self, body: Any, position: Array, kind: str = "MarkerBodyPosition") -> Any:
+        return self.system.AddMarker(getattr(self.items, kind)(bodyNumber=body, localPosition=[*position, 0.0]))
 
     def _angle(self, node: Any) -> Any:
         return self.system.AddMarker(self.items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
 
-    def _hinge(self, first: Any, second: Any, place: Array) -> None:
-        markers = [self._marker(first, place), self._marker(second, np.zeros(2))]
+    def _hinge(self, first: Any, second: Any, position: Array) -> None:
+        markers = [self._marker(first, position), self._marker(second, np.zeros(2))]
         self.system.AddObject(self.items.ObjectJointRevolute2D(markerNumbers=markers))
 
     def _couple(self, first: Any, second: Any, factor: float) -> None:

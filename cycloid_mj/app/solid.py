@@ -171,12 +171,12 @@ def _axis_positions(reducer: Reducer) -> dict[str, Array]:
     return axes
 
 
-def _component_json(component: PlacedPart, axes: Mapping[str, Array], step: int, shift: float) -> dict[str, Any]:
+def _component_json(component: PlacedPart, axes: Mapping[str, Array], number: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    `axes` are those of `_axis_positions`, `step` is the assembly step of the component from 1 (0: none), and `shift` is
-    its shift along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to
-    its axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank",
+    `axes` are those of `_axis_positions`, `number` is that of its assembly step from 1 (0: none), and `shift` is its
+    shift along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to its
+    axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank",
     "output" or "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
     """
     place, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
@@ -189,7 +189,7 @@ def _component_json(component: PlacedPart, axes: Mapping[str, Array], step: int,
         "axis": np.round(MILLIMETRES * axis[:2], 4).tolist(),
         "angle": component.angle,
         "moves": moves,
-        "step": step,
+        "step": number,
         "apart": MILLIMETRES * shift,
     }
 

@@ -324,10 +324,8 @@ class FitProblem:
         ----------
         start
             The v scaled parameters and offsets, shape (v,); clipped to the bounds.
-        max_steps
-            Largest number of steps.
-        method
-            Trust-region method of `scipy.optimize.least_squares`.
+        max_steps, method
+            Largest number of steps, and trust-region method of `scipy.optimize.least_squares`.
         fixed
             Index of a value that keeps its start.
 

@@ -35,10 +35,9 @@ def lost_motion(
         A design, or the name of a preset or a file; its load and speed do not matter.
     load
         Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
-    angles
-        Number of crank angles, spread over the turn and over the mesh period; by default `SlowLoopSettings.angles`.
-    quick
-        Whether the default is `SlowLoopSettings.quick_angles`.
+    angles, quick
+        Number of crank angles, spread over the turn and over the mesh period, by default `SlowLoopSettings.angles`;
+        whether the default is `SlowLoopSettings.quick_angles`.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 

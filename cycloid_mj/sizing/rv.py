@@ -265,8 +265,7 @@ def _lay_out_candidate(
         load={"torque": requirement.torque},
         **conditions(requirement, requirement.torque),
     )
-    reducer = RvReducer(override(design, requirement.changes))
-    return Candidate(reducer, requirement)
+    return Candidate(RvReducer(override(design, requirement.changes)), requirement)
 
 
 def _nearest_pin(radius: float) -> float:

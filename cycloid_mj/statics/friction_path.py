@@ -173,15 +173,15 @@ def _solve_path(
     return residual.force, positions[:rows], displacements[:rows, -1] / radius
 
 
-def _no_equilibrium(torque: float, locked_shaft: Held, step: str, residual: float) -> RunError:
+def _no_equilibrium(torque: float, locked_shaft: Held, where: str, residual: float) -> RunError:
     """Return the error to raise if the path of loads with friction has no equilibrium at a torque [N m].
 
-    `locked_shaft` is the name of the locked shaft, `step` is the step of the path in words, and `residual` the residual
+    `locked_shaft` is the name of the locked shaft, `where` names the step of the path, and `residual` the residual
     force over the largest load [1].
     """
     shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
     return RunError(
-        f"no static equilibrium at {torque:.4g} N m on the {shaft}, {step} of the torque loop: the residual is "
+        f"no static equilibrium at {torque:.4g} N m on the {shaft}, {where} of the torque loop: the residual is "
         f"{residual:.3g} of the largest load, but at most {PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at "
         "more points, or reduce its torque"
     )

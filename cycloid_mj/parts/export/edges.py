@@ -128,7 +128,7 @@ class _Edge:
             or not _covered_points([self.own], self._points(-self.side * width)).all()
         ):
             return False
-        return not any(_covered_points(self.beyond, self._points(step)).any() for step in (-width, width))
+        return not any(_covered_points(self.beyond, self._points(distance)).any() for distance in (-width, width))
 
     def is_shoulder(self, size: float) -> bool:
         """Return whether a fillet of a `size` [m] fits: the segment beyond is wider, and the own one long enough."""
@@ -137,10 +137,10 @@ class _Edge:
             _covered_points(self.beyond, self._points(self.side * width)).all()
         )
 
-    def _points(self, step: float) -> Array:
-        """Return points around the edge, at its radius and a step [m], shape (rays, 2)."""
+    def _points(self, distance: float) -> Array:
+        """Return points around the edge, at a distance outside of its radius [m], shape (rays, 2)."""
         angles = 2.0 * np.pi * (np.arange(EDGES.rays) + 0.5) / EDGES.rays
-        return np.array(self.centre) + (self.radius + step) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        return np.array(self.centre) + (self.radius + distance) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _covered_points(segments: Iterable[Segment], points: Array) -> Mask:

@@ -98,10 +98,10 @@ def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
     return [name for name in moving if name in representatives.values()]
 
 
-def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
+def _section(placement: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
     """Return the ends along z [m] of a prism in its place, and its section in micrometres."""
-    x, y, z = place.origin
-    rings = [rotate_points(ring, place.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]
+    x, y, z = placement.origin
+    rings = [rotate_points(ring, placement.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]
     section = manifold3d.CrossSection([1e6 * ring for ring in rings], manifold3d.FillRule.EvenOdd)
     return prism.z0 + z, prism.z1 + z, section
 

@@ -161,20 +161,20 @@ def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, 
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _product(step: Array, values: Array) -> float:
+def _product(direction: Array, values: Array) -> float:
     """Compute the scalar product of two vectors (u,)."""
     total = 0.0
-    for j in range(step.size):
-        total += step[j] * values[j]
+    for j in range(direction.size):
+        total += direction[j] * values[j]
     return total
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _quadratic_form(stiffness: Array, step: Array) -> float:
-    """Compute the quadratic form of a stiffness (u, u) [N/m] and a step (u,) [m], [J]."""
+def _quadratic_form(stiffness: Array, direction: Array) -> float:
+    """Compute the quadratic form of a stiffness (u, u) [N/m] and a direction (u,) [m], [J]."""
     total = 0.0
-    for j in range(step.size):
-        total += step[j] * _product(step, stiffness[j])
+    for j in range(direction.size):
+        total += direction[j] * _product(direction, stiffness[j])
     return total
 
 
@@ -254,29 +254,31 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
-    """Compute a descent direction `step` from a `residual` and a symmetric `matrix`, which may be indefinite.
+def modified_newton_step(
+    matrix: Array, residual: Array, direction: Array, min_eigenvalue: float, vectors: Array
+) -> None:
+    """Compute a descent `direction` from a `residual` and a symmetric `matrix`, which may be indefinite.
 
-    There are u unknowns: step and residual have the shape (u,), the matrix (u, u). The eigenvalues of the matrix are
-    replaced by their absolute values, at least `min_eigenvalue`, and the residual is multiplied by the inverse. If all
-    eigenvalues exceed this minimum, a Cholesky factorization suffices. The matrix is overwritten; `vectors` (u, u) is
-    workspace.
+    There are u unknowns: direction and residual have the shape (u,), the matrix (u, u). The eigenvalues of the matrix
+    are replaced by their absolute values, at least `min_eigenvalue`, and the residual is multiplied by the inverse. If
+    all eigenvalues exceed this minimum, a Cholesky factorization suffices. The matrix is overwritten; `vectors` (u, u)
+    is workspace.
     """
     unknown_count = residual.size
     for i in range(unknown_count):
         copy(matrix[i], vectors[i])
         vectors[i, i] -= min_eigenvalue
-    if solve_cholesky(vectors, residual, step, 0.0):
-        solve_cholesky(matrix, residual, step, 0.0)
+    if solve_cholesky(vectors, residual, direction, 0.0):
+        solve_cholesky(matrix, residual, direction, 0.0)
         return
     _find_eigenvectors(matrix, vectors)
-    clear(step)
+    clear(direction)
     for column in range(unknown_count):
         component = 0.0
         for j in range(unknown_count):
             component += vectors[j, column] * residual[j]
         for j in range(unknown_count):
-            step[j] += component / max(abs(matrix[column, column]), min_eigenvalue) * vectors[j, column]
+            direction[j] += component / max(abs(matrix[column, column]), min_eigenvalue) * vectors[j, column]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
