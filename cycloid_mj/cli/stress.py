@@ -180,7 +180,7 @@ def stress(
 
     stress.json, a VTU file of each part for ParaView, and the figures are written to --out. Requires the extra `fem`.
     """
-    names = (*designs, *design)
+    names, angle = (*designs, *design), None if angle_deg is None else math.radians(angle_deg)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))
     from cycloid_mj.base.memory import keep_freed_memory
     from cycloid_mj.stress.packages import import_package
@@ -193,7 +193,6 @@ def stress(
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
         return _write_springs(list(loaded), load_nm, mounts, output_flags)
-    angle = None if angle_deg is None else math.radians(angle_deg)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
     what = (part, settings, output_flags)
     job = _read_logs(log, names, *what) if log else _simulate(list(loaded), load_nm, *what)

@@ -236,8 +236,7 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     slip, count = np.abs(springs.slip), springs.teeth
     discs, directions = contact_loads.discs, springs.directions
     towards = np.arctan2(directions[..., 1], directions[..., 0])
-    teeth, tooth_speed = contact_loads.teeth, slip[:, :count]
-    seat = design.seat_pair
+    teeth, tooth_speed, seat = contact_loads.teeth, slip[:, :count], design.seat_pair
     in_seat = slides_in_seat(design, contact_loads.friction, teeth.shape)
     has_both = bool(seat) and design.has_film
     sliding: dict[str, Sliding] = {}
