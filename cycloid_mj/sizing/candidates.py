@@ -19,6 +19,7 @@ from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.design.units import bounds_of
 from cycloid_mj.life import rolling
+from cycloid_mj.life.estimate import SIZES, SIZES_DTYPE, Sizes
 from cycloid_mj.parts.export.bearings import output_pin
 from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
@@ -65,22 +66,6 @@ FIT_TOLERANCES = ("mesh", "seat", "cam", "output")
 
 ROUNDING = 2.5e-6
 """Step of free dimensions [m]."""
-
-
-Sizes = np.recarray[Any, Any]
-"""Sizes of n candidates [m], shape (n,), or of one; load ratings in [N]. Its fields are those of `SIZES`."""
-
-SIZES = (
-    *("outer", "circle", "pin", "eccentricity", "face"),
-    *("bore", "cam_dynamic", "cam_static"),
-    *("shaft", "bearing", "shaft_dynamic", "shaft_static"),
-    *("count", "circle_out", "stud", "core", "needle_dynamic", "disc"),
-)
-"""Outer radius of the ring, pin circle, pins, eccentricity, face width of a disc; bore of the disc with the ratings of
-its bearing; shaft, width and ratings of its bearings; number, circle, radius, core and needles (0: plain) of the output
-pins, and thickness of the output disc."""
-
-SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
 
 
 def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:

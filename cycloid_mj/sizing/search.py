@@ -12,11 +12,12 @@ from scipy.spatial.distance import cdist
 
 from cycloid_mj.base.array import Array, Integers, significant
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.design import Material
+from cycloid_mj.design import Design, Material
 from cycloid_mj.explore.sampling import sample_design, tolerance_zones
 from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
 from cycloid_mj.life.as_built import Parts, find_critical_sample, find_likely_critical_samples, select_rated_samples
+from cycloid_mj.life.estimate import FIGURES, FIRST_TORQUE, Estimate, Sizes, add_capacity, capacity, estimate
 from cycloid_mj.life.figures import drive_mass
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
@@ -25,13 +26,12 @@ from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import (
     DIMENSIONS,
-    Sizes,
+    TOLERANCE_SHARE,
     build_drive,
     casing_of,
     decode,
     design_of,
 )
-from cycloid_mj.sizing.estimate import FIGURES, FIRST_TORQUE, Estimate, add_capacity, capacity, estimate
 from cycloid_mj.sizing.objective import Objective, lightest, most_efficient, strongest
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -541,7 +541,7 @@ class Pool:
         new_rows = first_rows[first_rows >= len(self.sizes)] - len(self.sizes)
         if len(new_rows):
             new_sizes = sizes[new_rows].view(np.recarray)
-            guess = estimate(self.requirement, new_sizes, design_of(self.requirement, self.sizes[0]))
+            guess = _estimate(self.requirement, new_sizes, design_of(self.requirement, self.sizes[0]))
             self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
             self.points = np.concatenate([self.points, points[new_rows]])
             self.sizes = np.concatenate([self.sizes, new_sizes]).view(np.recarray)
@@ -603,9 +603,10 @@ def _find_likely_critical_samples(kind: Requirement) -> tuple[int, ...]:
     return find_likely_critical_samples(islice(drives, SETTINGS.reference_drives))
 
 
-def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
-    """Estimate candidates of a requirement, with materials and friction of the design of the first."""
-    return estimate(requirement, sizes, design_of(requirement, sizes[0]))
+def _estimate(requirement: Requirement, sizes: Sizes, design: Design | None = None) -> Estimate:
+    """Estimate candidates of a requirement; materials and friction are those of a `design`, by default of the first."""
+    deviation = TOLERANCE_SHARE * requirement.usual_clearance
+    return estimate(sizes, design or design_of(requirement, sizes[0]), requirement.diameter, deviation)
 
 
 @lru_cache(maxsize=32)

@@ -120,7 +120,7 @@ def test_the_folder_depends_on_every_file_with_compiled_functions() -> None:
     listed = {path for pattern in compile_cache.SOURCES for path in package.glob(pattern)}
     assert {path.relative_to(package).as_posix() for path in files - listed} == {
         "bench/overlay.py",
-        "sizing/load_sharing.py",
+        "statics/load_sharing.py",
         "statics/locked.py",
     }
 

@@ -23,6 +23,7 @@ from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.datasheet import datasheet
+from cycloid_mj.life.estimate import Estimate, add_capacity, capacity
 from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import rated_and_momentary_torque
@@ -33,7 +34,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode, with_preloaded_bearings
 from cycloid_mj.sizing.drives import size_drive
-from cycloid_mj.sizing.estimate import Estimate, add_capacity, capacity
 from cycloid_mj.sizing.objective import DEVIATIONS, Objective, lightest, most_efficient
 from cycloid_mj.sizing.requirement import Requirement, make_requirement
 from cycloid_mj.sizing.search import Rated, first_drive, pool_of, rate_candidate

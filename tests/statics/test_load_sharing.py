@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cycloid_mj.sizing.load_sharing import protruding_forces, share_torque
+from cycloid_mj.statics.load_sharing import protruding_forces, share_torque
 
 CLEARANCE, ERROR = 2e-6, 1.5e-6
 

@@ -1,17 +1,18 @@
-"""Closed-form estimates of many candidates at once: the torque limit of each item, mass and length.
+"""Closed-form estimates of many similar drives at once: the torque limit of each item of a rating, mass and length.
 
-Teeth and output pins share the load as springs with clearance; one of them, the critical one, protrudes. The items
-are those of ``life`` with the same limits. Their errors are corrected by rated candidates, see `search`.
+Teeth and output pins share the load as springs with clearance; one of them, the critical one, protrudes. Items and
+limits are those of `life.items.rate`, which needs some 10^4 times the time of an estimate.
 """
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import ARCMINUTE, HOUR
-from cycloid_mj.design import Design, Material, stock
+from cycloid_mj.design import Design, stock
 from cycloid_mj.design.materials import MATERIALS, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
@@ -23,10 +24,8 @@ from cycloid_mj.parts.export.casing import LIGHT_METAL
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.candidates import TOLERANCE_SHARE, Sizes
-from cycloid_mj.sizing.load_sharing import protruding_forces, share_torque
-from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.statics.film import ASSUMED, RollerBearings, cam_mean_diameter, idle_torque_of
+from cycloid_mj.statics.load_sharing import protruding_forces, share_torque
 
 ANGLES = 24
 """Angles of half a turn at which pins carry (heuristic)."""
@@ -61,6 +60,21 @@ ROUNDS = 5
 """Evaluations at the torque of the one before, as shares of the load depend on it (heuristic)."""
 
 
+Sizes = np.recarray[Any, Any]
+"""Sizes of n candidates [m], shape (n,), or of one; load ratings in [N]. Its fields are those of `SIZES`."""
+
+SIZES = (
+    *("outer", "circle", "pin", "eccentricity", "face"),
+    *("bore", "cam_dynamic", "cam_static"),
+    *("shaft", "bearing", "shaft_dynamic", "shaft_static"),
+    *("count", "circle_out", "stud", "core", "needle_dynamic", "disc"),
+)
+"""Outer radius of the ring, pin circle, pins, eccentricity, face width of a disc; bore of the disc with the ratings of
+its bearing; shaft, width and ratings of its bearings; number, circle, radius, core and needles (0: plain) of the output
+pins, and thickness of the output disc."""
+
+SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
+
 Estimate = dict[str, Array]
 """Torque limits of n candidates by item [N m], and their `FIGURES`; shape (n,) each."""
 
@@ -68,28 +82,37 @@ FIGURES = ("mass", "length", "backlash")
 """Figures of an estimate that are no torque limits [kg, m, arcmin]."""
 
 
-def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
+def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) -> Estimate:
     """Estimate torque limits [N m], mass, length and backlash of n candidate drives, without solving statics.
 
-    There is a limit for each item, a part with a kind of failure; the keys are those of `FIGURES`. `requirement` is
-    that for the drive. `sizes` are the dimensions of the candidates; materials and friction are those of `design`, one
-    of them. As the loads depend on the torque, a fixed-point iteration determines both. The limit ``other`` stands for
-    all items that have no estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is
-    undercut.
+    There is a limit for each item, a part with a kind of failure; the keys are those of `FIGURES`. As the loads depend
+    on the torque, a fixed-point iteration determines both. The limit ``other`` stands for all items that have no
+    estimate: it is the smallest of the estimated limits, or 0 if the profile of the disc is undercut.
+
+    Parameters
+    ----------
+    sizes
+        Dimensions of the candidates.
+    design
+        The design of one of them: all have its teeth, discs, materials, clearances, friction and operating conditions.
+    diameter
+        Outer diameter of the drives with their covers [m].
+    deviation
+        Standard deviation of every dimension within the tolerances [m].
     """
-    torque = np.full(sizes.circle.shape, FIRST_TORQUE * requirement.diameter**3)
+    torque = np.full(sizes.circle.shape, FIRST_TORQUE * diameter**3)
     for _ in range(ROUNDS):
-        loads = _Loads.of(requirement, sizes, design, torque)
+        loads = _Loads.of(sizes, design, deviation, torque)
         limits = {
-            **_surface_torque_limits(requirement, sizes, design, loads),
-            **_bearing_torque_limits(requirement, sizes, loads),
+            **_surface_torque_limits(sizes, design, loads),
+            **_bearing_torque_limits(sizes, design, loads, diameter),
         }
-        limits |= _pin_torque_limits(sizes, design, loads, requirement.discs or 1)
-        limits["temperature"] = _thermal_torque_limit(requirement, sizes, design, loads)
+        limits |= _pin_torque_limits(sizes, design, loads)
+        limits["temperature"] = _thermal_torque_limit(sizes, design, loads, diameter)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
     play = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
-    figures = {"mass": _estimate_mass(requirement, sizes, design), "length": _length(requirement, sizes)}
+    figures = {"mass": _estimate_mass(sizes, design, diameter), "length": _length(sizes, design, diameter)}
     return {**limits, **figures, "backlash": 2.0 * play / ARCMINUTE}
 
 
@@ -139,27 +162,26 @@ class _Loads:
     arm: Array
 
     @classmethod
-    def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
+    def of(cls, sizes: Sizes, design: Design, deviation: float, torque: Array) -> "_Loads":
         """Compute the loads on the critical disc of n candidate drives at their output torques [N m], shape (n,).
 
         The critical disc carries the largest share of the torque, because its errors let it lead the other discs. Its
-        teeth share this part like springs in parallel, and so do its output pins. `requirement` has the ratio, the
-        speed and the number of discs, `sizes` are the dimensions of the candidates, and `design` has their materials
-        and clearances.
+        teeth share this part like springs in parallel, and so do its output pins. `sizes` are the dimensions of the
+        candidates, `design` has what they have in common, and `deviation` is the standard deviation of their dimensions
+        [m].
         """
-        teeth, discs = requirement.ratio + 1, requirement.discs or 1
+        teeth, discs = design.ring.teeth, design.gear.discs
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
         circle, pin, ecc = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
         k1 = ecc * teeth / circle
         distance = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
-        arm = ecc * requirement.ratio * np.sin(angle) / distance
+        arm = ecc * design.lobes * np.sin(angle) / distance
         arm_out = sizes.circle_out[:, None] * np.sin(angle)
         series = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
-        deviation = TOLERANCE_SHARE * requirement.usual_clearance
         line = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
-        bending = bending / _stack(requirement, sizes) ** 3
+        bending = bending / _stack(sizes, design) ** 3
         weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
         tooth_springs = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
@@ -176,7 +198,7 @@ class _Loads:
         tangential = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
         radial = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
         pin_sum = weights[1] * pin_force.sum(axis=1)
-        speed = requirement.speed / requirement.ratio
+        speed = design.drive.speed / design.lobes
         return cls(
             torque,
             disc_share,
@@ -197,29 +219,28 @@ def _modulus(design: Design, kind: str) -> float:
     return contact_modulus(first.youngs_modulus, first.poisson, second.youngs_modulus, second.poisson)
 
 
-def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
+def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the pressures on teeth and output pins.
 
     The result has the shape (n,) by name of the limit. The limit is pitting of steel or permanent set of a plastic, and
     yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
-    `requirement` is that for the drive.
     """
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
     pin_pressure = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
     half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / pin_pressure]) / (math.pi * sizes.face)
-    travel = np.stack([(sizes.circle - sizes.pin) / requirement.ratio, hole])  # of the contact per radian of the crank
+    travel = np.stack([(sizes.circle - sizes.pin) / design.lobes, hole])  # of the contact per radian of the crank
     loaded_shares = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
     limits = {}
     for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", pin_pressure)):
         partners = design.partners(kind)
         strength = min(part.surface_strength for part in partners)
         if any(part.is_plastic for part in partners):
-            loaded_hours = requirement.life * np.minimum(loaded_shares[kind], 1.0)
+            loaded_hours = design.service.life * np.minimum(loaded_shares[kind], 1.0)
             allowed_pressure, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded_hours**SET_POWER, f"{kind}_set"
         else:
             factor, power = AGMA_2001.factor, AGMA_2001.power
-            cycles = requirement.speed / (2.0 * math.pi) * HOUR * requirement.life
+            cycles = design.drive.speed / (2.0 * math.pi) * HOUR * design.service.life
             allowed_pressure = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"
         limits[key] = loads.torque * (allowed_pressure / np.maximum(pressure, 1.0)) ** 2
@@ -231,15 +252,14 @@ def _surface_torque_limits(requirement: Requirement, sizes: Sizes, design: Desig
     return limits
 
 
-def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
+def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter: float) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
     The result has the shape (n,) by name of the limit. The limits are their lives, and their static ratings at twice
-    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque. `requirement` is
-    that for the drive.
+    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
     """
-    discs, stack = requirement.discs or 1, _stack(requirement, sizes)
-    hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
+    discs, stack = design.gear.discs, _stack(sizes, design)
+    hours = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6
     near_arm = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing
     far_arm = stack / 2.0 + sizes.disc + sizes.bearing / 2.0
     near_load, far_load = loads.cam * far_arm / (near_arm + far_arm), loads.cam * near_arm / (near_arm + far_arm)
@@ -247,7 +267,7 @@ def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads
         near_load = far_load = loads.cam * (stack - sizes.face) / (near_arm + far_arm)
     max_outside = sizes.circle + sizes.pin
     hubs = stock.thin_ball_bearings()
-    wall = max(RULES.min_wall, RULES.wall_share * requirement.diameter / 2.0)
+    wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
     min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
     index = np.minimum(
         np.searchsorted([bearing.outside for bearing in hubs], 2.0 * max_outside, side="right") - 1,
@@ -257,7 +277,7 @@ def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads
         np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(index, 0)]
         for key in ("dynamic", "width", "static", "bore", "outside")
     )
-    is_plastic = Material(name=requirement.made_of).is_plastic
+    is_plastic = design.material_of("gear").is_plastic
     spacing = 1.5 * width if is_plastic else width + 0.5 * (bore + diameter) * math.tan(stock.ANGULAR_CONTACT.angle)
     lever = stack / 2.0 + sizes.disc + width / 2.0
     if discs == 1:
@@ -272,9 +292,9 @@ def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads
         "cam_bearing_static": sizes.cam_static / (2.0 * loads.cam),
         "shaft_bearing_near": sizes.shaft_dynamic / hours**roller / near_load,
         "shaft_bearing_near_static": sizes.shaft_static / (2.0 * near_load),
-        "output_bearing_inner": dynamic / (hours / requirement.ratio) ** ball / hub_load,
+        "output_bearing_inner": dynamic / (hours / design.lobes) ** ball / hub_load,
         "output_bearing_inner_static": static / (2.0 * hub_load),
-        "output_bearing_outer": dynamic / (hours / requirement.ratio) ** ball / np.maximum(outer_load, 1e-6),
+        "output_bearing_outer": dynamic / (hours / design.lobes) ** ball / np.maximum(outer_load, 1e-6),
         "shaft_bearing_far": sizes.shaft_dynamic / hours**roller / np.maximum(far_load, 1e-6),
         "output_rollers": np.where(
             sizes.needle_dynamic > 0.0, sizes.needle_dynamic / (hours * spins) ** roller / (0.5 * loads.pin), 1e9
@@ -283,19 +303,18 @@ def _bearing_torque_limits(requirement: Requirement, sizes: Sizes, loads: _Loads
     return {key: loads.torque * limit for key, limit in limits.items()}
 
 
-def _stack(requirement: Requirement, sizes: Sizes) -> Array:
-    discs = requirement.discs or 1
-    return discs * sizes.face + (discs - 1) * 0.02 * requirement.diameter
+def _stack(sizes: Sizes, design: Design) -> Array:
+    discs = design.gear.discs
+    return discs * sizes.face + (discs - 1) * design.gear.disc_gap
 
 
-def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
+def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
     """Compute the output torques [N m] of n candidates allowed by output pins and by the walls between holes.
 
     The result has the shape (n,) by name of the limit. The pins are beams clamped at both ends: limits are fatigue, and
-    yield at twice the torque. `sizes` are the dimensions of the candidates, `loads` their loads at some torque, and
-    `discs` is the number of discs.
+    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
     """
-    material = design.material_of("output")
+    material, discs = design.material_of("output"), design.gear.discs
     span = discs * sizes.face
     bending = 4.0 * loads.pin * discs * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)
     shear = loads.pin * discs / (2.0 * math.pi * np.maximum(sizes.core, 1e-6) ** 2)
@@ -318,17 +337,17 @@ def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads, discs: int) 
     return {key: loads.torque * limit for key, limit in limits.items()}
 
 
-def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
+def _thermal_torque_limit(sizes: Sizes, design: Design, loads: _Loads, diameter: float) -> Array:
     """Estimate the output torque [N m] of n candidates at which the housing reaches its allowed temperature, (n,).
 
     The losses of teeth, output pins and cams are proportional to the torque; those of the seal of the crank and of the
     lubricant in the cams are constant. Convection removes them from the cylinder of the housing.
 
-    `sizes` are the dimensions of the candidates, and `loads` their loads at some torque. `requirement` is that for the
-    drive.
+    `sizes` are the dimensions of the candidates, `design` has what they have in common, and `loads` are their loads at
+    some torque.
     """
     reducer = Reducer(design)
-    friction, speed = design.friction, requirement.speed
+    friction, speed = design.friction, design.drive.speed
     plain_friction = (
         (friction.boundary if design.has_film else friction.output) * sizes.core / np.maximum(sizes.stud, 1e-6)
     )
@@ -340,30 +359,32 @@ def _thermal_torque_limit(requirement: Requirement, sizes: Sizes, design: Design
         cams = cam_mean_diameter(reducer) / design.gear.bore_radius * sizes.bore
         drag = idle_torque_of(reducer, RollerBearings("cam", design.gear.discs, 1.0, speed)) * cams**3
         loss = loss + speed * (drag + seal_torque(2.0 * sizes.shaft))
-    radius, service = requirement.diameter / 2.0, design.service
-    area = 2.0 * math.pi * radius * (radius + _length(requirement, sizes))
+    radius, service = diameter / 2.0, design.service
+    area = 2.0 * math.pi * radius * (radius + _length(sizes, design, diameter))
     max_rise = min(limit.temperature for limit in heat_limits(reducer)) - service.ambient_temperature
     return np.asarray(
         loads.torque * max_rise * service.film_coefficient * area / np.maximum(service.duty_share * loss, 1e-12)
     )
 
 
-def _length(requirement: Requirement, sizes: Sizes) -> Array:
+def _length(sizes: Sizes, design: Design, diameter: float) -> Array:
     """Estimate the length by its regression on discs, shaft bearing and diameter."""
-    parts = _stack(requirement, sizes), sizes.bearing, requirement.diameter, 1.0
+    parts = _stack(sizes, design), sizes.bearing, diameter, 1.0
     return np.asarray(LENGTH @ np.stack(np.broadcast_arrays(*parts)))
 
 
-def _estimate_mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
+def _estimate_mass(sizes: Sizes, design: Design, diameter: float) -> Array:
     """Estimate the mass of n candidates [kg], shape (n,), by its regression on the masses of five parts.
 
     These are ring, discs, cams, covers and output discs. `sizes` are the dimensions of the candidates, and `design` has
-    their materials. `requirement` is that for the drive.
+    their materials.
     """
-    radius, inner_radius, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
+    radius, inner_radius, stack = diameter / 2.0, sizes.circle - sizes.pin, _stack(sizes, design)
     ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))
     light_density = MATERIALS[LIGHT_METAL].density
-    covers = (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(requirement, sizes) - stack)
+    covers = (
+        (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(sizes, design, diameter) - stack)
+    )
     bodies = ring * (sizes.outer**2 - inner_radius**2) * stack, disc * (inner_radius**2 - sizes.bore**2) * stack
     parts = *bodies, shaft * sizes.bore**2 * stack, covers, 2.0 * output * sizes.circle_out**2 * sizes.disc
     return np.asarray(math.pi * (MASS @ np.stack(parts)))
