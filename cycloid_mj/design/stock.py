@@ -623,6 +623,11 @@ def tube_outsides() -> tuple[float, ...]:
     return _metres(*_TUBES)
 
 
+def is_tube(outside: float) -> bool:
+    """Return whether there are precision steel tubes with an outside diameter [m]."""
+    return any(abs(outside - size) < ROUNDING for size in tube_outsides())
+
+
 def tube_for(outside: float, bore: float) -> Tube | None:
     """Return the tube with the thinnest wall from which a sleeve with an outside diameter and a bore [m] is bored."""
     size, largest_bore = round(outside / MM, 6), (bore - BORING_ALLOWANCE) / MM + 1e-6

@@ -1,27 +1,26 @@
 """Candidate drives: points of the unit cube, decoded to sizes in stock, and the complete designs of them."""
 
 import math
-from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
-from cycloid_mj.checks import WALLS, Check, sound_checks
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.checks import WALLS, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
 from cycloid_mj.checks.teeth import TEETH
 from cycloid_mj.design import PRESETS, Design, Material, override, stock
 from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.design.model import Gear
-from cycloid_mj.design.processes import PROCESSES
+from cycloid_mj.design.processes import PROCESSES, usual_tolerances
 from cycloid_mj.design.units import bounds_of
 from cycloid_mj.life import rolling
 from cycloid_mj.life.estimate import SIZES, SIZES_DTYPE, Sizes
 from cycloid_mj.parts.export.bearings import output_pin
-from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
+from cycloid_mj.parts.export.casing import casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS
 from cycloid_mj.reducer import Reducer
@@ -56,14 +55,6 @@ DIMENSIONS = 9
 POWER_RESERVE = 1.1
 """Power of the motor relative to that of torque and speed (heuristic)."""
 
-TOLERANCE_SHARE = 0.1
-"""Standard deviation of every fit, radius and position over the clearance (heuristic): six of them are 0.6 of it, and
-all of 96 samples of each process turn freely (with 0.16, 4 % of printed drives jam)."""
-
-POSITIONS = ("pin_position", "pin_radius", "pin_circle", "hole_position", "eccentricity", "disc_size")
-FIT_TOLERANCES = ("mesh", "seat", "cam", "output")
-"""Tolerances that follow from a fit."""
-
 ROUNDING = 2.5e-6
 """Step of free dimensions [m]."""
 
@@ -87,7 +78,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     """
     teeth, discs, is_custom = requirement.ratio + 1, requirement.discs or 1, requirement.custom
     coords = points.T
-    rings = _rings(requirement)
+    rings = _list_rings(requirement.ratio, requirement.diameter / 2.0, is_custom, requirement.made_of)
     if not (rings and len(points)):
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
     chosen = _choose(coords[1], len(rings))
@@ -97,7 +88,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     steps = np.floor(np.maximum(coords[0] - 0.5, 0.0) * 10.0)
     preferred = 10.0 ** ((np.floor(40.0 * np.log10(max_circle)) - steps + 1.0) / 40.0)
     circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, max_circle), max_circle))
-    eccentricity = _round_down(_between(coords[2], SHORT_WIDTHS) * circle / teeth)
+    eccentricity = _round_down(np.interp(coords[2], (0.0, 1.0), SHORT_WIDTHS) * circle / teeth)
     gap = _gap(requirement)
     width = np.minimum(np.exp(np.interp(coords[3], (0.0, 1.0), np.log(WIDTHS))) * circle, MAX_WIDTH)
     stack = width if is_custom else _round_to_pin_lengths(pin, width)
@@ -112,7 +103,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     count = OUTPUT_PINS[_choose(coords[6], len(OUTPUT_PINS))]
     middle, band = 0.5 * (bore + root), root - bore - 0.03 * circle
     max_hole = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
-    stud = _round_down(_between(coords[7], (0.4, 1.0)) * max_hole - eccentricity)
+    stud = _round_down(np.interp(coords[7], (0.0, 1.0), (0.4, 1.0)) * max_hole - eccentricity)
     stud = _outsides_of_tubes(stud) if has_tube_sleeves(requirement) else stud
     thickness = DISC_SHARE * requirement.diameter / 2.0
     core, needle_dynamic, disc_thickness, has_core = _choose_core_pins(
@@ -146,10 +137,6 @@ def _choose(share: Array, count: int | Integers) -> Integers:
     return np.asarray(np.minimum(np.floor(share * count), np.asarray(count) - 1).astype(np.int64))
 
 
-def _between(share: Array, ends: tuple[float, float]) -> Array:
-    return ends[0] + share * (ends[1] - ends[0])
-
-
 def _round_down(length: Array) -> Array:
     """Round free lengths [m] down."""
     return np.round(np.floor(length / ROUNDING + 1e-6) * ROUNDING, 9)
@@ -160,7 +147,7 @@ def _gap(requirement: Requirement) -> float:
 
 
 @lru_cache(maxsize=64)
-def _rings_of(
+def _list_rings(
     ratio: int, outer: float, is_custom: bool, material: str
 ) -> tuple[tuple[float, float, float, float], ...]:
     """List rings of fixed pins whose covers stay within the outer radius of the drive.
@@ -187,52 +174,31 @@ def _rings_of(
     low, high = (share * half_pitch_sine / (1.0 + share * half_pitch_sine) * outer for share in PIN_ROOM)
     sizes = np.geomspace(low, high, 24) if is_custom else (0.5 * size for size in stock.pin_diameters())
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
+
+    def covers(ring_outer: float, pin: float, wall: float, width: float) -> float:
+        """Return the outer radius of the covers of a ring [m]: larger than its own if the screws are outside of it."""
+        circle = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": ring_outer - wall - pin}
+        housing = {"outer_radius": ring_outer, **({} if is_custom else clamping(wall))}
+        tables = {"ring": circle, "gear": {"face_width": width}, "housing": housing, "material": {"name": material}}
+        return cover_radius(Reducer(PRESETS["pin"].but(**tables)))
+
     rings = []
     for pin in fitting[:: max(len(fitting) // 24, 1)]:
         # at the smallest outer radius, the pin circle has no radius
         ring_outer, min_outer = outer, pin / (1.0 - WALL_SHARES[0])
         for _ in range(3):  # a fixed point: the screws depend on the radius
             if ring_outer > min_outer:
-                radius = _cover_radius(ratio, ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0, material, is_custom)
-                ring_outer -= max(radius - outer, 0.0)
+                ring_outer -= max(covers(ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0) - outer, 0.0)
         if ring_outer > min_outer:
             rings.append((pin, float(_round_down(np.array(ring_outer))), WALL_SHARES[0] * ring_outer, math.inf))
         max_width = 0.0
         for wall in (share * outer for share in WALL_SHARES):
-            circle = outer - wall - pin
-            for width in (min(share * circle, MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
-                if width > max_width and _cover_radius(ratio, outer, pin, wall, width, material, is_custom) == outer:
-                    max_width = width
-                    rings.append((pin, outer, wall, width))
-                    break
+            widths = (min(share * (outer - wall - pin), MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0]))
+            larger = (width for width in widths if width > max_width and covers(outer, pin, wall, width) == outer)
+            if width := next(larger, 0.0):
+                max_width = width
+                rings.append((pin, outer, wall, width))
     return tuple(rings)
-
-
-def _cover_radius(
-    ratio: int, outer: float, pin: float, wall: float, width: float, material: str, is_custom: bool
-) -> float:
-    """Return the outer radius of the covers of a ring [m]: that of the ring, or larger if its screws are outside of it.
-
-    Parameters
-    ----------
-    ratio
-        Ratio, one less than the number of pins.
-    outer, pin, wall, width
-        Outer radius of the ring, radius of its pins, wall outside of the pins, and width [m].
-    material
-        Name of the material of the ring.
-    is_custom
-        Whether pins and screws need not be in stock.
-    """
-    circle = outer - wall - pin
-    ring = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle}
-    housing = {"outer_radius": outer, **({} if is_custom else clamping(wall))}
-    tables = {"ring": ring, "gear": {"face_width": width}, "housing": housing, "material": {"name": material}}
-    return cover_radius(Reducer(PRESETS["pin"].but(**tables)))
-
-
-def _rings(requirement: Requirement) -> tuple[tuple[float, float, float, float], ...]:
-    return _rings_of(requirement.ratio, requirement.diameter / 2.0, requirement.custom, requirement.made_of)
 
 
 def clamping(wall: float) -> dict[str, object]:
@@ -256,6 +222,30 @@ def _round_to_pin_lengths(pin: Array, width: Array) -> Array:
     return lengths
 
 
+@cache
+def _needle_bearings(bores: tuple[float, ...] = ()) -> Sizes:
+    """Return the needle bearings in stock: bore, outside diameter and width [m], and load ratings [N].
+
+    If `bores` [m] are passed, only bearings with one of them are included.
+    """
+    keys = "bore", "outside", "width", "dynamic", "static"
+    fitting = [item for item in stock.needle_bearings() if not bores or item.bore in bores]
+    columns = [np.array([getattr(item, key) for item in fitting]) for key in keys]
+    return np.rec.fromarrays(columns, dtype=np.dtype([(key, float) for key in keys]))
+
+
+def _rate_rollers(count: float, size: Array, length: Array, pitch: Array) -> tuple[Array, Array]:
+    """Return the dynamic and static ratings of n rows of rollers [N] by diameter, length and pitch diameter [m]."""
+    dynamic, static = np.vectorize(rolling.dynamic_capacity), np.vectorize(rolling.static_capacity)
+    return dynamic(count, size, length, pitch), static(count, size, length, pitch)
+
+
+def _choose_bearing(share: Array, table: Sizes, fitting: Mask) -> tuple[Sizes, Mask]:
+    """Return bearings of a table by a share of those that fit, (n, bearings) -> (n,), and whether there is one."""
+    index = _choose_fitting(share, fitting)
+    return table[index].view(np.recarray), index >= 0
+
+
 def _cam_bearings(choice: Array, root: Array, face: Array, is_custom: bool) -> tuple[Array, Array, Array, Array, Mask]:
     """Choose the bearing of the cam for each of n candidates.
 
@@ -277,30 +267,17 @@ def _cam_bearings(choice: Array, root: Array, face: Array, is_custom: bool) -> t
         a disc; and whether there is a suitable bearing; shape (n,) each.
     """
     if is_custom:
-        bore = _round_down(_between(choice, (0.25, 0.65)) * root)
+        bore = _round_down(np.interp(choice, (0.0, 1.0), (0.25, 0.65)) * root)
         positive = np.maximum(bore, ROUNDING)  # a disc without room for a bore is not valid
         size = positive * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
-        dynamic, static = (
-            np.vectorize(rate)(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * positive)
-            for rate in (rolling.dynamic_capacity, rolling.static_capacity)
-        )
-        return bore, bore, dynamic, static, bore > 0.0
-    table = stock.needle_bearings()
-    bores, outer, widths, dynamics, statics = (
-        np.array([getattr(item, key) for item in table]) for key in ("bore", "outside", "width", "dynamic", "static")
-    )
-    index = _choose_fitting(
-        choice,
-        (outer >= 0.5 * root[:, None]) & (outer <= 1.4 * root[:, None]) & (widths <= face[:, None] * (1 + 1e-9)),
-    )
-    count = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
-    return (
-        np.round(0.5 * outer[index], 9),
-        0.5 * bores[index],
-        count ** (7.0 / 9.0) * dynamics[index],
-        count * statics[index],
-        index >= 0,
-    )
+        return bore, bore, *_rate_rollers(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * positive), bore > 0.0
+    table = _needle_bearings()
+    fits_radius = (table.outside >= 0.5 * root[:, None]) & (table.outside <= 1.4 * root[:, None])
+    fitting = fits_radius & (table.width <= face[:, None] * (1.0 + 1e-9))
+    chosen, has_bearing = _choose_bearing(choice, table, fitting)
+    count = np.maximum(np.floor(face / chosen.width + 1e-6), 1.0)
+    ratings = count ** (7.0 / 9.0) * chosen.dynamic, count * chosen.static
+    return np.round(0.5 * chosen.outside, 9), 0.5 * chosen.bore, *ratings, has_bearing
 
 
 def _choose_fitting(share: Array, fitting: Mask) -> Integers:
@@ -342,23 +319,18 @@ def _shaft_bearings(
         whether there is a suitable bearing; shape (n,) each.
     """
     if is_custom:
-        radius = _round_down(_between(choice, (1.0, 0.6)) * np.maximum(max_radius, ROUNDING))
+        thickest = np.maximum(max_radius, ROUNDING)
+        radius = _round_down(np.interp(choice, (0.0, 1.0), (1.0, 0.6)) * thickest)
+        positive = np.maximum(radius, ROUNDING)
         size = np.maximum(0.4 * radius, ROUNDING)
-        dynamic, static = (
-            np.vectorize(rate)(14.0, size, np.maximum(radius, ROUNDING), 2.0 * np.maximum(radius, ROUNDING) + size)
-            for rate in (rolling.dynamic_capacity, rolling.static_capacity)
-        )
-        return radius, np.zeros_like(radius), dynamic, static, radius > min_radius
-    bars = set(stock.bar_diameters())
-    table = [item for item in reversed(stock.needle_bearings()) if not needs_bar or item.bore in bars]
-    table.sort(key=lambda item: (-item.bore, item.width))
-    bores, widths, dynamics, statics = (
-        np.array([getattr(item, key) for item in table]) for key in ("bore", "width", "dynamic", "static")
-    )
+        ratings = _rate_rollers(14.0, size, positive, 2.0 * positive + size)
+        return radius, np.zeros_like(radius), *ratings, radius > min_radius
+    table = _needle_bearings(stock.bar_diameters() if needs_bar else ())
+    table = table[np.lexsort((-np.arange(len(table)), table.width, -table.bore))].view(np.recarray)
     min_bores = np.maximum(1.2 * max_radius[:, None], 2.0 * min_radius)
-    fitting = (bores <= 2.0 * max_radius[:, None] * (1.0 + 1e-9)) & (bores >= min_bores)
-    index = _choose_fitting(choice, fitting)
-    return np.round(0.5 * bores[index], 9), widths[index], dynamics[index], statics[index], index >= 0
+    fitting = (table.bore <= 2.0 * max_radius[:, None] * (1.0 + 1e-9)) & (table.bore >= min_bores)
+    chosen, has_bearing = _choose_bearing(choice, table, fitting)
+    return np.round(0.5 * chosen.bore, 9), chosen.width, chosen.dynamic, chosen.static, has_bearing
 
 
 def _choose_core_pins(
@@ -388,19 +360,15 @@ def _choose_core_pins(
     fitting = dowels <= CORE_SHARE * roller_radius[:, None]
     plain_core = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
     plain_core = _round_down(CORE_SHARE * np.maximum(roller_radius, 0.0)) if is_custom else plain_core
-    cups = [item for item in stock.needle_bearings() if item.bore / 2.0 in set(dowels.tolist())]
-    bores, outer, widths, dynamics = (
-        np.array([getattr(item, key) for item in cups]) for key in ("bore", "outside", "width", "dynamic")
+    cups = _needle_bearings(stock.dowel_diameters())
+    fitting = (ROLLER_SHARE * cups.outside <= 2.0 * roller_radius[:, None]) & (
+        1.6 * cups.outside >= 2.0 * roller_radius[:, None]
     )
-    index = _choose_fitting(
-        np.minimum(2.0 * choice, 1.0),
-        (ROLLER_SHARE * outer <= 2.0 * roller_radius[:, None])
-        & (1.6 * outer >= 2.0 * roller_radius[:, None])
-        & (widths <= face[:, None] * (1.0 + 1e-9)),
-    )
-    has_needles = (index >= 0) & (choice < 0.5)
-    count = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
-    core = np.round(np.where(has_needles, 0.5 * bores[index], plain_core), 9)
+    fitting &= cups.width <= face[:, None] * (1.0 + 1e-9)
+    chosen, has_cup = _choose_bearing(np.minimum(2.0 * choice, 1.0), cups, fitting)
+    has_needles = has_cup & (choice < 0.5)
+    count = np.maximum(np.floor(face / chosen.width + 1e-6), 1.0)
+    core = np.round(np.where(has_needles, 0.5 * chosen.bore, plain_core), 9)
     inner_length, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual_thickness)))
     has_dowel = core > 0.0
     for size in () if is_custom else np.unique(core[core > 0.0]).tolist():
@@ -410,7 +378,7 @@ def _choose_core_pins(
         is_usual = (usual_thickness / 1.5 <= thickness) & (thickness <= 1.5 * usual_thickness)
         in_stock = [stock.is_dowel(2.0 * size, length) for length in lengths.tolist()]
         disc[rows], has_dowel[rows] = thickness, is_usual & in_stock
-    return np.asarray(core, float), np.where(has_needles, count ** (7.0 / 9.0) * dynamics[index], 0.0), disc, has_dowel
+    return np.asarray(core, float), np.where(has_needles, count ** (7.0 / 9.0) * chosen.dynamic, 0.0), disc, has_dowel
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
@@ -446,8 +414,11 @@ def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
     `requirement` is that for the drive.
     """
     try:
-        outer = casing_of(requirement, reducer).outer
-        if _fails(sound_checks(reducer)) or 2.0 * outer > requirement.diameter + ROUNDING:
+        outer = casing(reducer, requirement.motor).outer
+        failed = (item for item in sound_checks(reducer) if not item.passed)
+        if any(item.severity == "error" or item.name in WALLS for item in failed):
+            return False
+        if 2.0 * outer > requirement.diameter + ROUNDING:
             return False
         return requirement.custom or output_pin(reducer) is not None
     except CycloidError:
@@ -459,15 +430,6 @@ def design_of(requirement: Requirement, sizes: Sizes, torque: float = 1.0) -> De
     return override(PRESETS["pin"].but(**_design_tables(requirement, sizes, torque)), requirement.changes)
 
 
-def casing_of(requirement: Requirement, reducer: Reducer) -> Casing:
-    """Return the sizes of the casing for the required motor; raise DesignError if it does not fit."""
-    return casing(reducer) if requirement.motor == "auto" else casing(reducer, requirement.motor)
-
-
-def _fails(checks: Iterable[Check]) -> bool:
-    return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
-
-
 def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
     """Return the design file of a candidate drive as tables by name, each with values in SI units by key.
 
@@ -477,7 +439,8 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
-    needles = size["needle_dynamic"] > 0.0
+    needles, is_tube = size["needle_dynamic"] > 0.0, has_tube_sleeves(requirement) and stock.is_tube(2.0 * size["stud"])
+    tube_deviation = 0.5 * stock.TUBE_TOLERANCE / math.sqrt(3.0) if is_tube else 0.0
     wall = size["outer"] - size["circle"] - size["pin"]
     return {
         "name": "new",
@@ -516,8 +479,7 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
         "housing": {"outer_radius": file(size["outer"]), **({} if requirement.custom else clamping(wall))},
         "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), pin_clearance)
         | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
-        "tolerance": tolerances(requirement, discs, pin_clearance)
-        | _tube_tolerance(requirement, size["stud"], pin_clearance),
+        "tolerance": usual_tolerances(pin_clearance, discs, requirement.fit, tube_deviation),
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
         **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},
@@ -548,29 +510,6 @@ def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[
             "ambient_temperature": requirement.ambient,
         },
     }
-
-
-def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[str, str]:
-    """Return the table ``tolerance`` of a design: key -> tolerance, such as "normal 5" (standard deviation 5 um).
-
-    The standard deviations are `TOLERANCE_SHARE` of the `clearance` [m]. If the requirement has a fit, it is used
-    instead for the keys `FIT_TOLERANCES`. `discs` is the number of discs.
-    """
-    default = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
-    keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]
-    return {**dict.fromkeys(keys, default), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or default)}
-
-
-def _tube_tolerance(requirement: Requirement, radius: float, clearance: float) -> dict[str, str]:
-    """Return the tolerance of the output pins' clearance with sleeves of a radius [m] cut from a tube in stock.
-
-    The deviation of the tube adds to that of `tolerances`, in variance. Empty for turned sleeves and a required fit.
-    """
-    is_tube = any(abs(2.0 * radius - outside) < stock.ROUNDING for outside in stock.tube_outsides())
-    if requirement.fit or not (is_tube and has_tube_sleeves(requirement)):
-        return {}
-    deviation = math.hypot(TOLERANCE_SHARE * clearance, 0.5 * stock.TUBE_TOLERANCE / math.sqrt(3.0))
-    return {"output": f"normal {MICROMETRES * deviation:.3g}"}
 
 
 def _with_shaft_length(reducer: Reducer) -> Reducer:

@@ -40,7 +40,7 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
     if solution:
         first_drive = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
         on_progress(Answer(requirement, (first_drive,)))
-        return Answer(solution.requirement, (first_drive, *_other_drives(solution, solution.best)))
+        return Answer(solution.pool.requirement, (first_drive, *_other_drives(solution, solution.best)))
     longer_changes, answer = answer.remedies, replace(answer, remedies=())  # listed after what is easier to change
     on_progress(answer)
     for remedy in remedies(requirement, answer.most, pool, longer_changes):
@@ -61,7 +61,7 @@ def _other_drives(solution: Trial, lightest: Rated) -> Iterator[SizedDrive]:
     lightest
         The lightest drive.
     """
-    pool, requirement = solution.pool, solution.requirement
+    pool, requirement = solution.pool, solution.pool.requirement
     study_factors = pool.study_factors["other"]
     strong_rows = [
         row
@@ -102,7 +102,7 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
     figures = _drive_quantities(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
         why += f"; the screws are outside of the ring: diameter with covers {figures['drive_diameter_mm']:.3g} mm"
-    reasons = dict(reasons_of(solution.requirement, reducer, rated.weakest.name))
+    reasons = dict(reasons_of(solution.pool.requirement, reducer, rated.weakest.name))
     return SizedDrive(title, why, reducer.design, figures, reasons)
 
 

@@ -4,15 +4,12 @@ from collections.abc import Iterator
 
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.model import PARTS
-from cycloid_mj.design.processes import PROCESSES
+from cycloid_mj.design.processes import FIT_TOLERANCES, POSITIONS, PROCESSES, TOLERANCE_SHARE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_discs_identical
 from cycloid_mj.sizing.candidates import (
     DISC_SHARE,
-    FIT_TOLERANCES,
-    POSITIONS,
     POWER_RESERVE,
-    TOLERANCE_SHARE,
     has_tube_sleeves,
 )
 from cycloid_mj.sizing.requirement import Requirement
@@ -65,8 +62,8 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
     yield "output.pins", by_search if gear.discs == 1 else f"{by_search}; the discs are {parts}"
     if output.main_bearings == "angular_contact":
         yield "output.main_bearings", "several times the tilting moment and stiffness of deep groove bearings"
-    is_tube = any(abs(2.0 * output.pin_radius - outside) < stock.ROUNDING for outside in stock.tube_outsides())
-    tube = "a sleeve from a precision steel tube" if is_tube and has_tube_sleeves(requirement) else "a turned sleeve"
+    is_tube = has_tube_sleeves(requirement) and stock.is_tube(2.0 * output.pin_radius)
+    tube = "a sleeve from a precision steel tube" if is_tube else "a turned sleeve"
     if not output.has_needles:
         yield "output.roller_bearing", f"{tube} on the dowel: thinner than a needle bearing"
     else:

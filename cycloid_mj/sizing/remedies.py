@@ -2,7 +2,10 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from typing import Any
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import fits
@@ -20,12 +23,20 @@ from cycloid_mj.sizing.solve import (
     pools_of,
 )
 
+MIN_SPEED = 30.0 * RPM
+"""Slowest crank of a remedy [rad/s]."""
+
 STEP = 1.04
 """Factor between values that are tried (heuristic); with their rounding, a remedy is at most 5 % above the smallest."""
 
-MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED, MAX_BACKLASH = 3.0, 100.0, 0.05, 30.0 * RPM, 60.0
-"""Largest diameter [m], shortest life [h], smallest share of the time, slowest crank [rad/s] and largest backlash
-[arcmin] of a remedy."""
+SERIES: dict[str, tuple[float, float, str]] = {
+    "life": (100.0, 1.0, "a life of {:.4g} h"),
+    "duty_share": (0.05, 1.0, "a duty of {:.3g} of the time"),
+    "speed": (MIN_SPEED, RPM, "{:.4g} rpm"),
+    "backlash": (60.0, 1.0, "a backlash of {:.3g} arcmin"),
+    "diameter": (3.0, 1e-3, "{:g} mm"),
+}
+"""Largest change of a value in SI, its unit in SI, and the words of a change."""
 
 MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 6, 5, 4
 """Largest number of values that are searched for a remedy (heuristic), of those that are verified from the smallest
@@ -53,35 +64,39 @@ def remedies(
         Feasible changes of the length.
     """
     if not pool:  # no drive of this size exists: that of the next larger size predicts others
-        larger = (change.requirement for change in _larger_diameters(requirement)[3::4])
+        larger = (change.requirement for change in list_changes(requirement, "diameter")[3::4])
         pools = (pool_of(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
         pool = next(filter(None, pools), None)
     if not pool:
         return
-    search = _RemedySearch(requirement, max_torque, pool)
-    single = itertools.chain(
-        itertools.chain.from_iterable(map(search.smallest, _single_changes(requirement))), iter(length_changes)
-    )
+    search, smallest_of = RemedySearch(requirement, max_torque, pool), itertools.chain.from_iterable
+    single = itertools.chain(smallest_of(map(search.smallest, _single_changes(requirement))), length_changes)
+    last = map(search.smallest, (list_changes(requirement, "diameter"), _processes(requirement)))
+    all_remedies = itertools.chain(itertools.islice(single, MAX_REMEDIES - 1), smallest_of(last))
     count = 0
-    for remedy in itertools.chain(
-        itertools.islice(single, MAX_REMEDIES - 1), search.smallest(_larger_diameters(requirement))
-    ):
+    for remedy in itertools.islice(all_remedies, MAX_REMEDIES):
         count += 1
         yield remedy
-    if count < MAX_REMEDIES:
-        for remedy in search.smallest(_processes(requirement)):
-            count += 1
-            yield remedy
     if not count:
-        combined = itertools.chain.from_iterable(map(search.smallest, _combined_changes(requirement)))
+        combined = smallest_of(map(search.smallest, _combined_changes(requirement)))
         yield from (_shorten_remedy(remedy, requirement.length) for remedy in itertools.islice(combined, 1))
 
 
-class _RemedySearch:
+def first_feasible(changes: Changes, is_met: Callable[[Any], bool]) -> Iterator[FeasibleChange]:
+    """Yield the first of some changes whose requirement `is_met` by a search; nothing if none is.
+
+    Steps between the changes that are tried double, and `MAX_VERIFICATIONS` of them are tried at most.
+    """
+    indices = [2**number - 1 for number in range(MAX_VERIFICATIONS)]
+    likely = (changes[index] for index in indices if index < len(changes))
+    yield from itertools.islice((change for change in likely if is_met(change.requirement)), 1)
+
+
+class RemedySearch:
     """Searches for the smallest feasible changes of a requirement, by the ratings of a pool."""
 
     def __init__(self, requirement: Requirement, most: float, pool: Pool) -> None:
-        self.requirement, self.pool = requirement, pool.strong_part
+        self.pool = pool.strong_part
         predicted = self._predict(requirement)
         self.scale = most / predicted if most and predicted else 1.0
 
@@ -91,44 +106,47 @@ class _RemedySearch:
         variants += [finer for variant in variants for finer in finer_requirements(variant)[-1:]]
         return max((pool.promise for pool in map(self.pool.changed, variants) if pool), default=0.0)
 
-    def _is_promising(self, changed: Requirement) -> bool:
-        """Return whether the ratings so far and a few more find a drive, before its tolerance study."""
-        pools = pools_of(changed, self.pool)
-        return any(find_drive(pool, study=False, max_evaluations=SETTINGS.few_ratings) for pool in pools)
+    def _rate(self, changed: Requirement) -> float:
+        """Return the largest torque that the ratings so far and a few more show, with the effect of a study [N m]."""
+        torque = 0.0
+        for pool in pools_of(changed, self.pool):
+            if drive := find_drive(pool, study=False, max_evaluations=SETTINGS.few_ratings):
+                return drive.capacity
+            torque = max(torque, pool.rated_torque)
+        return torque
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest of several changes of a requirement that makes it feasible; nothing if there is none.
 
-        `changes` are sorted from the smallest. The index of the result is searched in three stages. Predicted torques
-        lead to a first index: it is doubled until the torque suffices, then bisected. From there computed torque limits
-        of candidates decide, in steps that double (galloping search). Complete searches, as for a new requirement,
-        verify the result, again in steps that double.
+        `changes` are sorted from the smallest. The first one whose predicted torque suffices is rated, and the ratio of
+        rated to predicted torque corrects the predictions, until one change suffices and the next smaller one does not.
+        Complete searches, as for a new requirement, verify the result.
         """
-        count = len(changes)
-
-        def is_predicted(index: int) -> bool:
-            requirement = changes[index].requirement
-            return self.scale * self._predict(requirement) >= requirement.torque
-
-        doubling_indices = [*(2**power - 1 for power in range(count.bit_length())), count - 1] if count else []
-        high = next((index for index in doubling_indices if is_predicted(index)), -1)
-        if high < 0:
-            return
-        low = (high + 1) // 2 - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (low, middle) if is_predicted(middle) else (middle, high)
-        probe, low, high = high, -1, count
-        for number in range(MAX_PROBES):
-            if self._is_promising(changes[probe].requirement):
-                high, probe = probe, max(probe - 2**number, low + 1)
-            else:
-                low, probe = probe, min(probe + 2**number, high - 1)
-            if high - low == 1:
+        predict = cache(lambda index: self._predict(changes[index].requirement))
+        scale, low, high = self.scale, 0, len(changes)
+        for _ in range(MAX_PROBES):
+            if low == high:
                 break
-        verified_indices = [high + 2**number - 1 for number in range(MAX_VERIFICATIONS)]
-        likely_changes = (changes[index] for index in verified_indices if index < count)
-        yield from itertools.islice((change for change in likely_changes if is_feasible(change.requirement)), 1)
+            required = changes[low].requirement.torque
+            index = _first_above(predict, required / max(scale, 1e-9), low, high)
+            if index == high == len(changes):
+                break
+            index = min(index, high - 1)
+            torque = self._rate(changes[index].requirement)
+            scale = torque / max(predict(index), 1e-9)
+            low, high = (low, index) if torque >= required else (index + 1, high)
+        yield from first_feasible(changes[high:], is_feasible)
+
+
+def _first_above(function: Callable[[int], float], bound: float, low: int, high: int) -> int:
+    """Return the first index from `low` to `high` - 1 at which a `function` is at least a `bound`; `high` if none is.
+
+    The index is searched in steps that double, then by bisection, as if the function did not decrease.
+    """
+    last, index = low - 1, low
+    while index < high and function(index) < bound:
+        last, index = index, max(min(2 * index - low + 1, high - 1), index + 1)
+    return high if index >= high else bisect_left(range(index), bound, last + 1, key=function)
 
 
 def _shorten_remedy(remedy: FeasibleChange, required: float) -> FeasibleChange:
@@ -141,16 +159,24 @@ def _shorten_remedy(remedy: FeasibleChange, required: float) -> FeasibleChange:
     return FeasibleChange(remedy.words.replace(old_text, new_text), changed.but(length=length))
 
 
-def _change_series(requirement: Requirement, key: str, end: float, unit: float, text_format: str) -> Changes:
-    """List changes of one value of a requirement in a geometric series by the factor `STEP`, the smallest change first.
+def list_changes(requirement: Requirement, key: str) -> Changes:
+    """List changes of one value of a requirement in steps of the factor `STEP`, the smallest change first.
 
-    `key` is the value that changes, up to `end` (in SI). `unit` is the unit of the message in SI, and `text_format` the
-    format of the message, such as "{:.4g} rpm".
+    `key` is the value, one of `SERIES`. Values are rounded to three digits.
     """
-    value, step = getattr(requirement, key), STEP if end > getattr(requirement, key) else 1.0 / STEP
-    steps = max(math.floor(math.log(end / value) / math.log(step)), 0) if math.isfinite(value) else 0
-    values = dict.fromkeys(float(f"{value * step**exponent / unit:.3g}") for exponent in range(1, steps + 1))
-    return [FeasibleChange(text_format.format(number), requirement.but(**{key: number * unit})) for number in values]
+    value, (end, unit, text) = getattr(requirement, key), SERIES[key]
+    if key == "diameter" and requirement.fit:
+        end = min(end, fits.LARGEST / LARGEST_PAIR)
+    step = STEP if end > value else 1.0 / STEP
+    count = max(math.floor(math.log(end / value) / math.log(step)), 0) if math.isfinite(value) else 0
+    numbers = dict.fromkeys(float(f"{value * step**exponent / unit:.3g}") for exponent in range(1, count + 1))
+    return [FeasibleChange(text.format(number), requirement.but(**{key: number * unit})) for number in numbers]
+
+
+def better_cooling(requirement: Requirement) -> Changes:
+    """List the kinds of cooling that are better than the required one."""
+    cooling = {name: film for name, film in COOLING.items() if film > requirement.film}
+    return [FeasibleChange(f"cooling: {name}", requirement.but(film=film)) for name, film in cooling.items()]
 
 
 def _single_changes(requirement: Requirement) -> Iterator[Changes]:
@@ -160,34 +186,17 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     in this order. With a duty file, life, duty and speed do not change. `requirement` is that for the drive.
     """
     if not requirement.duty:
-        yield _change_series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
-        yield _change_series(requirement, "duty_share", MIN_SHARE, 1.0, "a duty of {:.3g} of the time")
-        yield _change_series(requirement, "speed", MIN_SPEED, RPM, "{:.4g} rpm")
-    cooling = {name: film for name, film in COOLING.items() if film > requirement.film}
-    yield [FeasibleChange(f"cooling: {name}", requirement.but(film=film)) for name, film in cooling.items()]
+        yield from (list_changes(requirement, key) for key in ("life", "duty_share", "speed"))
+    yield better_cooling(requirement)
     for name in PROCESSES[requirement.process].others:
         yield [FeasibleChange(name, requirement.but(material=name))] if name != requirement.made_of else []
     disc_numbers = range(max(requirement.numbers_of_discs) + 1, MAX_DISCS)
     yield [FeasibleChange(f"{discs} discs", requirement.but(discs=discs)) for discs in disc_numbers]
-    clearances = [] if requirement.fit else [*requirement.tighter_clearances]
-    text = "clearances of {:.3g} um"
+    text, clearances = "clearances of {:.3g} um", () if requirement.fit else requirement.tighter_clearances
     yield [
         FeasibleChange(text.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in clearances
     ]
-    yield _change_series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
-
-
-def _larger_diameters(requirement: Requirement) -> Changes:
-    """List changes of a requirement to larger diameters, in steps of the factor `STEP`, the smallest first.
-
-    They are rounded to 0.5 mm below 100 mm, and to 1 mm above.
-    """
-    largest = min(MAX_DIAMETER, fits.LARGEST / LARGEST_PAIR) if requirement.fit else MAX_DIAMETER
-    steps = math.floor(math.log(largest / requirement.diameter) / math.log(STEP))
-    values = (requirement.diameter * STEP**number for number in range(1, steps + 1))
-    diameters = dict.fromkeys(round(value, 3) if value >= 0.1 else round(2.0 * value, 3) / 2.0 for value in values)
-    larger = (value for value in diameters if value > requirement.diameter)
-    return [FeasibleChange(f"{MILLIMETRES * value:g} mm", requirement.but(diameter=value)) for value in larger]
+    yield list_changes(requirement, "backlash")
 
 
 def _processes(requirement: Requirement) -> Changes:
@@ -224,5 +233,5 @@ def _combined_changes(requirement: Requirement) -> Iterator[Changes]:
                 speed_text = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
                 yield [
                     FeasibleChange(" and ".join([*texts, *speed_text, *length_text, larger.words]), larger.requirement)
-                    for larger in _larger_diameters(changed)
+                    for larger in list_changes(changed, "diameter")
                 ]

@@ -5,7 +5,6 @@ crank bearings and pins last. The shortest candidate that should carry the torqu
 corrects the estimates of the others, until a drive passes or none is left.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -22,19 +21,20 @@ from cycloid_mj.design import PRESETS, Design, override, stock
 from cycloid_mj.design.layouts import Layout
 from cycloid_mj.geometry.rv_loads import ideal_rv_loads, mean_force
 from cycloid_mj.life import rate
-from cycloid_mj.life.heat import COOLING
+from cycloid_mj.life.duty import PEAK_FACTOR
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
-from cycloid_mj.life.rated import is_momentary
+from cycloid_mj.life.rated import rated_and_momentary_torque
 from cycloid_mj.life.rolling import EXPONENT
 from cycloid_mj.life.rv import crank_bearing_rollers, flange_forces
 from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
-from cycloid_mj.life.thermal import SETTINGS, thermal
+from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import mesh_gaps
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.candidates import POWER_RESERVE, conditions
+from cycloid_mj.sizing.remedies import better_cooling, first_feasible, list_changes
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.statics.rv_sheet import motion_figures
 
@@ -44,12 +44,10 @@ MODULES = tuple(1e-3 * item for item in (0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.
 
 @dataclass(frozen=True)
 class RvShares:
-    """Proportions of a drive over the radius E of its pin circle, from `rv80e` unless they are searched.
+    """Proportions of a drive over the radius E of its pin circle, unless another length is named.
 
     Attributes
     ----------
-    pin_circle
-        E over the outer radius.
     crank_circle
         Smallest and largest radius of the circle of cranks.
     bores, widths, trochoids
@@ -58,36 +56,27 @@ class RvShares:
         Distance of pins over their radius.
     wall
         Smallest wall between holes.
-    needle, needle_gap
-        Radius of the needles over that of their bore, and their pitch over their diameter.
-    taper
-        Outer radius of the tapered bearings over that of the crank bores.
-    flange, planet_width
-        Thickness of a flange over E, and face width of the planets over that of a disc.
+    needle_gap
+        Pitch of the needles over their diameter.
     post, journal
         Smallest radius of the posts over E, and of the cranks' journals over that of the crank bores.
     """
 
-    pin_circle: float = 0.815
     crank_circle: tuple[float, float] = (0.46, 0.6)
     bores: tuple[float, ...] = (0.15, 0.18, 0.21, 0.24)
     widths: tuple[float, ...] = (0.13, 0.16, 0.19, 0.23, 0.28, 0.34)
     trochoids: tuple[float, ...] = (0.65, 0.75)
     pitch: float = 3.0
     wall: float = 0.05
-    needle: float = 0.15
     needle_gap: float = 1.12
-    taper: float = 1.12
-    flange: float = 0.23
-    planet_width: float = 0.8
     post: float = 0.06
     journal: float = 0.4
 
 
 SHARES = RvShares()
 
-MODEL = PRESETS["rv80e"]
-"""The drive whose proportions, gaps and stiffnesses the others have."""
+MODEL = RvReducer(PRESETS["rv80e"])
+"""The drive whose other proportions, gaps and stiffnesses the others have."""
 
 POST_PLAY = 0.5e-3
 """Smallest play of a post in its window next to a crank bore [m] (heuristic)."""
@@ -95,9 +84,8 @@ POST_PLAY = 0.5e-3
 TEETH = {"ring": range(28, 61, 2), "sun": range(10, 31), "planet": range(15, 121)}
 """Numbers of teeth that are searched; an even number of pins balances two discs."""
 
-MAX_RATINGS, MAX_GROWTH, GROWTH = 8, 2.0, 1.06
-"""Largest number of candidates that are rated, and factor on the diameter of a remedy at most and per step
-(heuristic)."""
+MAX_RATINGS = 8
+"""Largest number of candidates that a search evaluates (heuristic)."""
 
 ESTIMATE_ANGLES = 48
 """Crank angles of an estimate (heuristic)."""
@@ -216,7 +204,9 @@ def _lay_out_candidate(
     the width of a disc, divided by E; see `RvShares`. `requirement` is that for the drive.
     """
     sun, planet, ring = teeth
-    circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
+    model, model_cranks = MODEL.design, MODEL.cranks
+    model_bore = model_cranks.eccentric_radius + 2.0 * model_cranks.needle_radius
+    circle = round(requirement.diameter / 2.0 * model.ring.pin_circle_radius / model.housing.outer_radius, 4)
     pin = _nearest_pin(2.0 * math.pi * circle / (ring * SHARES.pitch))
     eccentricity = round(trochoid * circle / ring, 5)
     low, high = (share * circle for share in SHARES.crank_circle)
@@ -226,10 +216,10 @@ def _lay_out_candidate(
     module, wall = max(modules), SHARES.wall * circle
     radius, bore_radius = module * (sun + planet) / 2.0, bore * circle
     root = circle - pin - eccentricity
-    needle = round(SHARES.needle * bore_radius, 4)
+    needle = round(bore_radius * model_cranks.needle_radius / model_bore, 4)
     eccentric = bore_radius - 2.0 * needle
     chord = 2.0 * radius * math.sin(math.pi / (2.0 * cranks))
-    taper, journal = SHARES.taper * bore_radius, eccentric - eccentricity
+    taper, journal = bore_radius * model_cranks.taper_radius / model_bore, eccentric - eccentricity
     middle = radius - taper - wall
     post = min(chord - taper, chord - bore_radius - eccentricity - POST_PLAY, root - radius - eccentricity) - wall
     post = min(post, radius - middle - wall - eccentricity)
@@ -238,15 +228,18 @@ def _lay_out_candidate(
         return None
     needles = math.floor(2.0 * math.pi * (eccentric + needle) / (2.0 * needle * SHARES.needle_gap))
     face = round(width * circle, 4)
-    model_cranks = MODEL.cranks
-    assert model_cranks is not None
-    width_ratio = face / MODEL.gear.face_width
+    width_ratio = face / model.gear.face_width
     needle_ratio = width_ratio * needles / model_cranks.needles
-    design = MODEL.but(
+    design = model.but(
         name="rv",
         ring={"teeth": ring, "pin_circle_radius": circle, "pin_radius": pin},
         gear={"eccentricity": eccentricity, "face_width": face},
-        planet={"sun_teeth": sun, "planet_teeth": planet, "module": module, "face_width": SHARES.planet_width * face},
+        planet={
+            "sun_teeth": sun,
+            "planet_teeth": planet,
+            "module": module,
+            "face_width": width_ratio * MODEL.planet.face_width,
+        },
         cranks={
             "count": cranks,
             "eccentric_radius": eccentric,
@@ -257,11 +250,11 @@ def _lay_out_candidate(
             "taper_radius": taper,
             "middle_hole_radius": middle,
             "post_radius": post,
-            "flange_thickness": SHARES.flange * circle,
+            "flange_thickness": round(circle * model_cranks.flange_thickness / model.ring.pin_circle_radius, 5),
         },
         housing={"outer_radius": requirement.diameter / 2.0},
         clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.clearance or CLEARANCE),
-        stiffness={pair: width_ratio * getattr(MODEL.stiffness, pair) for pair in ("pin_gear", "pin_socket")},
+        stiffness={pair: width_ratio * getattr(model.stiffness, pair) for pair in ("pin_gear", "pin_socket")},
         load={"torque": requirement.torque},
         **conditions(requirement, requirement.torque),
     )
@@ -331,58 +324,33 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
         rating = rate(candidate.reducer, requirement.duty_at(torque), requirement.life, compliance=True)
     except CycloidError:
         return None
-    items = [item for item in rating.items.values() if item.decisive]
-    limits = [(_torque_limit(item, torque, rating.life), item) for item in items if not is_momentary(item.key)]
-    momentary = min(2.0 * _torque_limit(item, torque, rating.life) for item in items if is_momentary(item.key))
-    min_limit, weakest_item = min(limits, key=lambda pair: pair[0])
-    return RatedRv(candidate, rating, min(min_limit, momentary), momentary, weakest_item)
-
-
-def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which a part reaches its limit, or just lasts the required `life` [h].
-
-    `item` is the part with a kind of failure, rated at `torque` [N m]. Forces are assumed to be proportional to the
-    torque, and Hertz pressures to its square root. The safety factors of RV reducers are ratios of torques.
-    """
-    if item.safety is not None:
-        return float(torque * item.safety)
-    power = 1.0 / EXPONENT if item.kind is ItemKind.BEARING else 2.0 * AGMA_2001.power
-    return torque * float(item.margin(life) ** power)
+    (continuous, weakest), (momentary, stop) = rated_and_momentary_torque(
+        rating.items.values(), torque, rating.life, candidate.reducer
+    )
+    weakest = stop if momentary < PEAK_FACTOR * continuous else weakest
+    return RatedRv(candidate, rating, min(continuous, momentary / PEAK_FACTOR), momentary, weakest)
 
 
 def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
     """Yield changes that make a requirement feasible, each verified by a search.
 
-    They are a shorter life; where heat limits the torque, a smaller share of the time under load, and better cooling;
-    and a larger diameter. `strongest` is the strongest drive that was evaluated for the requirement, if any.
+    They are a shorter life, where a life limits the torque; a smaller share of the time under load, and better cooling,
+    where heat does; and a larger diameter. `strongest` is the strongest drive that was evaluated for the requirement,
+    if any. Changes start at its life, or where its torque T suffices by similarity: losses ~ T, diameter ~ T^1/3.
     """
-    if strongest and (life := math.floor(strongest.rating.shortest_life)) >= 100:
-        shorter = requirement.but(life=float(f"{life:.2g}") if life < requirement.life else requirement.life)
-        if shorter.life < requirement.life and _is_feasible(shorter):
-            yield FeasibleChange(f"a life of {shorter.life:g} h", shorter)
-    if strongest and strongest.weakest.kind is ItemKind.HEAT:
-        duty_changes = (
-            (f"a duty of {share:g} of the time", requirement.but(duty_share=share))
-            for share in reversed(SETTINGS.duty_shares)
-            if share < requirement.duty_share and not requirement.duty
-        )
-        cooling_changes = (
-            (f"cooling: {name}", requirement.but(film=film))
-            for name, film in COOLING.items()
-            if film > requirement.film
-        )
-        for changes in (duty_changes, cooling_changes):
-            feasible = (FeasibleChange(text, changed) for text, changed in changes if _is_feasible(changed))
-            yield from itertools.islice(feasible, 1)
-    factor = GROWTH
-    if strongest:
-        factor = max(factor, (requirement.torque / strongest.torque) ** (1.0 / 3.0))
-    while factor <= MAX_GROWTH:
-        larger = requirement.but(diameter=round(factor * requirement.diameter, 3))
-        if _is_feasible(larger):
-            yield FeasibleChange(f"a diameter of {MILLIMETRES * larger.diameter:g} mm", larger)
-            return
-        factor *= GROWTH
+    share = strongest.torque / requirement.torque if strongest else 1.0
+    is_hot = strongest is not None and strongest.weakest.kind is ItemKind.HEAT
+    likely: dict[str, float] = {}
+    if strongest and not requirement.duty:
+        likely |= {"life": strongest.rating.shortest_life} if strongest.weakest.life is not None else {}
+        likely |= {"duty_share": share * requirement.duty_share} if is_hot else {}
+    for key, value in likely.items():
+        changes = [item for item in list_changes(requirement, key) if getattr(item.requirement, key) <= value]
+        yield from first_feasible(changes, _is_feasible)
+    yield from first_feasible(better_cooling(requirement) if is_hot else (), _is_feasible)
+    diameter = share ** (-1.0 / 3.0) * requirement.diameter
+    changes = [item for item in list_changes(requirement, "diameter") if item.requirement.diameter >= diameter]
+    yield from first_feasible(changes, _is_feasible)
 
 
 def _is_feasible(requirement: RvRequirement) -> bool:
@@ -421,7 +389,7 @@ def _reasons_of_values(design: Design, weakest: str) -> Iterator[tuple[str, str]
     assert design.planet is not None
     teeth = f"1 + {design.ring.teeth} x {design.planet.planet_teeth}/{design.planet.sun_teeth}"
     yield "ring.teeth", f"by the search: ratio {teeth}; an even number balances two discs"
-    yield "ring.pin_circle_radius", f"{SHARES.pin_circle:.1%} of the outer radius, as of rv80e"
+    yield "ring.pin_circle_radius", "in proportion to the outer radius, as of rv80e"
     yield "ring.pin_radius", "dowel in stock nearest to a third of the distance of the pins"
     ratio = design.gear.eccentricity * design.ring.teeth / design.ring.pin_circle_radius
     yield "gear.eccentricity", f"by the search; K1 = c N / E = {ratio:.3g}"

@@ -13,6 +13,7 @@ from scipy.spatial.distance import cdist
 from cycloid_mj.base.array import Array, Integers, significant
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design, Material
+from cycloid_mj.design.processes import TOLERANCE_SHARE
 from cycloid_mj.explore.sampling import sample_design, tolerance_zones
 from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
@@ -23,12 +24,11 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
+from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import (
     DIMENSIONS,
-    TOLERANCE_SHARE,
     build_drive,
-    casing_of,
     decode,
     design_of,
 )
@@ -95,7 +95,7 @@ class SearchSettings:
     ratings: int = 40
     few_ratings: int = 8
     strong: int = 60
-    studies: int = 8
+    studies: int = 10
     likely: float = 0.7
     reach: float = 0.3
     first_error: float = 3.0
@@ -124,7 +124,7 @@ class Rated:
     """A drive rated at a torque [N m]: its rating, figures by the keys of the estimate, capacity, and weakest item.
 
     `study` has yield [%] and backlash [arcmin] of the tolerance study; it is empty before. A drive that `passed` it
-    carries the torque; `too_large` is a torque [N m] at which its study failed before.
+    carries the torque.
     """
 
     reducer: Reducer
@@ -134,7 +134,6 @@ class Rated:
     items: Mapping[str, RatedItem] = field(default_factory=dict)
     study: Figures = field(default_factory=dict)
     passed: bool = False
-    too_large: float = math.inf
 
     @property
     def life(self) -> float:
@@ -183,7 +182,7 @@ def rate_drive(
         parts: Parts = "toleranced" if zones and sample is None else "perfect"
         with_stops = sample is None or Material(name=requirement.made_of).is_plastic
         rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, stops=with_stops, parts=parts)
-        low, high = casing_of(requirement, loaded).ends
+        low, high = casing(loaded, requirement.motor).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
         if requirement.backlash < math.inf:
             figures["backlash"] = figure("backlash_arcmin").value(Reducer(design))
@@ -333,6 +332,13 @@ class Pool:
         figures = self.corrected
         return float(np.max(figures["capacity"] * (strongest(self.requirement).excess(figures) <= 0.0)))
 
+    @property
+    def rated_torque(self) -> float:
+        """Largest torque within the limits that a candidate is rated for, with the effect of a study [N m]."""
+        figures, _ = self._known_quantities()
+        torque = figures["capacity"] * (strongest(self.requirement).excess(figures) <= 0.0)
+        return max((float(torque[row]) for row, drive in self.rated.items() if drive), default=0.0)
+
     def lightest(self) -> Rated | None:
         """Return the drive with the lowest losses of those close to the lowest mass, after its tolerance study.
 
@@ -455,25 +461,22 @@ class Pool:
     def study(self, row: int) -> Rated | None:
         """Compute the torque limits of the candidate with the index `row` by a tolerance study; store and return them.
 
-        The torque is the required one, or the largest that the candidate is expected to carry. If a study shows that
-        such a torque was too large, it is repeated once at a torque by a secant step with the slope 1/3: when the
-        torque is reduced, a capacity limited by pitting falls by a third to a half of the reduction, because fewer
-        teeth are in contact, and a capacity limited by bearings is constant. The result is None if too many samples
-        jam.
+        The torque is the required one, or the largest that the candidate is expected to carry. After a study at too
+        large a torque, that is a secant step with the slope 1/3: when the torque is reduced, a capacity limited by
+        pitting falls by a third to a half of the reduction, because fewer teeth are in contact, and a capacity limited
+        by bearings is constant. The result is None if too many samples jam.
         """
         drive, required = self.rated[row], self.requirement.torque
         if not drive:
             return None
-        expected = float(self.study_factors["other"][row]) * drive.capacity
         if drive.study:
-            expected = _secant_torque(drive)
+            expected = max(1.5 * drive.capacity - 0.5 * drive.torque, 0.5 * drive.capacity)
+        else:
+            expected = float(self.study_factors["other"][row]) * drive.capacity
         torque = required if expected >= required else floor_digits(SETTINGS.study_share * expected)
         studied = self._study_at(drive.reducer, torque)
         if studied and torque < required <= studied.capacity:
             studied = self._study_at(drive.reducer, required)
-        elif studied and studied.capacity < torque < required:
-            smaller = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(studied)))
-            studied = smaller and replace(smaller, too_large=torque)
         if studied and not drive.study:
             backlash = studied.figures["backlash"] / drive.figures.get("backlash", studied.figures["backlash"])
             self.biases[tuple(self.points[row])] = math.log(studied.capacity / drive.capacity), math.log(backlash)
@@ -481,13 +484,8 @@ class Pool:
         return studied
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
-        """Repeat the tolerance study of a drive at a larger torque; return the drive that passed last.
-
-        The torque is nearer to what the drive carries. If a study failed at a larger torque, the torque is the
-        geometric mean of both (bisection).
-        """
-        middle = math.sqrt(drive.torque * drive.too_large)
-        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, middle, self.requirement.torque))
+        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last."""
+        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
 
@@ -560,14 +558,6 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
     weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.reach**-4
     middle = np.median(np.concatenate([np.zeros((2, values.shape[1])), values]), axis=0)
     return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
-
-
-def _secant_torque(drive: Rated) -> float:
-    """Return the torque [N m] at which a drive that was rated at too large a torque is expected to equal its capacity.
-
-    It is at least half of the capacity.
-    """
-    return max(1.5 * drive.capacity - 0.5 * drive.torque, 0.5 * drive.capacity)
 
 
 def floor_digits(value: float) -> float:

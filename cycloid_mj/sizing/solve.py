@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import MILLIMETRES
@@ -23,17 +24,11 @@ MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced (heuristic): 1.5 s of CPU each."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """A pool and its best drive, which meets the requirement."""
+class Trial(NamedTuple):
+    """A pool, whose requirement has discs and clearances, and its best drive, which meets the requirement."""
 
     pool: Pool
     best: Rated
-
-    @property
-    def requirement(self) -> Requirement:
-        """The requirement with its discs and clearances."""
-        return self.pool.requirement
 
 
 def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
@@ -48,7 +43,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     """
     trial, failed = _search_pools(requirement)
     if trial:
-        return replace(trial, best=trial.pool.lightest() or trial.best), Answer(trial.requirement, ()), None
+        return Trial(trial.pool, trial.pool.lightest() or trial.best), Answer(trial.pool.requirement, ()), None
     if not failed:
         return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
     length_changes = _longer(requirement, failed)
@@ -157,7 +152,7 @@ def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[P
         while pool:
             yield pool
             finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
-            pools = [replace(other, corrections={}, biases={}) for other in finer if other]
+            pools = [replace(other, corrections={}) for other in finer if other]
             promising = (other for other in pools if other.promise >= SETTINGS.likely * fixed.torque)
             pool = next(promising, pools[-1] if pools else None)
 

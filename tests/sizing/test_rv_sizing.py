@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,6 +13,8 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import load
 from cycloid_mj.geometry.rv import planet_misfit
 from cycloid_mj.life import rate
+from cycloid_mj.life.item import ItemKind
+from cycloid_mj.sizing import rv
 from cycloid_mj.sizing.rv import DUTY_SHARE, RvRequirement, assemblies, candidates, rate_candidate
 
 
@@ -45,6 +48,7 @@ def test_an_estimate_is_that_of_the_rating_with_ideal_sharing() -> None:
     assert rated
     assert rated.weakest.key == "crank_tapers"
     assert rated.torque == pytest.approx(candidate.estimate, rel=2e-3)
+    assert rated.momentary >= 2.0 * rated.torque
 
 
 def test_a_ratio_that_no_teeth_have_is_refused() -> None:
@@ -99,3 +103,19 @@ def test_a_sized_drive_passes_its_rating_and_a_smaller_one_is_refused(
     assert main([*words, "--diameter-mm", "160", "--duty", "1", "--force", *dry]) == 1
     flags = [way["flags"] for way in json.loads(capsys.readouterr().out)["ways"]]
     assert [item[0] for item in flags] == ["--duty", "--cooling", "--diameter-mm"]
+
+
+def test_remedies_start_where_the_torque_suffices_by_similarity(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the required torque at full duty: half the duty, 1.26 times the diameter, or the life that was rated."""
+    monkeypatch.setattr(rv, "_is_feasible", lambda requirement: True)
+    requirement = _requirement(121, 0.16, 412.0).but(duty_share=1.0)
+
+    def words(kind: ItemKind, life: float | None) -> list[str]:
+        weakest, rating = SimpleNamespace(kind=kind, life=life), SimpleNamespace(shortest_life=3000.0)
+        drive = SimpleNamespace(torque=206.0, weakest=weakest, rating=rating)
+        return [remedy.words for remedy in rv._remedies(requirement, drive)]
+
+    assert words(ItemKind.HEAT, None) == ["a duty of 0.494 of the time", "cooling: mounted", "202 mm"]
+    assert words(ItemKind.BEARING, 3000.0) == ["a life of 2960 h", "202 mm"]
+    assert words(ItemKind.BEARING, None) == ["202 mm"]
+    assert [remedy.words for remedy in rv._remedies(requirement, None)] == ["166 mm"]
