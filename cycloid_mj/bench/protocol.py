@@ -460,7 +460,7 @@ def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator
     """
     yield (
         f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
-        f"of {rated_torque:.4g} N m"
+        f"of {rated_torque:.4g} N m; {reducer.design.condition_words}"
     )
     speed = f"{abs(reducer.design.drive.speed) / RPM:.4g} rpm"
     if reducer.design.has_film:

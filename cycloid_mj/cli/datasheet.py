@@ -102,7 +102,7 @@ def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
     paths = [*destination.paths([pdf]), str(destination.page)]
     return Outcome(
         title=f"data sheet: {sheet.design.name}",
-        condition=f"rated for {sheet.life:g} h",
+        condition=", ".join(filter(None, (f"rated for {sheet.life:g} h", sheet.design.thermal.words))),
         headline=headline(quantities[key] for key in _headline_keys(quantities)),
         summary=paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],

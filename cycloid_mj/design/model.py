@@ -1319,6 +1319,11 @@ class Design(Section, Presented):
         return gear_friction
 
     @property
+    def condition_words(self) -> str:
+        """Temperatures of the parts, unless they are 20 °C, and friction law, as a condition of results."""
+        return ", ".join(filter(None, (self.thermal.words, self.friction.words)))
+
+    @property
     def has_film(self) -> bool:
         """True if friction follows the film of a lubricant."""
         return self.friction.law == "film"

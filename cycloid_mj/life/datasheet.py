@@ -656,8 +656,10 @@ def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[s
 
     `ratings` are the sentences on the rated torque, and `static` is the data sheet by statics with its assumptions.
     """
+    temperature = reducer.design.thermal.words
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
+        *([f"Temperature of the parts: {temperature}, unless a row states another."] if temperature else []),
         *ratings,
         _material_text(reducer),
         f"Lubricant: {_lubricant_text(reducer.design)}.",

@@ -58,7 +58,7 @@ class Duty:
 
 def describe_condition(design: Design, duty: Duty) -> str:
     """Return a duty cycle with the temperatures of the parts and the friction law, as a condition of results."""
-    return ", ".join(filter(None, (duty.words, design.thermal.words, design.friction.words)))
+    return f"{duty.words}, {design.condition_words}"
 
 
 def constant_duty(torque: float, speed: float, peak: float | None = None) -> Duty:

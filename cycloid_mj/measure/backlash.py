@@ -142,10 +142,11 @@ def backlash(
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     stops_by_case, checks = _run_presses(reducer, crank_angles, solver, progress)
     closed_forms = REFERENCES[reducer.LAYOUT](reducer, crank_angles)
+    test = f"{reducer.INPUT} locked, without friction and weight"
     return Measurement(
         measure="backlash",
         design=reducer.design,
-        condition=f"{reducer.INPUT} locked, without friction and weight, {SOLVERS[solver]}",
+        condition=", ".join(filter(None, (test, reducer.design.thermal.words, SOLVERS[solver]))),
         quantities=by_key(_quantities(stops_by_case, checks, closed_forms)),
         curves=_curves(reducer, stops_by_case, closed_forms),
         assumptions=_assumptions(reducer, [pair.run for pairs in stops_by_case.values() for pair in pairs], solver),

@@ -94,7 +94,7 @@ def efficiency(
         design=steady_reducer.design,
         condition=(
             f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, "
-            f"{steady_reducer.design.friction.words}, {SOLVERS[solver]}"
+            f"{steady_reducer.design.condition_words}, {SOLVERS[solver]}"
         ),
         quantities=by_key(rated_point, _loss_quantities(point), _drag_quantities(steady_reducer, efficiency_map)),
         curves=_curves(efficiency_map),

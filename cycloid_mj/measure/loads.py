@@ -140,7 +140,7 @@ def loads(
         measure="loads",
         design=reducer.design,
         condition=(
-            f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {reducer.design.friction.words}, "
+            f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {reducer.design.condition_words}, "
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(*by_kind, discs, capacities),

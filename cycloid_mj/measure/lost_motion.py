@@ -70,7 +70,7 @@ def lost_motion(
         measure="lost-motion",
         design=reducer.design,
         condition=(
-            f"{reducer.INPUT} locked, up to {rated_torque:.4g} N m on the output, {reducer.design.friction.words}, "
+            f"{reducer.INPUT} locked, up to {rated_torque:.4g} N m on the output, {reducer.design.condition_words}, "
             f"{SOLVERS[solver]}"
         ),
         quantities=quantities(loops),

@@ -98,7 +98,7 @@ def te(
         measure="te",
         design=reducer.design,
         condition=(
-            f"{describe_loads(torques)}, {rpm:.0f} rpm at speed, {reducer.design.friction.words}, {SOLVERS[solver]}"
+            f"{describe_loads(torques)}, {rpm:.0f} rpm at speed, {reducer.design.condition_words}, {SOLVERS[solver]}"
         ),
         quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),

@@ -98,7 +98,7 @@ def torque(
     return Measurement(
         measure="torque",
         design=steady_reducer.design,
-        condition=f"{_describe_drive(steady_reducer)}, {steady_reducer.design.friction.words}, {SOLVERS[solver]}",
+        condition=f"{_describe_drive(steady_reducer)}, {steady_reducer.design.condition_words}, {SOLVERS[solver]}",
         quantities=by_key(quantities, friction_quantities(explanation)),
         curves=(*_curves(steady_reducer, own_test), *sensitivity.curves(by_row, explanation)),
         tables=_tables(steady_reducer, own_test, error, explanation, by_row, by_input),

@@ -99,7 +99,7 @@ def vibration(
         measure="vibration",
         design=reducer.design,
         condition=(
-            f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {reducer.design.friction.words}, "
+            f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {reducer.design.condition_words}, "
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(

@@ -25,7 +25,6 @@ from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.full_model import full_model
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import count_parts, solve_ripple
-from cycloid_mj.statics.film import film_text
 from cycloid_mj.statics.film_spread import Spread, back_driving_efficiency_spread
 from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import describe_self_locking, sampled_efficiency, shaft_powers, solve_back_driving
@@ -366,7 +365,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
     Under film friction the interval of the efficiency has this information, and the text is the law only.
     """
     if reducer.design.has_film:
-        return film_text(reducer)
+        return reducer.design.condition_words
 
     def rate(varied_reducer: Reducer) -> float:
         try:
@@ -375,7 +374,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
             return 0.0
 
     assumed_inputs = spread.assumed_inputs(reducer)
-    return f"{film_text(reducer)}; " + spread.spread_text(
+    return f"{reducer.design.condition_words}; " + spread.spread_text(
         rate(reducer),
         spread.input_effects(
             assumed_inputs, {end: rate(reducer_of(end)) for item in assumed_inputs for end in item.ends}

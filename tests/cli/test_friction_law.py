@@ -1,5 +1,7 @@
 """Results name the friction law that they were computed with."""
 
+import json
+
 import pytest
 
 from cycloid_mj.analysis.findings import condition
@@ -21,6 +23,23 @@ def output(capsys: pytest.CaptureFixture[str], command: str, law: str) -> str:
 @pytest.mark.parametrize("command", ["statics pin", "thermal pin --load-nm 2", "rate pin --load-nm 2"])
 def test_results_name_their_friction_law(capsys: pytest.CaptureFixture[str], command: str, law: str) -> None:
     assert LAWS[law] in output(capsys, command, law)
+
+
+@pytest.mark.parametrize("command", ["statics pin", "rate pin --load-nm 2"])
+def test_results_name_the_temperature_of_the_parts(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    assert "60 °C" in json.loads(output(capsys, f"{command} --at-c 60", "film"))["condition"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    ["wear pin --hours 1 --load-nm 2", "datasheet pin", "protocol pin", "reduce pin", "measure backlash pin --quick"],
+)
+def test_results_of_long_computations_name_the_temperature_of_the_parts(
+    capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory, command: str
+) -> None:
+    folder = str(tmp_path_factory.mktemp("warm"))
+    assert "60 \\u00b0C" in output(capsys, f"{command} --at-c 60 --out {folder}", "coulomb")
 
 
 @pytest.mark.slow

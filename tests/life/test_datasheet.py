@@ -57,6 +57,10 @@ def test_the_deciding_item_just_reaches_the_required_life_at_the_rated_torque(sh
 
 
 @pytest.mark.slow
+def test_a_sheet_at_20_degrees_names_no_temperature(sheet) -> None:
+    assert not any(note.startswith("Temperature of the parts") for note in sheet.notes)
+
+
 def test_each_key_has_one_value(sheet) -> None:
     """`rated_torque_nm` was 42.32 N m at the top and 40.0 N m, motor torque times ratio, among the figures."""
     content = sheet.as_json()
@@ -305,3 +309,10 @@ def test_the_permissible_duty_does_not_depend_on_the_duty_of_the_design() -> Non
     assert rises[1] == pytest.approx(0.5 * rises[0])
     assert "S1" in continuous["ambient_max"].note
     assert "S3 50 %" in paused["ambient_max"].note
+
+
+@pytest.mark.slow
+def test_a_warm_sheet_states_its_temperature() -> None:
+    parts = ("disc", "ring", "crank", "output", "housing")
+    warm = datasheet(Reducer(override(PIN, [f"thermal.{part}_c=60" for part in parts])))
+    assert "Temperature of the parts: 60 °C, unless a row states another." in warm.notes
