@@ -67,7 +67,7 @@ class MapPoint:
             "quantity": self.quantity,
             "unit": self.unit,
             "torque_nm": self.torque,
-            "speed_rpm": None if self.speed is None else self.speed / RPM,
+            "speed_rpm": None if self.speed is None else round(self.speed / RPM, 9),
             "temperature_c": self.temperature,
             "value": self.spread.value,
             "low": self.spread.low,

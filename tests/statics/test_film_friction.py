@@ -202,6 +202,7 @@ def test_map_covers_torque_speed_and_temperature() -> None:
     idle = {(p.temperature, p.speed): p.spread.value for p in points if p.quantity == "no-load torque"}
     assert sorted(idle.values()) == [idle[key] for key in sorted(idle, key=lambda key: (-key[0], key[1]))]
     assert sum(len(table.rows) for table in map_tables(points)) == len(points)
+    assert {point.as_json()["speed_rpm"] for point in efficiencies} <= {410.0, 820.0, 1230.0, 1640.0}
 
 
 def test_a_map_omits_temperatures_at_which_the_parts_jam() -> None:
