@@ -102,7 +102,7 @@ def compare_trees(old: Path, new: Path) -> list[Move]:
     """Run all commands with the packages of two trees, and list the figures that differ."""
     moved: list[Move] = []
     with TemporaryDirectory() as folder:
-        for design in presets_for("measure"):
+        for design in presets_for("simulate"):
             for number, trial in enumerate(trials(design)):
                 print(f"{design}: {trial.name}", file=sys.stderr, flush=True)
                 figures = [

@@ -12,11 +12,11 @@ from cycloid_mj import parts
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import WALLS, Check, check, jumps, require_sound, soundness
 from cycloid_mj.checks.teeth import TEETH as LIMITS
-from cycloid_mj.design import PRESETS, Design, override, presets_for
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.explore.problem import compute_rejections
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, unit
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 Array = npt.NDArray[np.float64]
 
@@ -121,7 +121,7 @@ PASSING = [
 
 
 def failed(design: Design) -> dict[str, Check]:
-    return {item.name: item for item in soundness(Reducer(design)) if not item.passed}
+    return {item.name: item for item in soundness(reducer_of(design)) if not item.passed}
 
 
 def mesh_of(design: Design) -> CycloidGear:
@@ -213,12 +213,10 @@ def crosses_itself(points: Array) -> bool:
 
 
 def test_the_presets_pass_everything() -> None:
-    names = {
-        kind: [item.name for item in soundness(Reducer(design))] for kind, design in presets_for("measure").items()
-    }
-    for design in presets_for("measure").values():
+    names = {kind: [item.name for item in soundness(reducer_of(design))] for kind, design in PRESETS.items()}
+    for design in PRESETS.values():
         assert failed(design) == {}
-        assert require_sound(Reducer(design)) is None
+        assert require_sound(reducer_of(design)) is None
     assert set(names["pin"]) - set(names["nonpin"]) == {"neighbouring_pins", "socket", "pin_held"}
     # Every check that exists is failed by a design below.
     assert {name for _, names_failed, _ in FAILING for name in names_failed} == set(names["pin"]) | {

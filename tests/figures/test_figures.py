@@ -9,11 +9,11 @@ from designs import UNLIKE, cases, unlike
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import with_unit
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, presets_for
+from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import FIGURES, Need, figure, figures_of
 from cycloid_mj.figures.sampled import OF_SAMPLES, STATES, solve_states
 from cycloid_mj.figures.statics import OF_STATICS
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.samples import identical_samples
 from cycloid_mj.statics.sheet import sheet
 
@@ -29,9 +29,9 @@ def test_a_key_ends_in_its_unit_and_denotes_one_figure() -> None:
         assert row.definition.count(". ") == 0, row.key
 
 
-@pytest.mark.parametrize("name", cases([*presets_for("measure"), *UNLIKE[:1], *UNLIKE[2:]], "pin", "twodisc"))
+@pytest.mark.parametrize("name", cases([*PRESETS, *UNLIKE[:1], *UNLIKE[2:]], "pin", "twodisc"))
 def test_the_rows_of_statics_are_the_numbers_of_the_sheet(name: str) -> None:
-    reducer = Reducer(unlike(name) if name not in PRESETS else PRESETS[name])
+    reducer = reducer_of(unlike(name) if name not in PRESETS else PRESETS[name])
     there = sheet(reducer).quantities
     rows = {row.aliases[0] if row.aliases else row.key: row for row in OF_STATICS if row.applies_to(reducer)}
     assert set(rows) == set(there)
