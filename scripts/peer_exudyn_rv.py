@@ -64,7 +64,7 @@ def drive() -> RvReducer:
             ring={"pins": "fixed"},
             load={"torque": TORQUE},
             clearance={"pin_gear": 2e-6},
-            friction={"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
+            friction={"law": "coulomb", "pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
             planet={"friction": 0.0, "mesh_stiffness": 1e10, "sun_support": "fixed"},
             stiffness={"pin_gear": PIN_STIFFNESS},
             cranks={"needle_stiffness": bearing, "taper_stiffness": 2.0 * bearing},
