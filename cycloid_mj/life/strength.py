@@ -1,4 +1,4 @@
-"""Fatigue of parts: roots of output pins, shoulders of the shaft, walls of disc and ring."""
+"""Fatigue of parts: roots of output pins, shoulders and cam seats of the shaft, walls of disc and ring."""
 
 import math
 from collections.abc import Iterator
@@ -14,9 +14,17 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending_moment
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.surfaces import SOFTEST_STEEL
-from cycloid_mj.parts.crank import shaft_dimensions
+from cycloid_mj.parts.crank import Shoulder, shaft_dimensions
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_factor
+from cycloid_mj.statics.shoulder import (
+    BENDING,
+    SEATS,
+    TORSION,
+    has_cam_shoulders,
+    root_arms,
+    seat_factors,
+    shoulder_factor,
+)
 
 FIBRE_ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
 """Angles around the shaft of the fibres whose stress is computed [rad]."""
@@ -37,9 +45,9 @@ def rate_strength(
 ) -> Iterator[RatedItem]:
     """Yield safety factors against fatigue of parts, for unlimited repetition of the largest load of a duty cycle.
 
-    Rated are the root of an output pin, the weakest shoulder of the shaft, and the walls of disc and ring. `worst` has
-    the solved forces of that load. `ranges` are stress ranges of a finite-element study by name of the part; they
-    replace the estimate of that part's walls.
+    Rated are the root of an output pin, the weakest shoulder or cam seat of the shaft, and the walls of disc and ring.
+    `worst` has the solved forces of that load. `ranges` are stress ranges of a finite-element study by name of the
+    part; they replace the estimate of that part's walls.
     """
     yield rate_output_pin(reducer, worst.output)
     yield _rate_shaft_shoulders(reducer, worst)
@@ -95,23 +103,18 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 
 
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Rate the weakest shoulder of the shaft against fatigue under `worst`, the solved forces of the largest load.
+    """Rate the weakest shoulder or cam seat of the shaft against fatigue under `worst`, the forces of the largest load.
 
     In the frame of the shaft, the load is nearly constant: its variation over a turn causes the stress amplitude.
     """
     design = reducer.design
-    shaft, material, fillet = shaft_dimensions(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
+    shaft, material = shaft_dimensions(reducer), design.material_of("shaft")
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
     section = shaft.nominal_bending
     endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)
     rated_shoulders: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
-        factors = [
-            notch_factor(
-                shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, material.tensile_strength, stress
-            )
-            for terms, stress in SHOULDER_STRESSES
-        ]
+        factors, notch = _shoulder_factors(reducer, shoulder)
         bending_stress = factors[0] * section * bending_moment(worst, shoulder.z) @ directions.T
         shear = factors[1] * 0.5 * section * worst.crank_torque
         high, low = bending_stress.max(axis=0), bending_stress.min(axis=0)
@@ -128,12 +131,32 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
             fatigue.safety,
             None,
             "Goodman, notch factors of DIN 743-2, ripple of a load that turns with the shaft",
-            f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
+            f"{notch}, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
             f"{'nominal stress of the hollow section; ' if shaft.bore_radius else ''}"
             f"{_limit_source(reducer, 'shaft')}",
         )
         rated_shoulders.append((fatigue.safety, item))
     return min(rated_shoulders, key=lambda pair: pair[0])[1]
+
+
+def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float, float], str]:
+    """Return the fatigue notch factors of a shoulder of the shaft in bending and torsion, and words for the notch.
+
+    At cams that are joined to the shaft, they are the factors of that joint. If the splines of such cams are larger
+    than the journals, the larger factors of joint and shoulder count.
+    """
+    design, tensile = reducer.design, reducer.design.material_of("shaft").tensile_strength
+    fillet, seat = design.shaft.shoulder_fillet, seat_factors(design, tensile)
+    if seat and not has_cam_shoulders(design):
+        return seat, f"seat of a {SEATS[design.shaft.cam_joint].description}"
+    bending, torsion = (
+        notch_factor(shoulder_factor(design.shaft.radius, fillet, shoulder.outer, terms), fillet, tensile, stress)
+        for terms, stress in SHOULDER_STRESSES
+    )
+    text = f"fillet of {1e3 * fillet:.3g} mm"
+    if seat:
+        return (max(bending, seat[0]), max(torsion, seat[1])), f"{text} at splines larger than the journals"
+    return (bending, torsion), text
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:

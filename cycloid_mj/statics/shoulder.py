@@ -1,4 +1,4 @@
-"""Notch factors of the shoulder of a round shaft, and bending moments at the roots of the output pins.
+"""Notch factors of the shoulders and hub seats of a round shaft, and bending moments at the roots of the output pins.
 
 DIN 743-2:2012 (shoulder, in bending and torsion)::
 
@@ -6,16 +6,95 @@ DIN 743-2:2012 (shoulder, in bending and torsion)::
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.design import Design, stock
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)
 """Coefficients A, B, C and z of a shoulder, by DIN 743-2."""
+
+
+@dataclass(frozen=True)
+class SeatNotch:
+    """Fatigue notch factors that DIN 743-2:2012 (table 1) states for a shaft in its hub, from tests.
+
+    Attributes
+    ----------
+    description
+        Words for the seat of a cam.
+    factor, power
+        Factor in bending: `factor` times a power of the tensile strength over 1000 MPa. Not used for a spline.
+    torsion_share, torsion_offset
+        Factor in torsion: share of that in bending, plus an offset. Not used for a spline.
+    diameter
+        Diameter of the shafts in the tests [m].
+    """
+
+    description: str
+    factor: float = 0.0
+    power: float = 0.0
+    torsion_share: float = 0.0
+    torsion_offset: float = 0.0
+    diameter: float = 40e-3
+
+    def tested_factors(self, tensile: float) -> tuple[float, float]:
+        """Return the notch factors in bending and torsion of a shaft of `diameter` with a tensile strength [Pa]."""
+        strength = max(1e-9 * tensile, MIN_TESTED_STRENGTH)
+        if not self.factor:
+            torsion = math.exp(0.42 * strength**2)
+            return 1.0 + 0.45 * (torsion - 1.0), torsion
+        bending = self.factor * strength**self.power
+        return bending, self.torsion_share * bending + self.torsion_offset
+
+
+MIN_TESTED_STRENGTH = 0.4
+"""Smallest tensile strength of the shafts in the tests of DIN 743-2 [GPa]."""
+
+_PRESS_FIT = 2.7, 0.43, 0.65
+SEATS = {
+    "key": SeatNotch("keyed cam", 3.0, 0.38, 0.56, 0.1),
+    "shrink": SeatNotch("shrunk cam", *_PRESS_FIT),
+    "clamp": SeatNotch("clamped cam, as in a press fit", *_PRESS_FIT),
+    "spline": SeatNotch("splined cam", diameter=29e-3),
+}
+"""Notch factors of the seat of a cam by `shaft.cam_joint`. Glued cams count as keyed ones (on the safe side)."""
+
+
+def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
+    """Compute the fatigue notch factors of the shaft in its cams, in bending and torsion (DIN 743-2:2012, table 1).
+
+    The factors are those of the tests, times K3(d_test)/K3(d) for the diameter d of the shaft. None is returned for
+    cams in one piece with the shaft, which have shoulders. `tensile` is the tensile strength of the shaft [Pa].
+    """
+    seat, diameter = SEATS.get(design.shaft.cam_joint), 2.0 * design.shaft.radius
+    if design.has_one_piece_crank or seat is None:
+        return None
+    bending, torsion = (
+        factor * _size_influence(factor, seat.diameter) / _size_influence(factor, diameter)
+        for factor in seat.tested_factors(tensile)
+    )
+    return bending, torsion
+
+
+def has_cam_shoulders(design: Design) -> bool:
+    """Return whether the shaft has shoulders at its cams: a crank in one piece, or splines around the journals."""
+    diameter = 2.0 * design.shaft.radius
+    if design.has_one_piece_crank or design.shaft.cam_joint != "spline":
+        return design.has_one_piece_crank
+    splines = stock.splines_around(diameter)
+    return bool(splines) and splines[0].minor > diameter + stock.ROUNDING
+
+
+def _size_influence(factor: float, diameter: float) -> float:
+    """Compute K3 [1] of DIN 743-2 for a notch factor from tests and a diameter [m], from 7.5 to 150 mm."""
+    size = min(max(diameter / 7.5e-3, 1.0), 20.0)
+    return 1.0 - 0.2 * math.log10(factor) * math.log10(size) / math.log10(20.0)
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:

@@ -46,8 +46,9 @@ ASSUMPTIONS = (
     "the housing is fixed at the circles that its bolts clamp, or all around its outside (housing.support); the "
     "output disc at a hub with the radius of the shaft; the shaft in two bearings that transmit pressure only "
     "(shaft.mounting)",
-    "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder "
-    "by DIN 743-2; output rollers distribute their force on the core pins over 60 deg to each side",
+    "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder, "
+    "or of the seat of a keyed, shrunk, clamped or splined cam, by DIN 743-2; output rollers distribute their force on "
+    "the core pins over 60 deg to each side",
     _BULK,
 )
 

@@ -1,4 +1,4 @@
-"""Stress at fillets: nominal stress of a round section times the notch factors of its shoulder.
+"""Stress at fillets and hub seats: nominal stress of a round section times its notch factors.
 
 The grids have sharp inner corners, where stress diverges under refinement. The bulk therefore excludes them, and the
 stress of their fillets is computed separately.
@@ -15,7 +15,14 @@ from cycloid_mj.base.names import OUTPUT_PIN, disc_of, number_of, numbered_name
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.parts.crank import ShaftDimensions
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_factor
+from cycloid_mj.statics.shoulder import (
+    BENDING,
+    TORSION,
+    has_cam_shoulders,
+    root_arms,
+    seat_factors,
+    shoulder_factor,
+)
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads
@@ -23,14 +30,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Notch:
-    """Largest stress of a turn at the fillet of a shoulder.
+    """Largest stress of a turn at the fillet of a shoulder, or at the seat of a cam that is joined to the shaft.
 
     Attributes
     ----------
     name
         Name of the shoulder.
     radius, fillet
-        Radii of the thinner section and of the fillet [m]; inf without a notch.
+        Radii of the thinner section and of the fillet [m]; inf without a fillet.
     angle
         Crank angle [rad].
     bending, torsion
@@ -55,7 +62,7 @@ class Notch:
 
     @property
     def stress(self) -> float:
-        """Von Mises stress [Pa] at the fillet."""
+        """Von Mises stress [Pa] at the notch."""
         return math.hypot(self.bending_factor * self.bending, math.sqrt(3.0) * self.torsion_factor * self.torsion)
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
@@ -123,7 +130,8 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     """
     bending = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])
     torsion = 0.5 * shaft.nominal_bending * np.abs(moments[..., 2])
-    fillet = reducer.design.shaft.shoulder_fillet
+    seat = seat_factors(reducer.design, reducer.design.material_of("shaft").tensile_strength)
+    fillet = math.inf if seat and not has_cam_shoulders(reducer.design) else reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
         """Return the largest stress over the turn at the shaft's station with the index `station`.
@@ -145,13 +153,18 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     return (
         notch(position, largest_station, math.inf, (1.0, 1.0)),
         *(
-            notch(
-                *(shoulder.name, station, fillet),
-                (
-                    shoulder_factor(shaft.radius, fillet, shoulder.outer, BENDING),
-                    shoulder_factor(shaft.radius, fillet, shoulder.outer, TORSION),
-                ),
-            )
+            notch(shoulder.name, station, fillet, _notch_factors(shaft.radius, fillet, shoulder.outer, seat))
             for station, shoulder in enumerate(shaft.shoulders)
         ),
     )
+
+
+def _notch_factors(radius: float, fillet: float, outer: float, seat: tuple[float, float] | None) -> tuple[float, float]:
+    """Return the notch factors of a step of the shaft in bending and torsion, the larger of its shoulder and its seat.
+
+    At the step, the radius increases from `radius` to `outer` [m] with a `fillet` [m], inf without a shoulder. `seat`
+    are the notch factors of a cam that is joined to the shaft; None for a cam in one piece with it.
+    """
+    shoulder = tuple(shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION))
+    bending, torsion = (max(pair) for pair in zip(shoulder, seat or shoulder, strict=True))
+    return bending, torsion

@@ -66,9 +66,10 @@ def part_notes(part: PartFindings) -> list[str]:
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
-        if np.isfinite(notch.fillet):
+        if notch.bending_factor > 1.0:
+            place = f"its fillet of {notch.fillet / MILLIMETRE:.3g} mm" if np.isfinite(notch.fillet) else "its seat"
             nominal += (
-                f", {notch.stress / MEGAPASCAL:.3g} at its fillet of {notch.fillet / MILLIMETRE:.3g} mm "
+                f", {notch.stress / MEGAPASCAL:.3g} at {place} "
                 f"(notch factor {notch.bending_factor:.2f}), safety {part.yield_strength / notch.stress:.3g}"
                 if notch.stress
                 else ""
