@@ -23,6 +23,7 @@ from cycloid_mj.parts.export.bearings import output_pin
 from cycloid_mj.parts.export.casing import casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS
+from cycloid_mj.parts.export.rules import describe_missing_dowels
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.sizing.requirement import Requirement
@@ -104,10 +105,12 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     middle, band = 0.5 * (bore + root), root - bore - 0.03 * circle
     max_hole = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
     stud = _round_down(np.interp(coords[7], (0.0, 1.0), (0.4, 1.0)) * max_hole - eccentricity)
-    stud = _outsides_of_tubes(stud) if has_tube_sleeves(requirement) else stud
+    is_bare = has_plastic_discs(requirement) & (coords[8] >= 0.75)
+    if has_plastic_discs(requirement):
+        stud = np.where(is_bare, _round_to_dowels(stud), _outsides_of_tubes(stud))
     thickness = DISC_SHARE * requirement.diameter / 2.0
     core, needle_dynamic, disc_thickness, has_core = _choose_core_pins(
-        coords[8], stud, face, discs * face + (discs - 1) * gap, thickness, is_custom
+        coords[8], stud, is_bare, face, discs * face + (discs - 1) * gap, thickness, is_custom
     )
     valid = (
         has_cam & has_shaft & has_core & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
@@ -121,8 +124,11 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     return points[valid], sizes[valid]
 
 
-def has_tube_sleeves(requirement: Requirement) -> bool:
-    """Return whether the sleeves of the output pins are cut from tubes in stock: with discs of plastic."""
+def has_plastic_discs(requirement: Requirement) -> bool:
+    """Return whether discs are of plastic, whose output pins are dowels alone or have sleeves cut from tubes in stock.
+
+    Pins and sleeves of any size (`Requirement.custom`) are excluded.
+    """
     return Material(name=requirement.made_of).is_plastic and not requirement.custom
 
 
@@ -131,6 +137,12 @@ def _outsides_of_tubes(radius: Array) -> Array:
     outer = 0.5 * np.array((0.0, *stock.tube_outsides()))
     chosen = outer[np.searchsorted(outer, radius + ROUNDING, side="right") - 1]
     return np.where(chosen > 0.0, chosen, radius)
+
+
+def _round_to_dowels(radius: Array) -> Array:
+    """Round radii of output pins [m], shape (n,), down to those of dowels in stock; 0 for thinner pins."""
+    dowels = 0.5 * np.array((0.0, *stock.dowel_diameters()))
+    return np.asarray(dowels[np.searchsorted(dowels, radius + ROUNDING, side="right") - 1])
 
 
 def _choose(share: Array, count: int | Integers) -> Integers:
@@ -168,7 +180,8 @@ def _list_rings(
     tuple
         For each ring four lengths [m]: radius of its pins, its outer radius, thickness of the wall outside the pins,
         and its largest width. A ring with the outer radius of the drive has its screws in the wall, and the screws in
-        stock limit its width. A smaller ring has its screws outside, and its width is not limited (inf).
+        stock limit its width. A smaller ring has its screws outside, and its width is not limited (inf); a ring of
+        plastic then has room for the dowels that keep it from turning.
     """
     half_pitch_sine = math.sin(math.pi / (ratio + 1))
     low, high = (share * half_pitch_sine / (1.0 + share * half_pitch_sine) * outer for share in PIN_ROOM)
@@ -182,15 +195,17 @@ def _list_rings(
         tables = {"ring": circle, "gear": {"face_width": width}, "housing": housing, "material": {"name": material}}
         return cover_radius(Reducer(PRESETS["pin"].but(**tables)))
 
+    min_wall = _dowelled_wall(outer) if Material(name=material).is_plastic else 0.0
     rings = []
     for pin in fitting[:: max(len(fitting) // 24, 1)]:
         # at the smallest outer radius, the pin circle has no radius
-        ring_outer, min_outer = outer, pin / (1.0 - WALL_SHARES[0])
+        ring_outer, thin_wall = outer, max(WALL_SHARES[0] * outer, min_wall)
         for _ in range(3):  # a fixed point: the screws depend on the radius
-            if ring_outer > min_outer:
-                ring_outer -= max(covers(ring_outer, pin, WALL_SHARES[0] * ring_outer, 1.0) - outer, 0.0)
-        if ring_outer > min_outer:
-            rings.append((pin, float(_round_down(np.array(ring_outer))), WALL_SHARES[0] * ring_outer, math.inf))
+            if ring_outer > pin + thin_wall:
+                ring_outer -= max(covers(ring_outer, pin, thin_wall, 1.0) - outer, 0.0)
+                thin_wall = max(WALL_SHARES[0] * ring_outer, min_wall)
+        if ring_outer > pin + thin_wall:
+            rings.append((pin, float(_round_down(np.array(ring_outer))), thin_wall, math.inf))
         max_width = 0.0
         for wall in (share * outer for share in WALL_SHARES):
             widths = (min(share * (outer - wall - pin), MAX_WIDTH) for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0]))
@@ -199,6 +214,15 @@ def _list_rings(
                 max_width = width
                 rings.append((pin, outer, wall, width))
     return tuple(rings)
+
+
+def _dowelled_wall(outer: float) -> float:
+    """Return the wall of a plastic ring outside its pins [m] with room for the thinnest dowel between two walls.
+
+    `outer` is the outer radius of the drive [m], which determines the minimum thickness of both walls.
+    """
+    wall = max(RULES.min_printed_wall, RULES.wall_share * outer)
+    return 2.0 * wall + stock.dowel_diameters()[0] + ROUNDING
 
 
 def clamping(wall: float) -> dict[str, object]:
@@ -334,14 +358,22 @@ def _shaft_bearings(
 
 
 def _choose_core_pins(
-    choice: Array, roller_radius: Array, face: Array, stack: Array, usual_thickness: float, is_custom: bool
+    choice: Array,
+    roller_radius: Array,
+    is_bare: Mask,
+    face: Array,
+    stack: Array,
+    usual_thickness: float,
+    is_custom: bool,
 ) -> tuple[Array, Array, Array, Mask]:
-    """Choose the core pins of output rollers for each of n candidates: dowels in needle bearings or in plain sleeves.
+    """Choose the core pins of output rollers for each of n candidates: dowels in needle bearings, in sleeves, or alone.
 
     Parameters
     ----------
     choice
         Choice from 0 to 1, shape (n,): one of the suitable needle bearings below 0.5, a plain sleeve from 0.5.
+    is_bare
+        Whether a pin is a dowel alone, with the radius in `roller_radius`, shape (n,).
     roller_radius, face, stack
         Outer radius of the rollers, width of a disc, and width of all discs together [m], shape (n,) each.
     usual_thickness
@@ -353,13 +385,14 @@ def _choose_core_pins(
     Returns
     -------
     tuple
-        Radius of the core [m], dynamic rating of the needles [N] (0 for sleeves), thickness of the output discs [m],
+        Radius of the core [m], dynamic rating of the needles [N] (0 without), thickness of the output discs [m],
         and whether there is a dowel of suitable radius and length; shape (n,) each.
     """
     dowels = np.array(stock.dowel_diameters()) / 2.0
     fitting = dowels <= CORE_SHARE * roller_radius[:, None]
     plain_core = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
     plain_core = _round_down(CORE_SHARE * np.maximum(roller_radius, 0.0)) if is_custom else plain_core
+    plain_core = np.where(is_bare, roller_radius, plain_core)
     cups = _needle_bearings(stock.dowel_diameters())
     fitting = (ROLLER_SHARE * cups.outside <= 2.0 * roller_radius[:, None]) & (
         1.6 * cups.outside >= 2.0 * roller_radius[:, None]
@@ -409,16 +442,16 @@ def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reduc
 
 
 def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
-    """Return whether a drive passes its checks, its covers fit into the diameter, and its output pins are in stock.
+    """Return whether a drive passes its checks, its covers fit into the diameter, and pins and dowels are in stock.
 
     `requirement` is that for the drive.
     """
     try:
-        outer = casing(reducer, requirement.motor).outer
+        sizes = casing(reducer, requirement.motor)
+        if 2.0 * sizes.outer > requirement.diameter + ROUNDING or any(describe_missing_dowels(reducer, sizes)):
+            return False
         failed = (item for item in sound_checks(reducer) if not item.passed)
         if any(item.severity == "error" or item.name in WALLS for item in failed):
-            return False
-        if 2.0 * outer > requirement.diameter + ROUNDING:
             return False
         return requirement.custom or output_pin(reducer) is not None
     except CycloidError:
@@ -439,7 +472,8 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
-    needles, is_tube = size["needle_dynamic"] > 0.0, has_tube_sleeves(requirement) and stock.is_tube(2.0 * size["stud"])
+    needles, is_bare = size["needle_dynamic"] > 0.0, size["core"] == size["stud"]
+    is_tube = has_plastic_discs(requirement) and not is_bare and stock.is_tube(2.0 * size["stud"])
     tube_deviation = 0.5 * stock.TUBE_TOLERANCE / math.sqrt(3.0) if is_tube else 0.0
     wall = size["outer"] - size["circle"] - size["pin"]
     return {
@@ -459,10 +493,11 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
             "bore_radius": size["bore"],
         },
         "output": {
+            "rollers": not is_bare,
             "roller_bearing": "needles" if needles else "plain",
             "pins": int(size["count"]),
             "pin_radius": file(size["stud"]),
-            "core_radius": size["core"],
+            "core_radius": 0.0 if is_bare else size["core"],
             "pin_circle_radius": file(size["circle_out"]),
             "hole_radius": file(size["stud"] + size["eccentricity"]),
             "disc_thickness": file(size["disc"]),

@@ -10,7 +10,7 @@ from cycloid_mj.reducer.bodies import are_discs_identical
 from cycloid_mj.sizing.candidates import (
     DISC_SHARE,
     POWER_RESERVE,
-    has_tube_sleeves,
+    has_plastic_discs,
 )
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -62,9 +62,12 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
     yield "output.pins", by_search if gear.discs == 1 else f"{by_search}; the discs are {parts}"
     if output.main_bearings == "angular_contact":
         yield "output.main_bearings", "several times the tilting moment and stiffness of deep groove bearings"
-    is_tube = has_tube_sleeves(requirement) and stock.is_tube(2.0 * output.pin_radius)
+    is_tube = has_plastic_discs(requirement) and stock.is_tube(2.0 * output.pin_radius)
     tube = "a sleeve from a precision steel tube" if is_tube else "a turned sleeve"
-    if not output.has_needles:
+    if not output.rollers:
+        yield "output.rollers", "dowels alone, on which the discs of plastic slide: thicker than under a sleeve"
+        yield "output.core_radius", "without rollers the pins are solid"
+    elif not output.has_needles:
         yield "output.roller_bearing", f"{tube} on the dowel: thinner than a needle bearing"
     else:
         yield "output.roller_bearing", "drawn cup needle bearings in the rollers, on hardened dowels: less loss"

@@ -151,16 +151,15 @@ def output_pin_length(reducer: Reducer) -> float:
 def output_pin(reducer: Reducer) -> stock.Dowel | None:
     """Return the pin in stock for the output pins; None if no pin has their size.
 
-    A pin under a roller is a dowel. A pin on which a disc slides is a pin gauge, or else a dowel whose upper deviation
-    in diameter does not exceed the clearance of the disc's holes.
+    A pin under a roller is a dowel. So is a pin on which a disc slides, if the upper deviation of its diameter does not
+    exceed the clearance of the disc's holes; otherwise it is a pin gauge.
     """
     output, length = reducer.design.output, output_pin_length(reducer)
     diameter = 2.0 * output.root_radius
-    dowel = stock.single_pin(diameter, length)
-    if output.rollers:
-        return dowel
-    gauge = stock.pin_gauge(diameter, length)
-    return gauge or (dowel if reducer.design.clearance.output >= fits.limits("m6", diameter)[1] else None)
+    has_room_for_dowel = reducer.design.clearance.output >= fits.limits("m6", diameter)[1]
+    if output.rollers or has_room_for_dowel:
+        return stock.single_pin(diameter, length)
+    return stock.pin_gauge(diameter, length)
 
 
 def output_pin_fit(reducer: Reducer) -> str:

@@ -54,7 +54,7 @@ class CasingRules:
     max_screws: int = 8
     engagement: float = 1.5
     head_play: float = 0.2e-3
-    flange_screws: tuple[int, ...] = (8, 6)
+    flange_screws: tuple[int, ...] = (8, 6, 4)
     flange_circle: float = 0.8
     flange_thread: float = 0.16
     axial_play: float = 0.1e-3

@@ -24,14 +24,24 @@ def choose_flange_pattern(
     """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes.
 
     `bolt` is the screw, `hub` the bearing around the hub, and `wall` [m] the minimum wall.
+
+    Raises
+    ------
+    DesignError
+        Not even the smallest number of screws fits.
     """
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = hub_shoulders(hub)[0]
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
-    fitting = (
-        count for count in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / count) >= head + hole + wall
+    pitch = head + hole + wall
+    for count in RULES.flange_screws:
+        if 2.0 * circle * math.sin(0.5 * math.pi / count) >= pitch:
+            return circle, count
+    raise DesignError(
+        f"{RULES.flange_screws[-1]} screws {bolt.designation} and as many threads for the load do not fit in the "
+        f"output flange on a hub of {2e3 * radius:.4g} mm: choose a larger outer diameter, or a thinner shaft "
+        "(shaft.radius_mm)"
     )
-    return circle, next(fitting, RULES.flange_screws[-1])
 
 
 def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) -> tuple[stock.Bolt, float, int]:

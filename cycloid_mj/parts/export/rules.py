@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design.model import BEARING_CORNER
 from cycloid_mj.parts.export.casing import Casing
@@ -12,7 +11,6 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_rings import FILLETED_NECK, disc_collar_neck
 from cycloid_mj.parts.export.insertion import blockages
-from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
@@ -40,13 +38,8 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
             )
     for blockage in blockages(reducer, sizes):
         yield f"{blockage.part} cannot pass {blockage.other} to its place: please report this design"
-    joints = drive_joints(reducer, sizes)
-    dowelled_parts = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
-    if names.OUTPUT_COVER not in dowelled_parts:
-        yield "no dowel fits in the covers, which only the play of the screws centres: enlarge the housing"
-    elif is_plastic(reducer) and names.HOUSING not in dowelled_parts:
-        yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
-    for joint in joints:
+    yield from describe_missing_dowels(reducer, sizes)
+    for joint in drive_joints(reducer, sizes):
         if joint.diameter and not joint.fit:
             yield f"{joint.name} has no fit: please report this design"
         for thread in joint.threads:
@@ -65,6 +58,14 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
             f"the motor turns with the ring on its cover, so that it turns {teeth - 1} times for a turn of the output, "
             f"not {teeth}, and its cable winds up: hold the motor on the carrier, or choose output.member = carrier"
         )
+
+
+def describe_missing_dowels(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield a sentence if no dowel centres the covers, or if none keeps a ring of plastic from turning."""
+    if sizes.dowel is None:
+        yield "no dowel fits in the covers, which only the play of the screws centres: enlarge the housing"
+    elif is_plastic(reducer) and sizes.has_outer_dowels:
+        yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
 
 
 def _describe_short_necks(reducer: Reducer, sizes: Casing) -> Iterator[str]:
