@@ -258,15 +258,21 @@ class Output(Section):
         "bearings of the output's hub: deep_groove, two, sealed; angular_contact, a preloaded pair back to back, "
         "for several times the tilting moment and stiffness; crossed_roller, one, sealed, under a retainer",
     )
-    main_bearing_seat: Literal["hub", "disc"] = choice(
+    main_bearing_seat: Literal["hub", "disc", "both_discs"] = choice(
         "hub",
-        "seat of the bearings of the output: hub, behind the output disc; disc, around it, for a short (pancake) drive",
+        "seat of the bearings of the output: hub, behind the output disc; disc, around it, for a short (pancake) "
+        "drive; both_discs, one around each of two output discs, on either side of the cycloid discs",
     )
 
     @property
     def turns_ring(self) -> bool:
         """True if the ring is the output and the carrier of the output pins is fixed."""
         return self.member == "ring"
+
+    @property
+    def has_disc_seat(self) -> bool:
+        """True if the bearings of the output are around its discs, not around a hub behind them."""
+        return self.main_bearing_seat != "hub"
 
     @property
     def has_needles(self) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
@@ -110,6 +111,8 @@ class OutputSide:
         Largest radii of bores on the axis of hub and flange, inside screws and dowels.
     retainer
         Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
+    motor_bearing
+        Ends of the bearing around the second disc of the output, in the motor cover; None without it.
     """
 
     hub: stock.StockBearing
@@ -125,6 +128,7 @@ class OutputSide:
     hub_bore: float
     flange_bore: float
     retainer: Retainer | None
+    motor_bearing: tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -172,7 +176,7 @@ class Casing(MotorSide, OutputSide):
     def bearings(self) -> tuple[tuple[float, float], ...]:
         """Ends of the bearings of the output along z [m], the outer one last."""
         first, width = self.hub_floor, self.hub.width
-        inner = () if self.hub.has_crossed_rollers else ((first, first + width),)
+        inner = () if self.hub.has_crossed_rollers else (self.motor_bearing or (first, first + width),)
         return *inner, (self.top - width, self.top)
 
     @property
@@ -192,11 +196,13 @@ class Casing(MotorSide, OutputSide):
     @property
     def top(self) -> float:
         """End of output cover and hub, where the flange begins [m]."""
-        return self.hub_floor + output_bearing_count(self.hub) * self.hub.width + self.spacing
+        return self.hub_floor + _count_cover_bearings(self.hub, self.motor_bearing) * self.hub.width + self.spacing
 
     @property
     def output_cover_end(self) -> float:
-        """End of the output cover [m]; a retainer presses on the outer ring, not on the cover."""
+        """End of the output cover [m]: a retainer presses on the outer ring, not on the cover; a lip may retain it."""
+        if self.motor_bearing:
+            return self.top + 2.0 * self.wall
         return self.top - (self.play if self.retainer else 0.0)
 
     @property
@@ -271,6 +277,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     _require_cam_joint(reducer)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
+    output_side = _size_output_side(reducer, screws, seat, rim)
     return Casing(
         outer=outer,
         wall=wall,
@@ -285,8 +292,8 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         play=axial_play(reducer),
         end=ring_end(reducer),
         cover_material=_cover_material(reducer, cover_material),
-        **vars(_size_motor_side(reducer, motor, screws, dowel, outer, rim)),
-        **vars(_size_output_side(reducer, screws, seat, rim)),
+        **vars(_size_motor_side(reducer, motor, screws, dowel, outer, output_side)),
+        **vars(output_side),
     )
 
 
@@ -302,7 +309,7 @@ def _require_cam_joint(reducer: Reducer) -> None:
 
 
 def _size_motor_side(
-    reducer: Reducer, motor: Motor, screws: Screws, dowel: stock.Dowel | None, outer: float, rim: float
+    reducer: Reducer, motor: Motor, screws: Screws, dowel: stock.Dowel | None, outer: float, output_side: OutputSide
 ) -> MotorSide:
     """Size the motor cover: its cavity for the crank, the flange of the motor and the step in its outer radius.
 
@@ -314,19 +321,20 @@ def _size_motor_side(
         The reducer, and its motor.
     screws, dowel
         Screws of the covers, and the dowels between covers and ring; None: no dowels.
-    outer, rim
-        Radii of the cover and of the disc of the output [m].
+    outer
+        Outer radius of the cover [m].
+    output_side
+        Sizes of the output, whose second disc turns in the cover.
     """
     design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
     half_width, segments = design.gear.stack_width / 2.0, crank_segments(reducer)
     far_seat, near_seat = bearing_seats(reducer, segments)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
+    seat_of_second_disc = 0.5 * output_side.hub.outside if output_side.motor_bearing else 0.0
     second_disc_end = (
         -half_width - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half_width
     )
-    cavity, max_cavity = _cavity_radii(
-        reducer, screws, max(rim if second_disc_end < -half_width else 0.0, seat - wall), wall
-    )
+    cavity, max_cavity = _cavity_radii(reducer, screws, seat, wall, output_side)
     weight = segments.get("counterweight")
     floor = min(weight.z0 if weight else second_disc_end, second_disc_end) - AXIAL_GAP
     flange = choose_motor_flange(reducer, motor, outer, seat, wall, max_cavity)
@@ -352,7 +360,7 @@ def _size_motor_side(
         floor=floor,
         pocket=min(face + floor_thickness, floor),
         step=max(min(screw_tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
-        slim=max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
+        slim=max(cavity, seat_of_second_disc, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
         crank_end=ring_parts,
     )
 
@@ -364,13 +372,14 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     output's disc. Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
-    is_short = design.output.main_bearing_seat == "disc"
+    is_short, has_both = design.output.has_disc_seat, design.output.main_bearing_seat == "both_discs"
     max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     pin_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall  # the inner ring supports it
     pins_end = design.output.pin_circle_radius + design.output.root_radius + pin_wall
+    max_seat = _retaining_radius(reducer) if has_both else design.ring_root_radius
     hub = _choose_hub_bearing(
         _hub_bearings(reducer, max_hub_radius, wall),
-        min(max_hub_radius, design.ring_root_radius),
+        min(max_hub_radius, max_seat),
         math.inf if is_short else rim - wall,
         pins_end if is_short else seat + 2.0 * wall if straddles else 0.0,
     )
@@ -391,13 +400,16 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     pattern = flange_circle, flange_screws
     flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
     bores = axial_bores(reducer, bolt, flange_circle, flange_dowel, flange_dowel_circle, wall)
-    bearing_widths = output_bearing_count(hub) * hub.width
+    motor_bearing = _seat_second_disc(reducer, hub, wall) if has_both else None
+    if has_both:
+        thickness += 2.0 * wall + axial_play(reducer)
+    bearing_widths = _count_cover_bearings(hub, motor_bearing) * hub.width
     if is_short:
         _require_seat_inside_pins(reducer, seat, straddles, wall)
         screw_depth = flange_screw_depth(reducer, bolt, thickness)
         cover = ring_end(reducer) + min_grip(screws.bolt, wall) + screws.bolt.head_height
         ends = disc_start + design.output.disc_thickness, disc_start + wall + screw_depth, far_end + 2.0 * wall, cover
-        end, shoulder = max(ends), 2.0 * wall
+        end, shoulder = max(ends), 0.0 if has_both else 2.0 * wall
     else:
         end, shoulder = max(far_end, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread, 0.5 * hub.width
     return OutputSide(
@@ -414,7 +426,40 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         hub_bore=bores[0],
         flange_bore=bores[1],
         retainer=retainer,
+        motor_bearing=motor_bearing,
     )
+
+
+def _seat_second_disc(reducer: Reducer, hub: stock.StockBearing, wall: float) -> tuple[float, float]:
+    """Return the ends along z [m] of the bearing `hub` around the second disc of the output.
+
+    The disc has a shoulder of two walls, `wall` [m] each, next to the cycloid discs. Both bearings are face to face
+    between the covers, where the lines of contact of angular contact bearings would meet close to each other.
+
+    Raises
+    ------
+    DesignError
+        There is no second disc, it is too thin for the bearing, or the bearings are no deep groove bearings.
+    """
+    output, needed = reducer.design.output, 2.0 * wall + hub.width
+    if output.support != "both_ends" or output.main_bearings != "deep_groove":
+        raise DesignError(
+            "bearings around both discs of the output need a second disc, and are deep groove bearings, because "
+            'angular contact bearings would be face to face: set output.support = "both_ends" and output.main_bearings '
+            '= "deep_groove", or output.main_bearing_seat = "disc"'
+        )
+    if output.disc_thickness < needed - stock.ROUNDING:
+        raise DesignError(
+            f"the discs of the output are too thin for the bearings of {MILLIMETRES * hub.width:g} mm around them: set "
+            f"output.disc_thickness_mm to at least {MILLIMETRES * needed:.4g}"
+        )
+    end = -reducer.design.gear.stack_width / 2.0 - AXIAL_GAP - 2.0 * wall
+    return end - hub.width, end
+
+
+def _count_cover_bearings(hub: stock.StockBearing, motor_bearing: tuple[float, float] | None) -> int:
+    """Return the number of bearings of the output in its cover: 1 with one around the second disc, else all."""
+    return 1 if motor_bearing else output_bearing_count(hub)
 
 
 def output_bearing_count(hub: stock.StockBearing) -> int:
@@ -544,22 +589,32 @@ def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
     return -end - max(0.5 * dowel.length if dowel else 0.0, pressed)
 
 
-def _cavity_radii(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
+def _cavity_radii(
+    reducer: Reducer, screws: Screws, seat: float, wall: float, output_side: OutputSide
+) -> tuple[float, float]:
     """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest possible radius [m].
 
-    The largest cavity still covers a fifth of the end face of each ring pin, so that the cover retains the pins. Raises
+    The largest cavity still covers a fifth of the end face of each ring pin, so that the cover retains the pins. If a
+    bearing is around the second disc of the output, the cavity is the shoulder of its outer ring instead. Raises
     DesignError if the crank does not fit.
 
     Parameters
     ----------
     reducer, screws
         The reducer, and the screws of its covers.
-    min_radius
-        Largest radius of the other parts in the cavity [m].
+    seat
+        Radius of the seats of the shaft bearings [m].
     wall
         Gap around the crank, and minimum wall of the cover [m].
+    output_side
+        Sizes of the output, whose second disc turns in the cavity.
     """
     design = reducer.design
+    output, hub = design.output, output_side.hub
+    rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius if output.support == "both_ends" else 0.0
+    if output_side.motor_bearing:
+        rim = 0.5 * hub.bore
+    min_radius = max(rim, seat - wall)
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
     cavity = max(weight, min_radius) + wall
     outer_limit = (
@@ -574,8 +629,26 @@ def _cavity_radii(reducer: Reducer, screws: Screws, min_radius: float, wall: flo
             f"{2e3 * max_radius:.4g} mm is available: reduce shaft.counterweight_radius_mm or "
             "output.pin_circle_radius_mm"
         )
-    ring = design.ring
-    return cavity, min(max_radius, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else max_radius
+    if output_side.motor_bearing:
+        shoulder = hub_shoulders(hub)[1]
+        if cavity > shoulder:
+            raise DesignError(
+                f"a bearing of {MILLIMETRES * hub.bore:g} x {MILLIMETRES * hub.outside:g} mm around the second disc of "
+                f"the output leaves {MILLIMETRES * 2.0 * shoulder:.4g} mm for the crank, which needs "
+                f"{MILLIMETRES * 2.0 * cavity:.4g} mm: reduce shaft.counterweight_radius_mm or "
+                "output.pin_circle_radius_mm"
+            )
+        return shoulder, shoulder
+    return cavity, min(max_radius, _retaining_radius(reducer))
+
+
+def _retaining_radius(reducer: Reducer) -> float:
+    """Return the largest radius [m] of a cavity in a cover that still covers a fifth of the end face of each ring pin.
+
+    Without pins, it is the radius out to which the teeth reach.
+    """
+    ring = reducer.design.ring
+    return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else reducer.design.ring_root_radius
 
 
 def output_cover_step(sizes: Casing) -> float | None:

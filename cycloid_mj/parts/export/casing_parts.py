@@ -126,8 +126,10 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
         _, length = pin_pieces(reducer)
         outline = CircleContour(ring_pin_radius(reducer))
         return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in segments)
-    if name == names.OUTPUT and reducer.design.output.main_bearing_seat == "disc":
+    if name == names.OUTPUT and reducer.design.output.has_disc_seat:
         return part.of(_fit_disc(sizes, segments))
+    if name == names.SECOND_OUTPUT and sizes.motor_bearing:
+        return part.of(_fit_second_disc(sizes, sizes.motor_bearing[1], segments))
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
@@ -142,10 +144,20 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
 def _fit_disc(sizes: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
     """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder."""
     disc, *others = segments
-    step = sizes.bearings[0][0]
+    step = sizes.bearings[-1 if sizes.motor_bearing else 0][0]
     yield replace(disc, outline=CircleContour(hub_shoulders(sizes.hub)[0]), z1=step)
     yield replace(disc, outline=CircleContour(0.5 * sizes.hub.bore), z0=step)
     yield from others
+
+
+def _fit_second_disc(sizes: Casing, step: float, segments: Sequence[Segment]) -> Iterator[Segment]:
+    """Yield the segments of a second disc of the output that is the seat of a bearing, whose shoulder starts at `step`.
+
+    The shoulder is next to the cycloid discs; `step` is a position along z [m].
+    """
+    for disc in segments:
+        yield replace(disc, outline=CircleContour(0.5 * sizes.hub.bore), z1=step)
+        yield replace(disc, outline=CircleContour(hub_shoulders(sizes.hub)[0]), z0=step)
 
 
 def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
@@ -320,7 +332,7 @@ def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
     the casing of the drive.
     """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
-    if reducer.design.output.main_bearing_seat == "disc":
+    if reducer.design.output.has_disc_seat:
         return ((0.5 * sizes.hub.bore, floor, sizes.top),) if sizes.top > floor + SAME_LENGTH else ()
     shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, sizes.bearings[0][0]
     return (

@@ -201,8 +201,9 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     yield Move((names.OUTPUT_COVER,), DRIVE)
     *inner, outer = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
     yield Move(_names_of_family(placements, names.RETAINER_INSERT), DRIVE, DOWN)
-    yield Move(tuple(inner), DRIVE, UP)
-    yield Move((outer,), DRIVE, DOWN)
+    yield Move((outer,) if sizes.motor_bearing else tuple(inner), DRIVE, UP)
+    if not sizes.motor_bearing:
+        yield Move((outer,), DRIVE, DOWN)
     for family in (names.RETAINER, names.RETAINER_SCREW):
         yield Move(_names_of_family(placements, family), DRIVE, DOWN)
     if sizes.far:
@@ -229,6 +230,8 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
     """
     rings, shaft = _names_of_family(placements, names.CRANK_RING), names.SHAFT
     second_disc = [Move((names.SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
+    if reducer.design.output.main_bearing_seat == "both_discs":
+        second_disc += [Move(_names_of_family(placements, names.OUTPUT_BEARING, DOWN), DRIVE, UP)]
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
         yield Move(_names_of_family(placements, names.CAM_BEARING), names.GEAR, UP)

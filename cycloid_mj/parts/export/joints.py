@@ -74,6 +74,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         _cover_bearing_joint(reducer, sizes),
         *_crank_end_joints(reducer, sizes),
         *_cavity_joints(sizes),
+        *_second_disc_joint(sizes),
         _output_bearing_joint(sizes),
         *_retainer_joint(reducer, sizes),
         _cover_screw_joint(reducer, sizes),
@@ -241,7 +242,7 @@ def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
 
     `sizes` is the casing of the drive.
     """
-    crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
+    crank = (AXIS, sizes.cavity, sizes.floor, sizes.motor_bearing[0] if sizes.motor_bearing else -sizes.end)
     parts = names.SHAFT, names.MOTOR_COVER
     yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
     output = (AXIS, sizes.output_cavity, sizes.end, sizes.hub_floor)
@@ -252,29 +253,48 @@ def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
 def _output_bearing_joint(sizes: Casing) -> Joint:
     """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or a single bearing.
 
+    The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover.
     `sizes` is the casing of the drive.
     """
     hub, seat, (*inner, (outer, top)) = sizes.hub, 0.5 * sizes.hub.outside, sizes.bearings
-    shoulder_start = inner[0][1] if inner else sizes.hub_floor
-    holes: tuple[Hole, ...] = (
-        *((AXIS, seat, *ends) for ends in inner),
-        (AXIS, hub_shoulders(hub)[1], shoulder_start, outer),
-        (AXIS, seat, outer, top),
-    )
-    bearings = BoughtPart(
+    shoulder = hub_shoulders(hub)[1]
+    holes: tuple[Hole, ...] = ((AXIS, seat, sizes.hub_floor, top), (AXIS, shoulder, top, sizes.output_cover_end))
+    if not sizes.motor_bearing:
+        shoulder_start = inner[0][1] if inner else sizes.hub_floor
+        holes = (
+            *((AXIS, seat, *ends) for ends in inner),
+            (AXIS, shoulder, shoulder_start, outer),
+            (AXIS, seat, outer, top),
+        )
+    bearings = _output_bearings(sizes, sizes.bearings[-1:] if sizes.motor_bearing else sizes.bearings)
+    parts = (names.OUTPUT, names.OUTPUT_COVER)
+    cover_holes = tuple((names.OUTPUT_COVER, hole) for hole in holes)
+    name, fit, count = "hub in the output cover", bearings.fit, len(bearings.origins)
+    return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, count, hub.bore, hub.width)
+
+
+def _second_disc_joint(sizes: Casing) -> Iterator[Joint]:
+    """Yield the joint of the second disc of the output and the motor cover by a bearing, if there is one around it."""
+    if sizes.motor_bearing:
+        hub, bearing = sizes.hub, _output_bearings(sizes, (sizes.motor_bearing,))
+        hole = names.MOTOR_COVER, (AXIS, 0.5 * hub.outside, sizes.motor_bearing[0], -sizes.end)
+        parts, name = (names.SECOND_OUTPUT, names.MOTOR_COVER), "second disc in the motor cover"
+        yield Joint(name, JointKind.BEARING, parts, (hole,), (bearing,), bearing.fit, 1, hub.bore, hub.width)
+
+
+def _output_bearings(sizes: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
+    """Return bearings of the output with their ends along z [m]; those in the output cover are numbered last."""
+    hub = sizes.hub
+    return BoughtPart(
         names.OUTPUT_BEARING,
-        tube(0.5 * hub.bore, seat, hub.width),
+        tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
         names.HOUSING,
-        tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in sizes.bearings),
+        tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in ends),
         bearing_dimensions(hub),
         designation=hub.designation,
         fit=hub_bearing_fit(hub),
+        first=len(sizes.bearings) + 1 - len(ends) if ends[-1] == sizes.bearings[-1] else 1,
     )
-    parts = (names.OUTPUT, names.OUTPUT_COVER)
-    cover_holes = tuple((names.OUTPUT_COVER, hole) for hole in holes)
-    name, fit = "hub in the output cover", bearings.fit
-    count = len(sizes.bearings)
-    return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, count, hub.bore, hub.width)
 
 
 def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:

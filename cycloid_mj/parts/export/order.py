@@ -64,7 +64,7 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     `sizes` is the casing of the drive.
     """
     screws = sizes.screws
-    has_plastic = is_plastic(reducer)
+    has_plastic, is_single = is_plastic(reducer), bool(sizes.retainer or sizes.motor_bearing)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     flange_dowels = f", press {sizes.flange_screws} {names.FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
     return (
@@ -74,10 +74,10 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         _describe_output_pins(reducer),
         _describe_output_bearings(sizes),
         f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through {'it' if sizes.retainer else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
+        f"through {'it' if is_single else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
         f"on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
-        f"it clamps {'the inner ring' if sizes.retainer else 'them'}{_describe_preload(sizes)}.",
+        f"it clamps {'the inner ring' if is_single else 'them'}{_describe_preload(sizes)}.",
         f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
@@ -101,6 +101,11 @@ def _describe_output_bearings(sizes: Casing) -> str:
             f"Put the {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from outside, screw the "
             f"{names.RETAINER} on its outer ring ({ring.count} x {ring.bolt.designation}) and tighten "
             "crosswise in steps while it is turned."
+        )
+    if sizes.motor_bearing:
+        return (
+            f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, up to its lip; the "
+            f"other one goes on the disc {names.SECOND_OUTPUT} later."
         )
     grease = ", back to back, and pack them with grease" if sizes.hub.contact_angle else ""
     return (
@@ -189,10 +194,7 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
         bearing_step = _describe_cam_bearing(reducer)
-        second_disc_step = (
-            f"; press the disc {names.SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
-        )
-        return f"{bearing_step}{rollers} {names.GEAR} over them{second_disc_step}."
+        return f"{bearing_step}{rollers} {names.GEAR} over them{_describe_second_disc(reducer)}."
     if design.has_one_piece_crank:
         first, second = reducer.gears
         bearing_step = f"put the {names.CAM_BEARING}s on the cams in grease"
@@ -247,7 +249,16 @@ def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
         start = f"Put {' and '.join(ring_notes)}; push" if ring_notes else "Push"
         return f"{start} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
     rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
-    disc = f"; press the disc {names.SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
     last = f"; put {ring_notes[0]}" if first_ring in rings else ""
     far_ring_note = f"{second_ring} on, " if second_ring in rings else ""
+    disc = _describe_second_disc(reducer)
     return f"{rollers} the crank, {far_ring_note}with its gears over the output pins into the ring{disc}{last}."
+
+
+def _describe_second_disc(reducer: Reducer) -> str:
+    """Return the clause of the assembly instructions on the second disc of the output; empty without one."""
+    output = reducer.design.output
+    if output.support != "both_ends":
+        return ""
+    bearing = f", and one {names.OUTPUT_BEARING} on it" if output.main_bearing_seat == "both_discs" else ""
+    return f"; press the disc {names.SECOND_OUTPUT} on the pins{bearing}"

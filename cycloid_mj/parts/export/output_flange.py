@@ -86,7 +86,7 @@ def pattern_angles(count: int) -> Array:
 def _pins_inside(reducer: Reducer) -> float:
     """Return the radius [m] of holes in the hub that stays inside of the output pins; inf for a hub behind them."""
     output = reducer.design.output
-    return output.pin_circle_radius - output.root_radius if output.main_bearing_seat == "disc" else math.inf
+    return output.pin_circle_radius - output.root_radius if output.has_disc_seat else math.inf
 
 
 def axial_bores(
