@@ -111,16 +111,15 @@ _SPLINES = """
 """ISO 14:1982, straight-sided splines of the light and the medium series: number of splines, minor diameter, major
 diameter, width of a spline; as in roymech.co.uk."""
 
-_TUBES: dict[float, float] = {
-    **{4: 1, 5: 1.5, 6: 2, 7: 2, 8: 2.5, 9: 2.5, 10: 3, 12: 3, 14: 3, 15: 3, 16: 3},
-    **{18: 3, 20: 3, 22: 3, 25: 3, 28: 3, 30: 3},
+_TUBES: dict[float, tuple[float, float]] = {
+    **{size: (wall, 0.1) for size, wall in zip((4, 5, 6, 7, 8, 9, 10), (1, 1.5, 2, 2, 2.5, 2.5, 3), strict=True)},
+    **dict.fromkeys((12, 14, 15, 16, 18, 20, 22, 25, 28), (3, 0.08)),
+    30: (3, 0.15),
 }
 _TUBE_WALLS = 0.5, 0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0
-"""EN 10305-1, seamless precision steel tubes: outside diameter and the thickest of the usual walls [mm]; makers have
-thicker walls too."""
-
-TUBE_TOLERANCE = 0.08e-3
-"""Largest deviation of the outside diameter of such tubes up to 30 mm [m] (EN 10305-1)."""
+"""EN 10305-1, seamless precision steel tubes, cold finished: outside diameter -> the thickest of the usual walls, where
+makers have thicker ones too, and the largest deviation of the outside diameter [mm] (DIN 2391-1:1981, its predecessor).
+"""
 
 BORING_ALLOWANCE = 0.2e-3
 """Smallest allowance in diameter to bore and ream a tube [m]: its own bore deviates by up to 0.15 mm (assumed)."""
@@ -628,11 +627,19 @@ def is_tube(outside: float) -> bool:
     return any(abs(outside - size) < ROUNDING for size in tube_outsides())
 
 
+def tube_tolerance(outside: float) -> float:
+    """Return the largest deviation of the outside diameter of a precision steel tube in stock [m].
+
+    `outside` is the nominal outside diameter [m].
+    """
+    return round(_TUBES[round(outside / MM, 6)][1] * MM, 9)
+
+
 def tube_for(outside: float, bore: float) -> Tube | None:
     """Return the tube with the thinnest wall from which a sleeve with an outside diameter and a bore [m] is bored."""
     size, largest_bore = round(outside / MM, 6), (bore - BORING_ALLOWANCE) / MM + 1e-6
     for wall in _TUBE_WALLS:
-        if wall <= _TUBES.get(size, 0.0) and size - 2.0 * wall <= largest_bore:
+        if wall <= _TUBES.get(size, (0.0,))[0] and size - 2.0 * wall <= largest_bore:
             return Tube(f"EN 10305-1 - {size:g} x {wall:g}", outside, round((size - 2.0 * wall) * MM, 9))
     return None
 

@@ -148,7 +148,7 @@ def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float
     design, tensile = reducer.design, reducer.design.material_of("shaft").tensile_strength
     fillet, seat = design.shaft.shoulder_fillet, seat_factors(design, tensile)
     if seat and not has_cam_shoulders(design):
-        return seat, f"seat of a {SEATS[design.shaft.cam_joint].description}"
+        return seat, f"seat of a {SEATS[design.cam_joint].description}"
     bending, torsion = (
         notch_factor(shoulder_factor(design.shaft.radius, fillet, shoulder.outer, terms), fillet, tensile, stress)
         for terms, stress in SHOULDER_STRESSES

@@ -474,7 +474,7 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
     needles, is_bare = size["needle_dynamic"] > 0.0, size["core"] == size["stud"]
     is_tube = has_plastic_discs(requirement) and not is_bare and stock.is_tube(2.0 * size["stud"])
-    tube_deviation = 0.5 * stock.TUBE_TOLERANCE / math.sqrt(3.0) if is_tube else 0.0
+    tube_deviation = 0.5 * stock.tube_tolerance(2.0 * size["stud"]) / math.sqrt(3.0) if is_tube else 0.0
     wall = size["outer"] - size["circle"] - size["pin"]
     return {
         "name": "new",

@@ -34,6 +34,8 @@ class SeatNotch:
         Factor in torsion: share of that in bending, plus an offset. Not used for a spline.
     diameter
         Diameter of the shafts in the tests [m].
+    min_strength
+        Smallest tensile strength of the shafts in the tests [GPa]; weaker shafts count as such (assumed).
     """
 
     description: str
@@ -42,10 +44,11 @@ class SeatNotch:
     torsion_share: float = 0.0
     torsion_offset: float = 0.0
     diameter: float = 40e-3
+    min_strength: float = 0.4
 
     def tested_factors(self, tensile: float) -> tuple[float, float]:
         """Return the notch factors in bending and torsion of a shaft of `diameter` with a tensile strength [Pa]."""
-        strength = max(1e-9 * tensile, MIN_TESTED_STRENGTH)
+        strength = max(1e-9 * tensile, self.min_strength)
         if not self.factor:
             torsion = math.exp(0.42 * strength**2)
             return 1.0 + 0.45 * (torsion - 1.0), torsion
@@ -53,17 +56,16 @@ class SeatNotch:
         return bending, self.torsion_share * bending + self.torsion_offset
 
 
-MIN_TESTED_STRENGTH = 0.4
-"""Smallest tensile strength of the shafts in the tests of DIN 743-2 [GPa]."""
-
-_PRESS_FIT = 2.7, 0.43, 0.65
 SEATS = {
     "key": SeatNotch("keyed cam", 3.0, 0.38, 0.56, 0.1),
-    "shrink": SeatNotch("shrunk cam", *_PRESS_FIT),
-    "clamp": SeatNotch("clamped cam, as in a press fit", *_PRESS_FIT),
+    "shrink": SeatNotch("shrunk cam", 2.7, 0.43, 0.65),
+    "clamp": SeatNotch("clamped cam, as in a press fit", 2.7, 0.43, 0.65),
     "spline": SeatNotch("splined cam", diameter=29e-3),
 }
-"""Notch factors of the seat of a cam by `shaft.cam_joint`. Glued cams count as keyed ones (on the safe side)."""
+"""Notch factors of the seat of a cam by `Design.cam_joint`.
+
+Glued cams count as keyed ones, and clamped cams as shrunk ones (assumed).
+"""
 
 
 def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
@@ -72,8 +74,8 @@ def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
     The factors are those of the tests, times K3(d_test)/K3(d) for the diameter d of the shaft. None is returned for
     cams in one piece with the shaft, which have shoulders. `tensile` is the tensile strength of the shaft [Pa].
     """
-    seat, diameter = SEATS.get(design.shaft.cam_joint), 2.0 * design.shaft.radius
-    if design.has_one_piece_crank or seat is None:
+    seat, diameter = SEATS.get(design.cam_joint), 2.0 * design.shaft.radius
+    if seat is None:
         return None
     bending, torsion = (
         factor * _size_influence(factor, seat.diameter) / _size_influence(factor, diameter)
@@ -85,7 +87,7 @@ def seat_factors(design: Design, tensile: float) -> tuple[float, float] | None:
 def has_cam_shoulders(design: Design) -> bool:
     """Return whether the shaft has shoulders at its cams: a crank in one piece, or splines around the journals."""
     diameter = 2.0 * design.shaft.radius
-    if design.has_one_piece_crank or design.shaft.cam_joint != "spline":
+    if design.cam_joint != "spline":
         return design.has_one_piece_crank
     splines = stock.splines_around(diameter)
     return bool(splines) and splines[0].minor > diameter + stock.ROUNDING

@@ -439,7 +439,7 @@ def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         yield replace(line, material="", fit=fit)
     elif tube := roller_tube(reducer) if sizes else None:
         fit = f"bored {fit}, cut to {in_mm(gear.face_width)} mm"
-        yield replace(line, made_or_bought="made", material="steel E235", designation=tube.designation, fit=fit)
+        yield replace(line, made_or_bought="made", material="steel E235+C", designation=tube.designation, fit=fit)
     else:
         yield replace(line, made_or_bought="made", fit=fit)
     if cup:
