@@ -39,29 +39,29 @@ MASS_TOLERANCE = 0.01
 def faults(name: str, motor: MotorName = "auto") -> Iterator[str]:
     """Yield a sentence for each fault of the drive of a design with a motor; `name` is a preset or a design file."""
     reducer = Reducer(resolve(name))
-    sizes = casing(reducer, motor)
-    yield from touching_parts(reducer, sizes)
-    yield from (f"{one.part} cannot pass {one.other}" for one in blockages(reducer, sizes))
-    yield from bill_differences(reducer, sizes)
+    drive_casing = casing(reducer, motor)
+    yield from touching_parts(reducer, drive_casing)
+    yield from (f"{one.part} cannot pass {one.other}" for one in blockages(reducer, drive_casing))
+    yield from bill_differences(reducer, drive_casing)
     yield from failed_exports(name, motor)
 
 
-def touching_parts(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+def touching_parts(reducer: Reducer, casing: Casing) -> Iterator[str]:
     """Yield a sentence for two kinds of parts that touch at a crank angle, or are closer than the axial play."""
-    for distance in smallest_distances(reducer, sizes, CRANK_ANGLES):
-        if not distance.keeps(sizes.play):
+    for distance in smallest_distances(reducer, casing, CRANK_ANGLES):
+        if not distance.keeps(casing.play):
             yield f"{distance.part} and {distance.other} are {1e6 * distance.value:.4g} um apart"
 
 
-def bill_differences(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+def bill_differences(reducer: Reducer, casing: Casing) -> Iterator[str]:
     """Yield a sentence for each line of the bill whose count differs from the solids, and if the masses differ."""
-    lines = [line for line in bill(reducer, 0.0, sizes) if line.made_or_bought != "consumable"]
+    lines = [line for line in bill(reducer, 0.0, casing) if line.made_or_bought != "consumable"]
     listed = {line.item: line.count for line in lines}
-    drawn = Counter(place.part for place in place_parts(reducer, 0.0, sizes))
+    drawn = Counter(place.part for place in place_parts(reducer, 0.0, casing))
     for item in sorted(listed.keys() | drawn.keys()):
         if listed.get(item, 0) != drawn[item]:
             yield f"{item}: {listed.get(item, 0)} in the bill, {drawn[item]} in the assembly"
-    masses = sum(line.mass_kg for line in lines), assembly_mass(reducer, sizes)
+    masses = sum(line.mass_kg for line in lines), assembly_mass(reducer, casing)
     if not abs(masses[0] / masses[1] - 1.0) <= MASS_TOLERANCE:
         yield f"mass {masses[0]:.4g} kg in the bill, {masses[1]:.4g} kg of the solids"
 

@@ -328,9 +328,9 @@ def _parts(file: Path) -> tuple[dict[str, float], dict[str, float]]:
     from cycloid_mj.reducer import Reducer
 
     reducer = Reducer(load(file))
-    sizes = casing(reducer)
-    masses = group_masses((line.item, line.mass_kg) for line in bill(reducer, sizes=sizes))
-    (low, high), end = sizes.ends, sizes.end
+    drive_casing = casing(reducer)
+    masses = group_masses((line.item, line.mass_kg) for line in bill(reducer, casing=drive_casing))
+    (low, high), end = drive_casing.ends, drive_casing.end
     lengths = (MILLIMETRES * length for length in (-low - end, 2.0 * end, high - end))
     return masses, dict(zip(LENGTHS, lengths, strict=True))
 

@@ -140,15 +140,15 @@ class Prism:
     high: float
 
 
-def smallest_distances(reducer: Reducer, sizes: Casing, cranks: Iterable[float]) -> tuple[Distance, ...]:
+def smallest_distances(reducer: Reducer, casing: Casing, cranks: Iterable[float]) -> tuple[Distance, ...]:
     """Compute the smallest distance between any two kinds of parts of different bodies over crank angles [rad].
 
     For parts that are separated along the axis by the axial play, it is the distance along the axis: a lower bound.
     """
     smallest: dict[tuple[str, ...], Distance] = {}
-    faces = {part: [(face_of(one), one) for one in stack] for part, stack in assembly_sections(reducer, sizes).items()}
+    faces = {part: [(face_of(one), one) for one in stack] for part, stack in assembly_sections(reducer, casing).items()}
     for crank in cranks:
-        for one, other in combinations(_prisms(reducer, sizes, crank, faces), 2):
+        for one, other in combinations(_prisms(reducer, casing, crank, faces), 2):
             key = tuple(sorted((names.family(one.part), names.family(other.part))))
             if one.body == other.body or one.part == other.part or _is_raceway(key):
                 continue
@@ -156,7 +156,7 @@ def smallest_distances(reducer: Reducer, sizes: Casing, cranks: Iterable[float])
             limit = smallest[key].value if key in smallest else math.inf
             if gap >= limit:
                 continue
-            aside = 0.0 if gap >= sizes.play - SAME_LENGTH else planar_distance(one.face, other.face, limit)
+            aside = 0.0 if gap >= casing.play - SAME_LENGTH else planar_distance(one.face, other.face, limit)
             distance = math.hypot(max(gap, 0.0), aside)
             if distance < limit:
                 smallest[key] = Distance(one.part, other.part, distance, aside < gap)
@@ -209,37 +209,37 @@ def face_of(section: PartSection) -> Face:
 
 
 def _prisms(
-    reducer: Reducer, sizes: Casing, crank: float, faces: Mapping[str, Sequence[tuple[Face, PartSection]]]
+    reducer: Reducer, casing: Casing, crank: float, faces: Mapping[str, Sequence[tuple[Face, PartSection]]]
 ) -> Iterator[Prism]:
     """Yield the prisms of all parts at a crank angle [rad]; a bearing has the prisms of its rings.
 
     `faces` are the faces and sections of each part by name.
     """
-    for place in place_parts(reducer, crank, sizes):
+    for place in place_parts(reducer, crank, casing):
         z = place.origin[2]
         for face, section in faces[place.part]:
             ends = section.z0 + z, section.z1 + z
             if names.family(place.part) in (names.SHAFT_BEARING, names.OUTPUT_BEARING):
-                for body, ring in _rings(reducer, sizes, place, section):
+                for body, ring in _rings(reducer, casing, place, section):
                     yield Prism(place.name, body, ring, *ends)
             else:
                 yield Prism(place.name, place.body, face.moved(place), *ends)
 
 
-def _rings(reducer: Reducer, sizes: Casing, placement: PlacedPart, drawn: PartSection) -> Iterator[tuple[str, Face]]:
+def _rings(reducer: Reducer, casing: Casing, placement: PlacedPart, drawn: PartSection) -> Iterator[tuple[str, Face]]:
     """Yield the outer ring of a bearing with its body, and its inner ring unless it is a drawn cup."""
     (outside,), (bore,) = drawn.loops
     assert isinstance(outside, Circle)
     assert isinstance(bore, Circle)
     on_shaft = names.family(placement.part) == names.SHAFT_BEARING
-    around = names.OUTPUT if on_shaft and sizes.far and placement.origin[2] > 0.0 else names.HOUSING
+    around = names.OUTPUT if on_shaft and casing.far and placement.origin[2] > 0.0 else names.HOUSING
     if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield around, _annulus(outside.radius, bore.radius)
         return
     inner, outer = (
         (shoulder_radius(bore.radius, outside.radius), shoulder_radius(outside.radius, bore.radius))
         if on_shaft
-        else hub_shoulders(sizes.hub)
+        else hub_shoulders(casing.hub)
     )
     yield around, _annulus(outside.radius, outer)
     yield names.SHAFT if on_shaft else names.OUTPUT, _annulus(inner, bore.radius)

@@ -66,9 +66,9 @@ def part_files(file_format: Format, design: Design, options: BuildOptions) -> di
     """
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
     reducer = reducer_at_reference(reducer_of(design))
-    if sizes := _casing(reducer, options):
+    if casing := _casing(reducer, options):
         widened_reducer = widen_clearances(reducer, options.offset)
-        files |= drive_files(widened_reducer, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
+        files |= drive_files(widened_reducer, file_format, casing, CHORD_ERROR, stock_cam_seat(reducer))
     return _zip(f"{design.name}-{file_format}", files)
 
 
@@ -79,7 +79,7 @@ def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
 
 
 def _casing(reducer: Reducer, options: BuildOptions) -> Casing | None:
-    """Return the sizes of the covers; None if they do not fit, and for an RV reducer, which has none."""
+    """Return the casing of a drive; None if it does not fit, and for an RV reducer, which has none."""
     return None if WHOLE_DRIVE in LEFT_OUT[reducer.LAYOUT] else casing_or_none(reducer, options.motor)[0]
 
 

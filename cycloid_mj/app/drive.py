@@ -137,29 +137,29 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
         The chosen motor does not fit, or a part cannot be manufactured.
     """
     reducer = reducer_at_reference(reducer)
-    sizes, reason = casing_or_none(reducer, options.motor)
-    rows = bill_rows(reducer, sizes)
+    casing, reason = casing_or_none(reducer, options.motor)
+    rows = bill_rows(reducer, casing)
     content = {
         "reason": reason,
         "bill": rows,
         "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
-        "consumables": [describe_consumable(line) for line in consumables(reducer, sizes)] if sizes else [],
-        "order": list(assembly_order(reducer, sizes)) if sizes else [],
+        "consumables": [describe_consumable(line) for line in consumables(reducer, casing)] if casing else [],
+        "order": list(assembly_order(reducer, casing)) if casing else [],
         "printed": is_plastic(reducer),
     }
-    if sizes:
-        low, high = sizes.ends
+    if casing:
+        low, high = casing.ends
         content |= {
-            "motor": sizes.motor.name,
-            "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
+            "motor": casing.motor.name,
+            "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
             "length_mm": MILLIMETRES * (high - low),
         }
     return content
 
 
-def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
+def bill_rows(reducer: Reducer, casing: Casing | None) -> list[dict[str, Any]]:
     """Return the bill of materials with source (printed, bought or made), mass [g] and price class of each line."""
-    lines = bill(reducer, stock_cam_seat(reducer), sizes, tightening_torques(reducer) if sizes else None)
+    lines = bill(reducer, stock_cam_seat(reducer), casing, tightening_torques(reducer) if casing else None)
     return [_bill_row(reducer, line) for line in lines]
 
 
@@ -228,29 +228,29 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     from cycloid_mj.plots.exploded import ASSEMBLY, instruction_files
 
     reducer = reducer_at_reference(reducer)
-    sizes, reason = casing_or_none(reducer, options.motor)
-    if sizes is None:
+    casing, reason = casing_or_none(reducer, options.motor)
+    if casing is None:
         raise CycloidError(
             f"{reducer.design.name}: the files of the complete drive cannot be written, because no covers fit: "
             f"{reason}. Individual parts can still be downloaded"
         )
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     on_step("laying out the plate and the bill", 0.0)
-    print_result = print_files(reducer, sizes, settings, tightening_torques(reducer))
+    print_result = print_files(reducer, casing, settings, tightening_torques(reducer))
     files, notes = dict(print_result.files), [*print_result.notes, *print_result.warnings]
     if is_plastic(reducer):
         on_step("meshing the parts", 0.3)
         widened_reducer = widen_clearances(reducer, options.offset)
         meshes = export(reducer.design, "stl", CHORD_ERROR, options.offset, options.motor).files
-        meshes |= drive_files(widened_reducer, "stl", sizes, CHORD_ERROR, settings.cam_seat)
+        meshes |= drive_files(widened_reducer, "stl", casing, CHORD_ERROR, settings.cam_seat)
         files |= {f"stl/{name}": content for name, content in meshes.items()}
     on_step("drawing the parts", 0.5)
-    files |= {f"drawings/{name}": content for name, content in drawing_files(reducer, sizes).items()}
+    files |= {f"drawings/{name}": content for name, content in drawing_files(reducer, casing).items()}
     on_step("drawing the exploded view", 0.75)
-    files |= instruction_files(reducer, sizes)
+    files |= instruction_files(reducer, casing)
     on_step("modelling the assembly in STEP", 0.8)
     try:
-        files[ASSEMBLY] = assembly_step(reducer, 0.0, sizes)
+        files[ASSEMBLY] = assembly_step(reducer, 0.0, casing)
     except DesignError:
         raise
     except CycloidError as error:  # the extra cad is not installed: the drive can be built without it

@@ -71,13 +71,13 @@ def _assemble_central(reducer: Reducer, options: BuildOptions) -> _Assembly:
 
     `options` has the motor.
     """
-    sizes, reason = casing_or_none(reducer, options.motor)
+    casing, reason = casing_or_none(reducer, options.motor)
     return _Assembly(
-        assembly_parts(reducer, sizes),
-        place_parts(reducer, 0.0, sizes),
+        assembly_parts(reducer, casing),
+        place_parts(reducer, 0.0, casing),
         COLOURS,
         ALONG,
-        assembly_moves(reducer, sizes) if sizes else (),
+        assembly_moves(reducer, casing) if casing else (),
         f"Without covers: {reason}" if reason else "",
         _motions(reducer) | {"crank": (1.0, 1.0)},
     )

@@ -262,14 +262,14 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
     """
     try:
         manufactured = reducer_at_reference(reducer)
-        sizes, reason = casing_or_none(manufactured, motor)
-        if not sizes:
+        casing, reason = casing_or_none(manufactured, motor)
+        if not casing:
             return None, reason
-        low, high = sizes.ends
+        low, high = casing.ends
         return {
-            "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
+            "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
             "length_mm": MILLIMETRES * (high - low),
-            "mass_kg": assembly_mass(manufactured, sizes),
+            "mass_kg": assembly_mass(manufactured, casing),
         }, ""
     except CycloidError as error:
         return None, str(error)

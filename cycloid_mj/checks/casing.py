@@ -23,8 +23,8 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     design = reducer.design
     if not is_drawn(design):
         return
-    sizes, reason = casing_or_none(reducer)
-    if sizes is None:
+    casing, reason = casing_or_none(reducer)
+    if casing is None:
         shaft = design.shaft
         has_parts = shaft.bore_radius or shaft.retaining_rings or shaft.seal_ring
         is_requested = has_parts or shaft.cam_joint not in FREE_CAM_JOINTS
@@ -41,9 +41,9 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
                 key="drive with covers",
             )
         return
-    violations = tuple(describe_violations(reducer, sizes))
-    play = f"{MILLIMETRES * sizes.play:g} mm"
-    smallest_axial_gap = min(gap.distance for gap in running_gaps(reducer, sizes) if gap.axial)
+    violations = tuple(describe_violations(reducer, casing))
+    play = f"{MILLIMETRES * casing.play:g} mm"
+    smallest_axial_gap = min(gap.distance for gap in running_gaps(reducer, casing) if gap.axial)
     yield Check(
         name="joints",
         passed=not violations,
@@ -54,6 +54,6 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
         severity="warning",
         key="drive with covers",
         value=MILLIMETRES * smallest_axial_gap,
-        bound=MILLIMETRES * sizes.play,
+        bound=MILLIMETRES * casing.play,
         unit="mm",
     )

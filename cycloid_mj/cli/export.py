@@ -313,15 +313,15 @@ def export(
         require_one_ring(reducer, "print plates, assemblies and drawings")
     settings = flags.print_settings(reducer)
     outlines = _export_outlines(design, format_, motor, flags)
-    sizes = _casing_sizes(reducer, motor, flags.cover_material) if flags.has_casing else None
-    plates = _make_print_plates(reducer, sizes, settings) if flags.plate else None
-    files = {**outlines.files, **_drive_files(reducer, format_, sizes, settings, flags)}
+    casing = _find_casing(reducer, motor, flags.cover_material) if flags.has_casing else None
+    plates = _make_print_plates(reducer, casing, settings) if flags.plate else None
+    files = {**outlines.files, **_drive_files(reducer, format_, casing, settings, flags)}
     if plates:
         files |= plates.files
     if flags.assembly:
-        files |= _assembly_files(reducer, sizes)
+        files |= _assembly_files(reducer, casing)
     if flags.drawings:
-        files |= _drawing_files(reducer, sizes)
+        files |= _drawing_files(reducer, casing)
     directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, output_flags.force)
     stem = f"{design.name}-parts"
     destination = Destination(stem, directory, claim_page(output_flags, stem, directory))
@@ -348,22 +348,22 @@ def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flag
 
 
 def _drive_files(
-    reducer: Reducer, file_format: "Format", sizes: "Casing | None", settings: "PrintSettings", flags: ExportFlags
+    reducer: Reducer, file_format: "Format", casing: "Casing | None", settings: "PrintSettings", flags: ExportFlags
 ) -> Mapping[str, bytes]:
     """Return the files of covers, flanges and the parts that are joined to them: name -> content.
 
     `file_format` is their format, `settings` are those of printing. The clearances are increased by ``--offset-um``
-    among the `flags`. `sizes` are the sizes of the casing; without them the result is empty.
+    among the `flags`. Without a `casing` the result is empty.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 
-    if sizes is None:
+    if casing is None:
         return {}
     widened_reducer = widen_clearances(reducer, flags.offset)
     return drive_files(
         widened_reducer,
         file_format,
-        sizes,
+        casing,
         flags.chord_error,
         settings.cam_seat,
         polylines=flags.polylines,
@@ -400,7 +400,7 @@ def _outcome(
     return Outcome(
         title=f"parts: {name}",
         text=paths,
-        tables=[_clearance_table(outlines, offset), *(plates.tables if plates else ())],
+        tables=[_tabulate_clearances(outlines, offset), *(plates.tables if plates else ())],
         summary=plates.notes if plates else [],
         files=files,
         result=result | (plates.result(destination.folder or Path()) if plates else {}),
@@ -434,8 +434,11 @@ def _bed_size(text: str | None) -> tuple[float, float] | None:
     return length, width
 
 
-def _clearance_table(outlines: "Export", offset: float) -> Table:
-    """Tabulate the clearances in the outlines by pair of parts [um]: required, `offset`, smallest and largest."""
+def _tabulate_clearances(outlines: "Export", offset: float) -> Table:
+    """Tabulate the clearance of each pair of parts [um]: required, smallest and largest.
+
+    `offset` [m] is the clearance that ``--offset-um`` adds, a further column.
+    """
     rows = tuple(
         (
             clearance.pair,
@@ -467,16 +470,16 @@ class _Plates:
         return {"plate": plates[0], "plates": plates, **self.entries}
 
 
-def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
+def _make_print_plates(reducer: Reducer, casing: "Casing | None", settings: "PrintSettings") -> _Plates:
     """Return the files of print plates and of the bill of materials, with the tables and notes about them.
 
-    `settings` are those of printing. Warnings report parts that cannot be bought or printed. `sizes` are those of the
-    casing, None for the mechanism alone.
+    `settings` are those of printing. Warnings report parts that cannot be bought or printed. `casing` None: the
+    mechanism only.
     """
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files
 
-    result = print_files(reducer, sizes, settings, tightening_torques(reducer) if sizes else None)
+    result = print_files(reducer, casing, settings, tightening_torques(reducer) if casing else None)
     warn(reducer.design.name, result.warnings)
     counts: Counter[str] = sum((Counter(plate.counts) for plate in result.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
@@ -491,8 +494,8 @@ def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "Prin
     return _Plates(plate_by_file, dict(result.files), list(result.notes), tables, entries)
 
 
-def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
-    """Return the sizes of covers and flanges, or None if they do not fit; warn of the reason and of weak joints.
+def _find_casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
+    """Return the casing (covers and flanges), or None if it does not fit; warn of the reason and of weak joints.
 
     `motor` is the motor that is attached, `cover_material` the name of the covers' material. An RV reducer has no
     covers.
@@ -502,23 +505,23 @@ def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Cas
 
     if isinstance(reducer, RvReducer):
         return None
-    sizes, reason = casing_or_none(reducer, motor, cover_material)
-    if sizes:
-        warn(reducer.design.name, describe_violations(reducer, sizes))
+    casing, reason = casing_or_none(reducer, motor, cover_material)
+    if casing:
+        warn(reducer.design.name, describe_violations(reducer, casing))
     else:
         warn(reducer.design.name, (f"without covers: {reason}",))
-    return sizes
+    return casing
 
 
-def _drawing_files(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
+def _drawing_files(reducer: Reducer, casing: "Casing | None") -> dict[str, bytes]:
     """Draw all manufactured parts: one PDF, and a DXF of each part."""
     from cycloid_mj.plots.drawings import drawing_files
 
-    return drawing_files(reducer, sizes)
+    return drawing_files(reducer, casing)
 
 
-def _assembly_files(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
+def _assembly_files(reducer: Reducer, casing: "Casing | None") -> dict[str, bytes]:
     """Return the assembly as STEP, and with covers also its exploded view and the assembly instructions."""
     from cycloid_mj.plots.exploded import assembly_files
 
-    return assembly_files(reducer, sizes)
+    return assembly_files(reducer, casing)

@@ -336,38 +336,38 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
     """
 
     def measure_design(
-        design_options: flags.PresetOptions = flags.PRESET, *, options: MeasureOptions, delivered: MeasureDelivery
+        design_options: flags.PresetOptions = flags.PRESET, *, options: MeasureOptions, output_flags: MeasureDelivery
     ) -> int:
-        return _measure_designs(name, [design_options.resolve_checked(options.values())], options, delivered)
+        return _measure_designs(name, [design_options.resolve_checked(options.values())], options, output_flags)
 
     def measure_designs(
         *designs: Annotated[
             flags.DesignNames,
             Parameter(help=f"Designs: presets ({flags.NAMES}) or TOML files. Default: pin and nonpin."),
         ],
-        design: flags.SeveralFlag = (),
-        set_: flags.SetFlag = (),
+        more_designs: flags.SeveralFlag = (),
+        changes: flags.SetFlag = (),
         at_c: flags.TemperatureFlag = None,
         options: MeasureOptions,
-        delivered: MeasureDelivery,
+        output_flags: MeasureDelivery,
     ) -> int:
-        """Measure several designs, by default pin and nonpin; return the exit code."""
-        chosen = [flags.DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
+        """Measure designs named by position or by ``--design``, with the same changes of each; return the exit code."""
+        chosen = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *more_designs) or BOTH]
         resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
-        return _measure_designs(name, resolved, options, delivered)
+        return _measure_designs(name, resolved, options, output_flags)
 
     command: Any = measure_designs if options is TorqueOptions else measure_design
     option_types: dict[str, type[Any]] = {
         "design_options": flags.PresetOptions,
         "options": options,
-        "delivered": MeasureDelivery,
+        "output_flags": MeasureDelivery,
     }
     flat_types = {
         word: Annotated[kind, flags.FLAT] for word, kind in option_types.items() if word in command.__annotations__
     }
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat_types
-    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": MeasureDelivery()}
+    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "output_flags": MeasureDelivery()}
     typed_command: Callable[..., int] = command
     return typed_command
 

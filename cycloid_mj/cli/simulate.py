@@ -156,7 +156,7 @@ def review_of(log: Path) -> Path:
 def _with_explanations(
     outcome: Outcome,
     findings: "Findings",
-    logged_run: "Ran",
+    logged_run: "LoggedRun",
     page: Path | None,
     design_options: DesignOptions,
     quiet: bool,
@@ -214,11 +214,11 @@ def _explain_unloaded_run(design: Design) -> Iterator[str]:
         yield f"at the nominal torque of {design.rated_torque:.4g} N m, by statics: {', '.join(figure_texts)}"
 
 
-def _draw_page(ran: "Ran", quiet: bool) -> str:
+def _draw_page(logged_run: "LoggedRun", quiet: bool) -> str:
     from cycloid_mj.report import review_page
 
     with show_activity("drawing the page of the run", quiet):
-        return review_page(ran.log, ran.run)
+        return review_page(logged_run.log, logged_run.run)
 
 
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
@@ -250,7 +250,7 @@ def _command(words: Sequence[str], comment: str) -> str:
 
 
 @dataclass(frozen=True)
-class Ran:
+class LoggedRun:
     """A logged run.
 
     Attributes
@@ -349,7 +349,7 @@ def run_into_log(
     solver: "Solver" = "mujoco",
     viewable: bool = True,
     keep_run: bool = False,
-) -> Ran:
+) -> LoggedRun:
     """Simulate a design into the first log of `names` that does not exist, evaluate the run, and return its summary.
 
     If the run cannot be evaluated, the summary has the error in place of the findings.
@@ -401,7 +401,7 @@ def run_into_log(
             findings_file = {"findings.json": dumps(findings.as_json(), indent=2).encode()}
         log.close(note, attachments=findings_file)
     kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
-    return Ran(log.path, plan.steps, wall, findings, kept_run)
+    return LoggedRun(log.path, plan.steps, wall, findings, kept_run)
 
 
 def _log_opener(

@@ -106,7 +106,8 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
         Exactly one trial (simulations and their results) of each design under each load, in any order. Solver and
         settings are the same for all; only the duration may depend on the load.
     sensitivity
-        Sensitivities of their dynamic quantities, if computed.
+        How the dynamic quantities of each design change with an assumption of the simulation, such as the damping;
+        empty if this is not computed.
 
     Returns
     -------

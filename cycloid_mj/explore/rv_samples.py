@@ -306,10 +306,11 @@ def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: 
 def _errors_of_sample(
     reducer: RvReducer, deviations: Mapping[str, Array], row: int
 ) -> dict[str, dict[str, float | tuple[float, ...]]]:
-    """Return the errors of the parts of one sample [m] as changes of the design: by table, then by key.
+    """Return the errors of one sample [m] as changes of the design file: by name of the table, then by key.
 
-    They are its deviations plus the errors of the nominal reducer. `deviations` are the errors of all samples [m],
-    shape (samples,), by names such as ``bore_x_1``. `row` is the index of the sample.
+    An error of a part is that of the nominal reducer plus the random deviation of the sample. A key with a value for
+    each bore, eccentric or pin has a tuple. `deviations` are the random deviations of all samples [m] by names such as
+    ``bore_x_1``, shape (samples,) each. `row` is the index of the sample.
     """
     changes: dict[str, dict[str, float | tuple[float, ...]]] = {"crank_errors": {}, "errors": {}}
     for field in (field for fields in ERRORS.values() for field in fields):

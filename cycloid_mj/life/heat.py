@@ -196,9 +196,11 @@ def cooling_area(reducer: Reducer) -> float:
     """
     design = reducer.design
     if has_casing(reducer):
-        sizes = casing(reducer)
-        bolted = sizes.motor.circle**2 + sizes.flange_radius**2
-        return math.pi * (2.0 * sizes.outer * (sizes.outer + sizes.top - sizes.face) - bolted)
+        drive_casing = casing(reducer)
+        bolted = drive_casing.motor.circle**2 + drive_casing.flange_radius**2
+        return math.pi * (
+            2.0 * drive_casing.outer * (drive_casing.outer + drive_casing.top - drive_casing.face) - bolted
+        )
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
 

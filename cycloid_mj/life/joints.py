@@ -134,9 +134,11 @@ def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Itera
 
 def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
     """Return the screwed joints of a drive with covers."""
-    sizes = casing(reducer)
-    joints = drive_joints(reducer, sizes)
-    return tuple(_make_screwed_joint(reducer, sizes, joint) for joint in joints if joint.kind is JointKind.SCREWED)
+    drive_casing = casing(reducer)
+    joints = drive_joints(reducer, drive_casing)
+    return tuple(
+        _make_screwed_joint(reducer, drive_casing, joint) for joint in joints if joint.kind is JointKind.SCREWED
+    )
 
 
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
@@ -279,8 +281,8 @@ def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> Screw
     return replace(screwed_joint, limits=limits)
 
 
-def _foreign_thread(sizes: Casing, joint: Joint) -> float:
-    return sizes.motor.thread if MOTOR in joint.parts else sizes.flange_bolt.thread
+def _foreign_thread(casing: Casing, joint: Joint) -> float:
+    return casing.motor.thread if MOTOR in joint.parts else casing.flange_bolt.thread
 
 
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
@@ -427,14 +429,14 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 
     `torques` are the torques on crank, carrier and ring at the peak torque of the output.
     """
-    sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
-    bore, shrunk = sizes.motor_bore, shrink_fit(reducer, sizes)
+    drive_casing, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
+    bore, shrunk = drive_casing.motor_bore, shrink_fit(reducer, drive_casing)
     if bore:
         radius, low, high = bore
         yield _rate_glued_shaft(
             "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low
         )
-    for joint in drive_joints(reducer, sizes):
+    for joint in drive_joints(reducer, drive_casing):
         if joint.kind is JointKind.KEYED:
             yield _rate_key(reducer, joint, torques.crank, shaft)
         elif shrunk and joint.kind is JointKind.PRESSED and names.SHAFT in joint.parts:

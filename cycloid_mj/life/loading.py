@@ -287,10 +287,10 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
 
 
 def slides_in_seat(design: Design, friction: FilmFriction | None, shape: tuple[int, ...]) -> Mask:
-    """Return which contacts of ring pins slide in the seat instead of on the flank of the disc, of a shape.
+    """Return whether each ring pin slides in its seat, and not on the flank of the disc, as an array of a shape.
 
-    With the law ``coulomb`` (`friction` is None), all pins slide where the coefficients of the design are lower. With
-    the law ``film``, each contact slides where its `friction` is lower.
+    A pin slides where friction is lower. With the law ``coulomb`` (`friction` is None), this is the same for all pins,
+    and the result has the shape `shape`. With the law ``film``, the result is ``friction.rolls``.
     """
     if friction is not None:
         return friction.rolls

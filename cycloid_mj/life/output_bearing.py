@@ -235,11 +235,13 @@ def _cover_seat_stiffness(reducer: Reducer) -> float:
 
     A plastic cover is assumed to be rigid from the circle of its screws outwards.
     """
-    sizes, cover = casing(reducer), reducer.design.material_of(names.HOUSING)
+    drive_casing, cover = casing(reducer), reducer.design.material_of(names.HOUSING)
     if not cover.is_plastic:
         return math.inf
-    outside = 2.0 * sizes.screws.circle
-    return seat_stiffness(sizes.hub.outside, outside, sizes.hub.width, cover.youngs_modulus, cover.poisson)
+    outside = 2.0 * drive_casing.screws.circle
+    return seat_stiffness(
+        drive_casing.hub.outside, outside, drive_casing.hub.width, cover.youngs_modulus, cover.poisson
+    )
 
 
 def balls_of(bearing: StockBearing) -> BallRow:
@@ -263,8 +265,8 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
     RunError
         No static equilibrium exists.
     """
-    sizes, design = casing(reducer), reducer.design
-    hub, face = sizes.hub, sizes.ends[1]
+    drive_casing, design = casing(reducer), reducer.design
+    hub, face = drive_casing.hub, drive_casing.ends[1]
     speed = abs(design.drive.speed) / design.reduction
     exponent = rolling.EXPONENT if hub.has_crossed_rollers else rolling.BALL_EXPONENT
     lasting_force = rolling.load_for_life(hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent)
@@ -272,9 +274,9 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
     if hub.has_crossed_rollers:
         load, moment = _own_load_and_moment(reducer)
         retainer = retainer_joint(reducer)
-        lever, preload = face - 0.5 * sum(sizes.bearings[-1]), retainer.count * retainer.preload
+        lever, preload = face - 0.5 * sum(drive_casing.bearings[-1]), retainer.count * retainer.preload
         return CrossedRollerBearing(hub, lever, capacity, load, gaping_moment(retainer) - moment, preload)
-    inner, outer = sizes.load_centres
+    inner, outer = drive_casing.load_centres
     return OutputBearings(
         bearing=hub,
         row=balls_of(hub),

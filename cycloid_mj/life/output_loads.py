@@ -143,12 +143,12 @@ def _output_planes(reducer: Reducer, loading: Loading) -> Planes:
 
     `loading` has the solved forces.
     """
-    sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
+    drive_casing, planes = casing(reducer), list(reducer.design.gear.disc_planes)
     forces = loading.on_output
-    if sizes.far:
+    if drive_casing.far:
         cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
         x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
         hub_force = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
         forces = np.concatenate([forces, hub_force[:, np.newaxis]], axis=1)
-        planes.append(0.5 * sum(sizes.far))
+        planes.append(0.5 * sum(drive_casing.far))
     return Planes(forces, np.array(planes))

@@ -104,11 +104,11 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
         friction = loading.contacts.friction
         assert friction is not None
         surfaces = film.displaced(loading.contacts.departures).surfaces
-        entrainment, radius = weighted_contact(friction.rolls, surfaces, loading.contacts.teeth)
+        entrainment, radius = mean_speed_and_radius(friction.rolls, surfaces, loading.contacts.teeth)
     return factors_of_contact(design, entrainment, radius, limit)
 
 
-def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
+def mean_speed_and_radius(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
     """Return the mean entrainment speed [m/s] and the reduced radius [m] of tooth contacts, weighted by their forces.
 
     The radius is the inverse of the mean curvature.

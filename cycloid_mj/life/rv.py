@@ -17,7 +17,7 @@ from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import Ratings, RollerRow, oil_viscosity, rate_modified_life
 from cycloid_mj.life.duty import Duty, describe_condition
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
-from cycloid_mj.life.pitting_factors import factors_of_contact, weighted_contact
+from cycloid_mj.life.pitting_factors import factors_of_contact, mean_speed_and_radius
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.film import CRANK_TAPER
@@ -265,7 +265,7 @@ def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
     """
     loads = solve_running_equilibrium(reducer, torque)
     surfaces = film_over_turn(reducer, float(np.sign(torque))).surfaces(loads)
-    return weighted_contact(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
+    return mean_speed_and_radius(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
 
 
 def _rate_lubricated(

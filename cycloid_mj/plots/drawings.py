@@ -25,12 +25,11 @@ PAGE = (16.54, 11.69)
 ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
 
 
-def drawing_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
+def drawing_files(reducer: Reducer, casing: Casing | None) -> dict[str, bytes]:
     """Draw the manufactured parts of a drive, and return the contents of the files: file name -> bytes.
 
-    The files are ``drawings.pdf`` with a page for each part, and ``NAME-drawing.dxf`` for each part. `sizes` are the
-    dimensions of the covers, which an RV reducer does not need; without them, a drive with a central crank has no
-    drawings, and the result is empty.
+    The files are ``drawings.pdf`` with a page for each part, and ``NAME-drawing.dxf`` for each part. With `casing`
+    None, the result is empty, except for an RV reducer, which has no casing.
 
     Raises
     ------
@@ -41,8 +40,8 @@ def drawing_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
     """
     if isinstance(reducer, RvReducer):
         drawings = rv_part_drawings(reducer)
-    elif sizes:
-        drawings = part_drawings(reducer, sizes)
+    elif casing:
+        drawings = part_drawings(reducer, casing)
     else:
         return {}
     pages = [drawing_figure(drawing) for drawing in drawings]

@@ -30,30 +30,29 @@ ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded.png"
 """Files of an assembly."""
 
 
-def assembly_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
+def assembly_files(reducer: Reducer, casing: Casing | None) -> dict[str, bytes]:
     """Encode the assembly (STEP), and where there are covers its exploded view (PNG) and the order of assembly.
 
     Errors as `assembly_step`.
     """
-    files = {ASSEMBLY: assembly_step(reducer, 0.0, sizes)}
-    return files | instruction_files(reducer, sizes) if sizes else files
+    files = {ASSEMBLY: assembly_step(reducer, 0.0, casing)}
+    return files | instruction_files(reducer, casing) if casing else files
 
 
-def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
+def instruction_files(reducer: Reducer, casing: Casing) -> dict[str, bytes]:
     """Encode the exploded view of a drive (PNG) and the order of its assembly (text)."""
-    steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, sizes), start=1))
-    return {EXPLODED: encode_figure(exploded_figure(reducer, sizes), "png"), ORDER: "".join(steps).encode()}
+    steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, casing), start=1))
+    return {EXPLODED: encode_figure(exploded_figure(reducer, casing), "png"), ORDER: "".join(steps).encode()}
 
 
 @with_style
-def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
+def exploded_figure(reducer: Reducer, casing: Casing) -> Figure:
     """Draw the axial section of a drive twice: assembled, and below it exploded along the axis.
 
     In the exploded view, the groups of `exploded_groups` follow each other, with a label that has the number of their
-    parts. Parts off the axis are rotated about it into the plane of the section. `sizes` are the dimensions of the
-    casing.
+    parts. Parts off the axis are rotated about it into the plane of the section.
     """
-    geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
+    geometry, components = assembly_parts(reducer, casing), place_parts(reducer, 0.0, casing)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     assembled_axes, exploded_axes = figure.subplots(2, 1)
@@ -77,7 +76,7 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
         exploded_axes.annotate(
             f"{position + 1}  {text}",
             (mid_height, MILLIMETRES * largest_radius),
-            (mid_height, 1.12 * MILLIMETRES * sizes.outer),
+            (mid_height, 1.12 * MILLIMETRES * casing.outer),
             rotation=60,
             fontsize=6.5,
             arrowprops={"arrowstyle": "-", "linewidth": 0.3, "color": "#7A8590"},

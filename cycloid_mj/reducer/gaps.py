@@ -204,14 +204,14 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         - np.sum(displacement * inward_normal, axis=-1)
         + profile_error(errors.waves, lines.t)
         + worn,
-        slope=_by_unknown(reducer, disc, inward_normal, arm, np.zeros(arm.shape)),
+        slope=_gradient_by_pose(reducer, disc, inward_normal, arm, np.zeros(arm.shape)),
         shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
-        shift_slope=_by_unknown(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
+        shift_slope=_gradient_by_pose(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
         curvature=middle_curvature,
         curvature_rate=np.asarray(curvature_rate),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
-        slip_slope=_by_unknown(reducer, disc, tangent, sliding_arm, np.zeros(arm.shape)),
+        slip_slope=_gradient_by_pose(reducer, disc, tangent, sliding_arm, np.zeros(arm.shape)),
     )
 
 
@@ -242,14 +242,14 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         clearance=np.full(normal_arm.shape, reducer.output_clearance),
         play=np.zeros(normal_arm.shape),
         distance=np.sum(hole_displacement * push_direction, axis=-1) + worn,
-        slope=_by_unknown(reducer, disc, push_direction, normal_arm, -normal_arm),
+        slope=_gradient_by_pose(reducer, disc, push_direction, normal_arm, -normal_arm),
         shift=-np.sum(hole_displacement * tangent, axis=-1),
-        shift_slope=_by_unknown(reducer, disc, -tangent, -tangent_arm, tangent_arm),
+        shift_slope=_gradient_by_pose(reducer, disc, -tangent, -tangent_arm, tangent_arm),
         curvature=np.full(normal_arm.shape, -1.0 / gear.eccentricity),
         curvature_rate=np.zeros(normal_arm.shape),
         phase=np.zeros(normal_arm.shape),
         relative_curvature=np.full(normal_arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
-        slip_slope=_by_unknown(
+        slip_slope=_gradient_by_pose(
             reducer, disc, tangent, tangent_arm + output.hole_radius, -(tangent_arm + output.pin_radius)
         ),
     )
@@ -286,7 +286,7 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     )
 
 
-def _by_unknown(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
+def _gradient_by_pose(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
     """Return the gradient [1] of n gaps of one disc by the pose of all D discs and the output, shape (..., n, 3 D + 1).
 
     The pose is x, y and rotation of each disc, and the rotation of the output; rotations are multiplied by the radius

@@ -96,7 +96,8 @@ class TrialScene:
     def simulate_deviation(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Simulate a number of time steps under an output torque [N m] that is a function of time [s].
 
-        Return the deviation L of the output after each step [rad], shape (steps,), or None if the simulation diverges.
+        It starts from the present state. Return the output's angle minus its ideal angle after each step [rad], shape
+        (steps,), or None if the simulation diverges.
         """
         reduced, deviations = self.reduced, np.empty(steps)
         # MuJoCo warns much later

@@ -447,8 +447,10 @@ def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
     `requirement` is that for the drive.
     """
     try:
-        sizes = casing(reducer, requirement.motor)
-        if 2.0 * sizes.outer > requirement.diameter + ROUNDING or any(describe_missing_dowels(reducer, sizes)):
+        drive_casing = casing(reducer, requirement.motor)
+        if 2.0 * drive_casing.outer > requirement.diameter + ROUNDING or any(
+            describe_missing_dowels(reducer, drive_casing)
+        ):
             return False
         failed = (item for item in sound_checks(reducer) if not item.passed)
         if any(item.severity == "error" or item.name in WALLS for item in failed):

@@ -13,14 +13,14 @@ from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.life.heat import COOLING
 from cycloid_mj.sizing.answer import FeasibleChange
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
+from cycloid_mj.sizing.search import SETTINGS, Pool, create_pool
 from cycloid_mj.sizing.solve import (
     LENGTH_WORDS,
+    create_pools,
     find_drive,
     finer_requirements,
     is_feasible,
     least_length,
-    pools_of,
 )
 
 MIN_SPEED = 30.0 * RPM
@@ -65,7 +65,7 @@ def remedies(
     """
     if not pool:  # no drive of this size exists: that of the next larger size predicts others
         larger = (change.requirement for change in list_changes(requirement, "diameter")[3::4])
-        pools = (pool_of(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
+        pools = (create_pool(changed.but(discs=changed.numbers_of_discs[0])) for changed in larger)
         pool = next(filter(None, pools), None)
     if not pool:
         return
@@ -109,7 +109,7 @@ class RemedySearch:
     def _rate(self, changed: Requirement) -> float:
         """Return the largest torque that the ratings so far and a few more show, with the effect of a study [N m]."""
         torque = 0.0
-        for pool in pools_of(changed, self.pool):
+        for pool in create_pools(changed, self.pool):
             if drive := find_drive(pool, study=False, max_evaluations=SETTINGS.few_ratings):
                 return drive.capacity
             torque = max(torque, pool.rated_torque)
@@ -152,7 +152,7 @@ def _first_above(function: Callable[[int], float], bound: float, low: int, high:
 def _shorten_remedy(remedy: FeasibleChange, required: float) -> FeasibleChange:
     """Replace the length in a remedy by the smallest feasible length, if it exceeds the `required` length [m]."""
     changed = remedy.requirement
-    length = least_length(pools_of(changed)) if changed.length > required else math.inf
+    length = least_length(create_pools(changed)) if changed.length > required else math.inf
     if not length < changed.length:
         return remedy
     old_text, new_text = (LENGTH_WORDS.format(MILLIMETRES * value) for value in (changed.length, length))

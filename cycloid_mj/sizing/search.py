@@ -251,7 +251,7 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
 
 @dataclass(eq=False)
 class Pool:
-    """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates.
+    """Set of candidate drives for a requirement, with their estimates, and the ratings so far, which correct these.
 
     `guess` are the estimates of all candidates. `rated` has None where a candidate cannot be built or balanced, or
     jams. The tooth forces of ratings are those of one of the tolerance `samples`. By the point of a rated candidate,
@@ -566,10 +566,11 @@ def floor_digits(value: float) -> float:
     return significant(math.floor(value / scale) * scale)
 
 
-def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None:
-    """Return a pool of good, diverse candidates for a requirement (its elites); None if no drive can be built.
+def create_pool(requirement: Requirement, source: Pool | None = None) -> Pool | None:
+    """Search good, diverse candidates for a requirement, and return this pool; None if no drive can be built.
 
-    It shares the corrections of estimates with the pool `source`, if there is one.
+    The factors by which computed ratings correct the estimates of capacity, mass and so on are shared with the pool
+    `source`, if there is one.
     """
     pool = Pool.of(requirement, _find_elites(requirement.kind))
     if not pool:

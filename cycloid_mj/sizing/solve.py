@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange
 from cycloid_mj.sizing.objective import shortest, strongest
 from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, floor_digits, pool_of
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, create_pool, floor_digits
 
 LENGTH_WORDS = "a length of {:.4g} mm"
 """Words of a change of the length [mm]."""
@@ -25,7 +25,7 @@ MAX_RATIOS = 7
 
 
 class Trial(NamedTuple):
-    """A pool, whose requirement has discs and clearances, and its best drive, which meets the requirement."""
+    """A set of candidates (pool) with the same discs and clearance, and its best drive, which meets the requirement."""
 
     pool: Pool
     best: Rated
@@ -37,9 +37,10 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     Returns
     -------
     tuple
-        Three values. If the requirement is feasible: the best drive with its pool, an answer without drives yet, and
-        None. Otherwise: None; the answer with the largest torque, what limits it, and the smallest feasible length as a
-        remedy; and the pool of the drive with this torque, or None if there are no candidates.
+        Three values. If the requirement is feasible: the best drive with the set of candidates that was searched (its
+        pool), an answer without drives yet, and None. Otherwise: None; the answer with the largest torque, what limits
+        it, and the smallest feasible length as a remedy; and the pool of the drive with this torque, or None if there
+        are no candidates.
     """
     trial, failed = _search_pools(requirement)
     if trial:
@@ -59,7 +60,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 def _search_pools(requirement: Requirement) -> tuple[Trial | None, list[Pool]]:
     """Return the first drive that meets a requirement, or None, and the pools of candidates searched before in vain."""
     failed: list[Pool] = []
-    for pool in pools_of(requirement):
+    for pool in create_pools(requirement):
         if drive := find_drive(pool, study=True):
             return Trial(pool, drive), failed
         failed.append(pool)
@@ -74,7 +75,7 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     times the torque, until one fails.
     """
     unlimited = requirement.but(torque=QUANTITIES["torque"].high)
-    pool = max(pools_of(unlimited), key=_rated_merit)
+    pool = max(create_pools(unlimited), key=_rated_merit)
     drive = pool.best(strongest(pool.requirement))
     drive = drive and pool.nearer_to_capacity(drive)
     while drive and EXCESS * drive.torque <= unlimited.torque:
@@ -135,10 +136,10 @@ def least_length(pools: Iterable[Pool]) -> float:
 
 def is_feasible(requirement: Requirement) -> bool:
     """Return whether a new search finds a drive that meets a requirement, without looking for the lightest."""
-    return any(find_drive(pool, study=False) and find_drive(pool, study=True) for pool in pools_of(requirement))
+    return any(find_drive(pool, study=False) and find_drive(pool, study=True) for pool in create_pools(requirement))
 
 
-def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
+def create_pools(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
     """Yield the pools of candidates to search for a requirement: one for each number of discs and each clearance.
 
     If no clearance is required, the first pool has the usual clearance. Pools with finer clearances follow, because
@@ -148,7 +149,7 @@ def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[P
     for discs in requirement.numbers_of_discs:
         fixed = requirement.but(discs=discs)
         same_size = source and source.requirement.diameter == fixed.diameter
-        pool = source.changed(fixed) if source and same_size else pool_of(fixed, source)
+        pool = source.changed(fixed) if source and same_size else create_pool(fixed, source)
         while pool:
             yield pool
             finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
@@ -183,9 +184,9 @@ def _describe_torque_limit(pool: Pool) -> str:
 def _describe_infeasible_size(requirement: Requirement) -> str:
     """Describe why no drive of the required size exists: parts in stock, motor shaft, or ratio and clearance."""
     discs = requirement.numbers_of_discs[0]
-    if not requirement.custom and pool_of(requirement.but(custom=True, discs=discs)):
+    if not requirement.custom and create_pool(requirement.but(custom=True, discs=discs)):
         return "no pins and bearings in stock fit"
-    if requirement.motor != "auto" and pool_of(requirement.but(motor="auto", discs=discs)):
+    if requirement.motor != "auto" and create_pool(requirement.but(motor="auto", discs=discs)):
         return f"no crank that fits is thick enough for the shaft of the motor {requirement.motor}"
     return (
         f"no disc with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm with "
@@ -220,7 +221,7 @@ def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
     ratios = [round(low + (high - low) * number / max(count - 1, 1)) for number in range(count)]
 
     def torque(ratio: int) -> float:
-        pool = pool_of(requirement.but(ratio=ratio, discs=requirement.numbers_of_discs[0]))
+        pool = create_pool(requirement.but(ratio=ratio, discs=requirement.numbers_of_discs[0]))
         return pool.promise if pool else 0.0
 
     return requirement.but(ratio=max(ratios, key=torque))

@@ -285,15 +285,16 @@ def _unknowns(reducer: RvReducer) -> int:
 
 
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return the displacement of each eccentric from its bore without load, and its gradient by the unknowns.
+    """Return the displacement of each eccentric from its bore by manufacturing errors, and the gradient of it.
 
-    `crank` are crank angles against the ring [rad], shape (m,). There are D discs, n cranks and u unknown
-    displacements, which the module docstring lists.
+    `crank` are crank angles against the ring [rad], shape (m,). There are D discs, n cranks and u unknown displacements
+    [m]: x, y and rotation of each disc, the rotations of the carrier and of each crank, and x and y of the sun.
+    Rotations are multiplied by the radius of the circle of crank axes.
 
     Returns
     -------
     tuple
-        Displacement in x and y (m, D, n, 2) [m], and gradient (m, D, n, 2, u) [1].
+        Displacement in x and y (m, D, n, 2) [m], and gradient by the unknowns (m, D, n, 2, u) [1].
     """
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)

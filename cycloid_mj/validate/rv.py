@@ -58,9 +58,9 @@ CONDITIONS = RvConditions()
 def rows(quick: bool) -> list[ValidationRow]:
     """Return the rows of this step; runs in MuJoCo are left out if it is to be quick."""
     reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}))
-    run_rows = _run_rows(reducer, "planar", CONDITIONS.settled, CONDITIONS.hold)
+    run_rows = _compare_run_with_statics(reducer, "planar", CONDITIONS.settled, CONDITIONS.hold)
     if not quick:
-        run_rows += _run_rows(reducer, "mujoco", CONDITIONS.short_settled, CONDITIONS.short_hold)
+        run_rows += _compare_run_with_statics(reducer, "mujoco", CONDITIONS.short_settled, CONDITIONS.short_hold)
     return [*_static_rows(reducer), *run_rows]
 
 
@@ -100,7 +100,7 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
     ]
 
 
-def _run_rows(reducer: RvReducer, solver: Solver, settled: float, hold: float) -> list[ValidationRow]:
+def _compare_run_with_statics(reducer: RvReducer, solver: Solver, settled: float, hold: float) -> list[ValidationRow]:
     """Compare ratio, wind-up, crank bearing forces and efficiency of a run with statics at its crank angles.
 
     The ratio is the quotient of the angles by which sun and output turn. Its bound is 0.01 %: in the 6 ms of a run in

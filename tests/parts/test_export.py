@@ -479,7 +479,7 @@ def test_the_shaft_is_bored_for_the_motor_in_every_format(name: str, file_format
     assert bore is not None
     radius, start, end = bore
     content = export(PRESETS[name], file_format, CHORD_ERROR).files[f"shaft.{file_format}"]
-    bored = separate_parts(reducer, sizes=sizes)["shaft"]
+    bored = separate_parts(reducer, casing=sizes)["shaft"]
     plain = fit_part(reducer, sizes, "shaft", lay_out_parts(reducer)["shaft"])
     volume = mass_properties(bored.solid(FINE)).volume
     removed = math.pi * radius**2 * (end - start)

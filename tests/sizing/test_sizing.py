@@ -36,7 +36,7 @@ from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode, with_p
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.objective import DEVIATIONS, Objective, lightest, most_efficient
 from cycloid_mj.sizing.requirement import Requirement, make_requirement
-from cycloid_mj.sizing.search import Rated, first_drive, pool_of, rate_candidate
+from cycloid_mj.sizing.search import Rated, create_pool, first_drive, rate_candidate
 from cycloid_mj.sizing.solve import best_ratio, length_parts, solve
 from cycloid_mj.statics.sheet import sheet
 
@@ -399,7 +399,7 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
 @pytest.mark.parametrize("asked", [Requirement(119, 0.4, 600.0, discs=1), Requirement(39, 0.09, 15.0)], ids=str)
 def test_most_candidates_can_be_built(asked: Requirement) -> None:
     """At 400 mm none of the strongest could: their pins are not in stock, or their sockets meet."""
-    pool = pool_of(asked)
+    pool = create_pool(asked)
     assert pool
     strongest_first = capacity(pool.guess).argsort()[::-1]
     built = [build_drive(asked, pool.sizes[row], asked.torque) for row in strongest_first[:40:2]]
@@ -468,7 +468,7 @@ def _find_best(objective: Objective, figures: Estimate) -> int:
 
 def test_estimates_of_the_strongest_candidates_are_within_a_half_of_their_ratings() -> None:
     """Estimates for perfect teeth were three to ten times what drives within their tolerances carry."""
-    pool = pool_of(SMALL.but(torque=1e3))
+    pool = create_pool(SMALL.but(torque=1e3))
     assert pool
     estimated = capacity(pool.guess)
     rows = estimated.argsort()[-3:]
@@ -489,7 +489,7 @@ ESTIMATED = (
 @pytest.mark.parametrize("asked", cases(ESTIMATED, ESTIMATED[0]), ids=lambda asked: f"{asked.process} {asked.ratio}:1")
 def test_estimates_of_the_torque_count_the_errors_of_the_parts(asked: Requirement) -> None:
     """With two discs, estimates for equal loads of both were up to four times what drives carry."""
-    pool = pool_of(asked)
+    pool = create_pool(asked)
     assert pool
     estimated = capacity(pool.guess)
     strong = np.flatnonzero(estimated > 0.25 * estimated.max())
@@ -503,7 +503,7 @@ def test_estimates_of_the_torque_count_the_errors_of_the_parts(asked: Requiremen
 
 def test_a_study_after_one_at_too_much_torque_is_slightly_below_its_capacity(monkeypatch) -> None:
     """After a study at 26.7 N m with a capacity of 24.9 N m, the next was at 22.4 N m."""
-    pool = pool_of(SMALL.but(torque=40.0))
+    pool = create_pool(SMALL.but(torque=40.0))
     assert pool
     rated = Rated(candidate(SMALL), 26.7, {"length": 0.05}, 24.94, study={"yield_percent": 100.0})
     pool.rated[0] = rated

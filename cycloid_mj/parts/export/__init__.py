@@ -173,8 +173,8 @@ def export(
         return _encode_rv(RvReducer(widen_clearances(reducer, offset).design), encoding)
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
-    sizes = casing_or_none(reducer, motor, cover_material)[0]
-    exported = _encode_with_halves(widen_clearances(reducer, offset), encoding, sizes)
+    casing = casing_or_none(reducer, motor, cover_material)[0]
+    exported = _encode_with_halves(widen_clearances(reducer, offset), encoding, casing)
     nominal = design.clearance
     clearances = (replace(item, asked=getattr(nominal, item.pair)) for item in exported.clearances)
     return Export(exported.files, tuple(clearances))
@@ -183,7 +183,7 @@ def export(
 def drive_files(
     reducer: Reducer,
     file_format: Format,
-    sizes: Casing,
+    casing: Casing,
     chord_error: float = CHORD_ERROR,
     cam_seat: float = 0.0,
     *,
@@ -200,7 +200,7 @@ def drive_files(
         The reducer.
     file_format
         Format of the files.
-    sizes
+    casing
         Casing of the drive: covers, bearings, screws and flanges.
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines.
@@ -218,36 +218,33 @@ def drive_files(
         The extra for DXF or STEP is not installed.
     """
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
-    parts_by_name = manufactured_parts(reducer, chord_error, cam_seat, sizes)
+    parts_by_name = manufactured_parts(reducer, chord_error, cam_seat, casing)
     if encoding.is_mesh:
         return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in parts_by_name.items()}
-    assembled_parts = assembly_parts(reducer, sizes)
+    assembled_parts = assembly_parts(reducer, casing)
     drawn_parts = {name: assembled_parts[name] for name in parts_by_name}
     if encoding.is_polylines:
         return {
-            f"{name}.{file_format}": encoding.polylines_of(part, drilled_threads(reducer, sizes, name))
+            f"{name}.{file_format}": encoding.polylines_of(part, drilled_threads(reducer, casing, name))
             for name, part in drawn_parts.items()
         }
     if file_format == "dxf":
         return {
-            f"{name}.dxf": dxf_bytes(part.sections(1), drilled_threads(reducer, sizes, name), encoding.arcs)
+            f"{name}.dxf": dxf_bytes(part.sections(1), drilled_threads(reducer, casing, name), encoding.arcs)
             for name, part in drawn_parts.items()
         }
-    return {f"{name}.step": _encode_drive_part(reducer, sizes, name, part) for name, part in drawn_parts.items()}
+    return {f"{name}.step": _encode_drive_part(reducer, casing, name, part) for name, part in drawn_parts.items()}
 
 
-def _encode_drive_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> bytes:
+def _encode_drive_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> bytes:
     """Encode a part of a drive as a STEP file, with its broken edges and the holes across its axis."""
-    edges, bores = broken_edges(reducer, sizes, part), cross_holes_of(reducer, sizes, name)
+    edges, bores = broken_edges(reducer, casing, part), cross_holes_of(reducer, casing, name)
     return step_part(name, part.sections(SPLINES), edges=edges, bores=bores)
 
 
-def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:
-    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF.
-
-    `sizes` is the casing of the drive.
-    """
-    for joint in drive_joints(reducer, sizes):
+def drilled_threads(reducer: Reducer, casing: Casing, part: str) -> Iterator[DrilledThread]:
+    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF."""
+    for joint in drive_joints(reducer, casing):
         for thread in joint.threads:
             radius = core_radius(reducer, thread.thread)
             for centres, drilled, *_ in joint.holes_in(part):
@@ -297,16 +294,16 @@ class _Encoding:
         return svg_bytes(sections) if self.file_format == "svg" else dxf_bytes(sections, threads)
 
 
-def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+def _encode_with_halves(reducer: Reducer, encoding: _Encoding, casing: Casing | None) -> Export:
     """Encode all parts of a drive as files; a ring in two halves becomes two files, with ring pins as long as a half.
 
-    `sizes` is the casing of the drive; None: the mechanism only. `encoding` has the file format and its settings.
+    `casing` None: the mechanism only. `encoding` has the file format and its settings.
     """
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
-        return _encode_parts(reducer, encoding, sizes)
+        return _encode_parts(reducer, encoding, casing)
     undivided_reducer = reducer.but(ring={"halves": 1, "preload": 0.0})
-    encoded_files = _encode_parts(undivided_reducer, encoding, sizes)
+    encoded_files = _encode_parts(undivided_reducer, encoding, casing)
     width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
     half_files = _encode_parts(undivided_reducer.but(gear={"face_width": width}), encoding, None).files
     housing = f"{names.HOUSING}.{file_format}"
@@ -321,15 +318,15 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | N
     return Export(files, encoded_files.clearances)
 
 
-def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+def _encode_parts(reducer: Reducer, encoding: _Encoding, casing: Casing | None) -> Export:
     """Encode all parts of a drive in the file format of `encoding`, and measure the clearances of their exact outlines.
 
-    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
+    The motor of the `casing` decides on the bore of the crank; None: no bore.
     """
     file_format = encoding.file_format
     if encoding.is_mesh or encoding.is_polylines:
-        return _encode_polygons(reducer, encoding, sizes)
-    shaft = bored_shaft(reducer, sizes)
+        return _encode_polygons(reducer, encoding, casing)
+    shaft = bored_shaft(reducer, casing)
     splines = SPLINES if file_format == "step" else 1
     sections = part_sections(reducer, splines) | {names.SHAFT: shaft.sections(splines)}
     discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in reducer.gears]
@@ -344,14 +341,14 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
     )
 
 
-def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+def _encode_polygons(reducer: Reducer, encoding: _Encoding, casing: Casing | None) -> Export:
     """Encode all parts of a drive as meshes or polylines, and measure the clearances between the polygons.
 
-    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore. `encoding` has the file format
-    and its settings.
+    The motor of the `casing` decides on the bore of the crank; None: no bore. `encoding` has the file format and its
+    settings.
     """
     chord_error = encoding.chord_error
-    shaft = bored_shaft(reducer, sizes, chord_error)
+    shaft = bored_shaft(reducer, casing, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}
     discs = [solids[gear].prisms[0] for gear in reducer.gears]
     loops = [[disc.outline, *disc.holes] for disc in discs]

@@ -58,16 +58,16 @@ COLOURS: Mapping[str, Colour] = {
 """Colours by family of parts."""
 
 
-def place_parts(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[PlacedPart, ...]:
+def place_parts(reducer: Reducer, crank: float = 0.0, casing: Casing | None = None) -> tuple[PlacedPart, ...]:
     """Return all parts of an assembly with their positions at a crank angle [rad], with all clearances centred.
 
-    `sizes` is the casing; None: the mechanism only, in which each ring pin is one piece.
+    `casing` None: the mechanism only, in which each ring pin is one piece.
     """
-    return tuple(_place_parts(reducer, crank, sizes))
+    return tuple(_place_parts(reducer, crank, casing))
 
 
-def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[PlacedPart]:
-    """Yield all parts of an assembly with their positions at a crank angle [rad]; `sizes` None: without the casing."""
+def _place_parts(reducer: Reducer, crank: float, casing: Casing | None) -> Iterator[PlacedPart]:
+    """Yield all parts of an assembly with their positions at a crank angle [rad]; `casing` None: without the casing."""
     design, origin = reducer.design, np.zeros(3)
     ring_angle, carrier_angle = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     angle_by_body = {names.HOUSING: ring_angle, names.SHAFT: crank, names.OUTPUT: carrier_angle}
@@ -79,7 +79,7 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
             yield place_rotated(
                 name, part, position, angle_by_body[body], names.ROLLER if part == names.ROLLER else body
             )
-    if sizes:
+    if casing:
         yield from _place_roller_bearings(reducer, carrier_angle)
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
@@ -98,9 +98,9 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
         if cam_seat(reducer) < design.gear.bore_radius:
             yield from _place_cam_bearings(reducer, disc.name, disc.origin, carrier_angle)
     if design.ring.kind == "pin":
-        yield from place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if sizes else (1, 0.0))
+        yield from place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if casing else (1, 0.0))
         yield from _place_pressed_pins(reducer, ring_angle)
-    for item in place_casing(reducer, sizes) if sizes else ():
+    for item in place_casing(reducer, casing) if casing else ():
         yield place_rotated(item.name, item.part, np.array(item.origin), angle_by_body[item.body], item.body)
 
 
@@ -143,10 +143,10 @@ def _place_pressed_pins(reducer: Reducer, ring_angle: float) -> Iterator[PlacedP
             yield PlacedPart(f"{names.PRESSED_PIN}_{number}", names.PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
 
 
-def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
+def assembly_step(reducer: Reducer, crank: float = 0.0, casing: Casing | None = None) -> bytes:
     """Encode the assembled reducer at a crank angle [rad] as one STEP file of named, coloured parts, each drawn once.
 
-    `sizes` is the casing; None: the mechanism only. It is ignored for an RV reducer.
+    `casing` None: the mechanism only. The casing is ignored for an RV reducer.
 
     Raises
     ------
@@ -159,23 +159,23 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
         sections = {name: part.sections(SPLINES) for name, part in rv_assembly_parts(reducer).items()}
         colours = {name: tint(RV_COLOURS[names.family(name)], name) for name in sections}
         return step_assembly(reducer.design.name, sections, colours, tuple(place_rv_parts(reducer, crank)))
-    parts = assembly_parts(reducer, sizes)
+    parts = assembly_parts(reducer, casing)
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}
-    edges = {name: broken_edges(reducer, sizes, part) for name, part in parts.items()} if sizes else {}
-    bores = {name: cross_holes_of(reducer, sizes, name) for name in parts} if sizes else {}
-    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes), edges, bores)
+    edges = {name: broken_edges(reducer, casing, part) for name, part in parts.items()} if casing else {}
+    bores = {name: cross_holes_of(reducer, casing, name) for name in parts} if casing else {}
+    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, casing), edges, bores)
 
 
 def assembly_sections(
-    reducer: Reducer, sizes: Casing | None = None, splines: int = SPLINES
+    reducer: Reducer, casing: Casing | None = None, splines: int = SPLINES
 ) -> dict[str, tuple[PartSection, ...]]:
     """Return the sections of `assembly_parts`, with `splines` splines per lobe; raises the same errors."""
-    return {name: part.sections(splines) for name, part in assembly_parts(reducer, sizes).items()}
+    return {name: part.sections(splines) for name, part in assembly_parts(reducer, casing).items()}
 
 
-def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, Part]:
-    """Return all parts of an assembly as exact outlines by name, with the casing unless `sizes` is None.
+def assembly_parts(reducer: Reducer, casing: Casing | None = None) -> dict[str, Part]:
+    """Return all parts of an assembly as exact outlines by name, with the casing if there is one.
 
     Pins pressed into housing or output are separate parts. Cams fit the bore of their bearing. A journal that is thick
     enough has a bore for the motor shaft.
@@ -188,8 +188,8 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     require_one_ring(reducer, "assembly")
     gear, seat, stock_bearing = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
     has_cam_bearing = seat != gear.bore_radius
-    parts = separate_parts(reducer, cam_radius(reducer) if has_cam_bearing else 0.0, sizes)
-    if sizes and (in_rollers := roller_bearing(reducer)):
+    parts = separate_parts(reducer, cam_radius(reducer) if has_cam_bearing else 0.0, casing)
+    if casing and (in_rollers := roller_bearing(reducer)):
         cup = tube(0.5 * in_rollers[0].bore, 0.5 * in_rollers[0].outside, in_rollers[0].width)
         parts[names.ROLLER_BEARING] = Part(names.ROLLER_BEARING, cut_holes(names.ROLLER_BEARING, cup), STEEL)
     if not has_cam_bearing:
@@ -201,9 +201,9 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     return parts
 
 
-def printed_materials(reducer: Reducer, sizes: Casing | None, parts: Iterable[str]) -> dict[str, tuple[str, Colour]]:
+def printed_materials(reducer: Reducer, casing: Casing | None, parts: Iterable[str]) -> dict[str, tuple[str, Colour]]:
     """Return the name of the material and the colour of each part."""
     return {
-        part: (part_material(reducer, part, sizes).name or "own", tint(COLOURS[names.family(part)], part))
+        part: (part_material(reducer, part, casing).name or "own", tint(COLOURS[names.family(part)], part))
         for part in parts
     }

@@ -101,7 +101,7 @@ class BillLine:
 def bill(
     reducer: Reducer,
     cam_seat: float = 0.0,
-    sizes: Casing | None = None,
+    casing: Casing | None = None,
     torques: Mapping[str, float] | None = None,
 ) -> tuple[BillLine, ...]:
     """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
@@ -113,7 +113,7 @@ def bill(
     ----------
     cam_seat
         Bore radius of the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
-    sizes
+    casing
         Casing of the drive; None: the mechanism only.
     torques
         Tightening torques [N m] by the name of the screws in the bill. They replace the fit in the row of these screws.
@@ -123,7 +123,7 @@ def bill(
     DesignError
         A part cannot be manufactured.
     """
-    lines = (*_manufactured_lines(reducer, cam_seat, sizes), *_bought_lines(reducer, cam_seat, sizes))
+    lines = (*_manufactured_lines(reducer, cam_seat, casing), *_bought_lines(reducer, cam_seat, casing))
     return (
         tuple(
             replace(line, fit=f"tighten with {torques[line.item]:.2g} N m") if line.item in torques else line
@@ -134,32 +134,31 @@ def bill(
     )
 
 
-def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
+def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
     """Yield bill rows of grease (a third of the free space), adhesive and sealant that a drive needs, with volumes.
 
-    `sizes` is the casing of the drive. Sealant is for the metal faces of ring and covers; plastics keep grease in
-    without it.
+    Sealant is for the metal faces of ring and covers; plastics keep grease in without it.
     """
-    parts, placements = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
+    parts, placements = assembly_parts(reducer, casing), place_parts(reducer, 0.0, casing)
     inner_placements = [
         placement
         for placement in placements
-        if placement.body != names.HOUSING and sizes.floor <= placement.origin[2] <= sizes.top
+        if placement.body != names.HOUSING and casing.floor <= placement.origin[2] <= casing.top
     ]
-    solid = sum(_inner_volume(parts[placement.part], placement.origin[2], sizes) for placement in inner_placements)
+    solid = sum(_inner_volume(parts[placement.part], placement.origin[2], casing) for placement in inner_placements)
     wall = reducer.design.ring_root_radius
     free_space = math.pi * (
-        2.0 * sizes.end * wall**2
-        + (-sizes.end - sizes.floor) * sizes.cavity**2
-        + (sizes.hub_floor - sizes.end) * sizes.output_cavity**2
+        2.0 * casing.end * wall**2
+        + (-casing.end - casing.floor) * casing.cavity**2
+        + (casing.hub_floor - casing.end) * casing.output_cavity**2
     )
     grease = CONSUMABLES.grease_fill * max(free_space - solid, 0.0)
     designation = "NLGI 1 with EP additives"
     yield _consumable("grease", grease, "lithium soap", designation, "a third of the free space")
-    glued_joints = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
+    glued_joints = [joint for joint in drive_joints(reducer, casing) if joint.kind is JointKind.GLUED]
     area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued_joints)
     glued_places = [joint.name for joint in glued_joints]
-    if bore := sizes.motor_bore:
+    if bore := casing.motor_bore:
         radius, start, end = bore
         area += 2.0 * math.pi * radius * (end - start)
         glued_places.append("motor shaft in the crank")
@@ -182,14 +181,14 @@ def _consumable(item: str, volume: float, material: str, designation: str, use: 
     return BillLine(item, 1, size, material, "consumable", designation, use, mass)
 
 
-def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
+def _inner_volume(part: Part, z: float, casing: Casing) -> float:
     """Compute the volume [m3] that a part occupies in the space of the grease.
 
     This space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
-    the height of the origin of the part in the drive. `sizes` is the casing of the drive.
+    the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
-    low, high = sizes.floor - z, sizes.hub_floor - z
+    low, high = casing.floor - z, casing.hub_floor - z
     return sum(
         abs(region_moments(prism).area) * max(min(prism.z1, high) - max(prism.z0, low), 0.0) for prism in solid.prisms
     )
@@ -208,7 +207,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
             yield f"{item.item}: no standard part has {item.size}; choose other dimensions, or have it custom-made"
 
 
-def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+def _manufactured_lines(reducer: Reducer, cam_seat: float, casing: Casing | None) -> Iterator[BillLine]:
     """Yield the rows of the bill of materials for the manufactured parts: size, material, threads and fits, and mass.
 
     Parameters
@@ -218,17 +217,17 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None)
     cam_seat
         Bore radius of the chosen cam bearing [m], which the cams fit. 0: the cams of the assembly, or without a casing,
         cams with the outer radius of the bearing.
-    sizes
+    casing
         Casing of the drive; None: the mechanism only.
     """
-    joints = drive_joints(reducer, sizes) if sizes else ()
-    assembled_parts = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
-    for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
-        bore_text = _format_bore(reducer, sizes) if name == names.SHAFT else ""
-        material = _material_name(part_material(reducer, name, sizes))
+    joints = drive_joints(reducer, casing) if casing else ()
+    assembled_parts = assembly_parts(reducer, casing) if casing and not cam_seat else {}
+    for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, casing).items():
+        bore_text = _format_bore(reducer, casing) if name == names.SHAFT else ""
+        material = _material_name(part_material(reducer, name, casing))
         drawn_part = assembled_parts.get(name, part.drawn)
         mass = part.count * mass_properties(drawn_part.solid(EXPORT_CHORD_ERROR)).mass
-        mass -= drawn_part.density * _drilled_volume(reducer, name) if sizes else 0.0
+        mass -= drawn_part.density * _drilled_volume(reducer, name) if casing else 0.0
         size, fit = _extent(drawn_part) + bore_text, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
@@ -262,7 +261,7 @@ def _thread(tapped: TappedHole) -> str:
     return f"{size}, drilled {in_mm(stock.thread_core(tapped.thread))} mm"
 
 
-def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+def _bought_lines(reducer: Reducer, cam_seat: float, casing: Casing | None) -> Iterator[BillLine]:
     """Yield the rows of the bill of materials for bought parts: pins, rollers and bearings, then those of the casing.
 
     Parameters
@@ -271,14 +270,14 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
         The reducer.
     cam_seat
         Bore radius of the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
-    sizes
+    casing
         Casing of the drive; None: the mechanism only.
     """
-    yield from _round_bar_lines(reducer, sizes)
-    yield from _roller_lines(reducer, sizes)
+    yield from _round_bar_lines(reducer, casing)
+    yield from _roller_lines(reducer, casing)
     yield from _bearing_lines(reducer, cam_seat)
-    if sizes:
-        yield from _casing_lines(reducer, sizes)
+    if casing:
+        yield from _casing_lines(reducer, casing)
     elif reducer.design.housing.support == "bolts":
         design = reducer.design
         size = f"head at most {in_mm(2.0 * design.bolt_radius)} mm, circle {in_mm(2.0 * design.bolt_circle_radius)} mm"
@@ -286,14 +285,11 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
         yield BillLine("bolt", design.housing.bolts, size, "", "bought", screw.designation if screw else "")
 
 
-def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield the rows of the bill of materials for the bought parts of all joints: bearings, screws, inserts, dowels.
-
-    `sizes` is the casing of the drive.
-    """
+def _casing_lines(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
+    """Yield the rows of the bill of materials for the bought parts of all joints: bearings, screws, inserts, dowels."""
     counts: Counter[str] = Counter()
     parts = {}
-    for part in bought_parts(drive_joints(reducer, sizes)):
+    for part in bought_parts(drive_joints(reducer, casing)):
         counts[part.item] += len(part.origins)
         parts[part.item] = part
     for item in sorted(
@@ -305,10 +301,10 @@ def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit, mass)
 
 
-def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
+def _round_bar_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLine]:
     """Yield the rows of the bill of materials for bought round bars: ring pins, output pins, shaft of several discs.
 
-    `sizes` is the casing of the drive; None: the mechanism only.
+    `casing` None: the mechanism only.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
@@ -320,7 +316,7 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
             sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
-            cut_to = sleeve_pin_length(reducer) if sizes else gear.stack_width
+            cut_to = sleeve_pin_length(reducer) if casing else gear.stack_width
             yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core, cut_to, material)
         else:
             yield _ring_pin_line(reducer, material)
@@ -329,18 +325,18 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
         size, material = (output.root_radius, length), design.material_of(names.OUTPUT)
         yield _pin_line(names.OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
     if not is_crank_manufactured(reducer):
-        yield _shaft_line(reducer, sizes)
+        yield _shaft_line(reducer, casing)
 
 
-def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
+def _shaft_line(reducer: Reducer, casing: Casing | None) -> BillLine:
     """Return the row of the bill of materials for the shaft of several discs: a ground bar with bore and keyway.
 
-    `sizes` is the casing of the drive; None: the mechanism only.
+    `casing` None: the mechanism only.
     """
     diameter = 2.0 * reducer.design.shaft.radius
-    shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
+    shaft, material = bored_shaft(reducer, casing), reducer.design.material_of(names.SHAFT)
     length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
-    key = cam_key(reducer, sizes) if sizes else None
+    key = cam_key(reducer, casing) if casing else None
     line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
     keyway = (
         f"keyway {in_mm(key.bought.width)} x {in_mm(key.bought.in_shaft)} x {in_mm(key.bought.length)} mm"
@@ -349,16 +345,16 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
     )
     bar = f"ground bar {in_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
     mass = mass_properties(shaft.solid(EXPORT_CHORD_ERROR)).mass
-    size = line.size + _format_bore(reducer, sizes)
+    size = line.size + _format_bore(reducer, casing)
     return replace(line, size=size, designation=bar, fit=keyway, mass_kg=mass)
 
 
-def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
+def _format_bore(reducer: Reducer, casing: Casing | None) -> str:
     """Format diameter and depth of the bore for the motor shaft, or of that in a hollow shaft; "" without a bore.
 
-    `sizes` is the casing of the drive; None: the mechanism only.
+    `casing` None: the mechanism only.
     """
-    bore, through_radius = sizes.motor_bore if sizes else None, reducer.design.shaft.bore_radius
+    bore, through_radius = casing.motor_bore if casing else None, reducer.design.shaft.bore_radius
     if through_radius:
         return f", bored through {in_mm(2.0 * through_radius)} mm"
     if not bore:
@@ -421,23 +417,23 @@ def _format_limits(limits: tuple[float, float]) -> str:
     return f"+-{high} um" if low == f"-{high}" else f"{high}/{low} um"
 
 
-def _roller_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
+def _roller_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLine]:
     """Yield the rows of the bill of materials for the rollers of the output pins and their needle bearings, if any.
 
     Rollers on a core are turned, or cut from a tube in stock for discs of plastic. Others are bought, and have no
-    material in the bill. `sizes` None: the mechanism only, whose rollers are drawn without bearings.
+    material in the bill. `casing` None: the mechanism only, whose rollers are drawn without bearings.
     """
     output, gear = reducer.design.output, reducer.design.gear
     if not output.rollers:
         return
-    cup, material = roller_bearing(reducer) if sizes else None, reducer.design.material_of(names.OUTPUT)
+    cup, material = roller_bearing(reducer) if casing else None, reducer.design.material_of(names.OUTPUT)
     count, bore = output.pins * gear.discs, 0.5 * cup[0].outside if cup else output.root_radius
     diameters = ("outside diameter", output.pin_radius), ("bore", bore)
     line = _round_line(names.ROLLER, count, diameters, gear.face_width, material)
     fit = f"{cup_fit(reducer, names.OUTPUT)} around its {names.ROLLER_BEARING}" if cup else ROLLER_FIT
     if not output.has_roller_parts:
         yield replace(line, material="", fit=fit)
-    elif tube := roller_tube(reducer) if sizes else None:
+    elif tube := roller_tube(reducer) if casing else None:
         fit = f"bored {fit}, cut to {in_mm(gear.face_width)} mm"
         yield replace(line, made_or_bought="made", material="steel E235+C", designation=tube.designation, fit=fit)
     else:

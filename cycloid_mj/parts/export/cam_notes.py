@@ -13,15 +13,12 @@ from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.reducer import Reducer
 
 
-def describe_cam_joint(reducer: Reducer, sizes: Casing, name: str) -> Iterator[str]:
-    """Yield the notes on the joint of cams and shaft for the drawing of the part `name`; none for other parts.
-
-    `sizes` is the casing of the drive.
-    """
+def describe_cam_joint(reducer: Reducer, casing: Casing, name: str) -> Iterator[str]:
+    """Yield the notes on the joint of cams and shaft for the drawing of the part `name`; none for other parts."""
     family = names.family(name)
     if family not in (names.SHAFT, names.CAM, names.SPACER):
         return
-    if key := cam_key(reducer, sizes):
+    if key := cam_key(reducer, casing):
         bought = key.bought
         depth, length = bought.in_hub, ""
         if family == names.SHAFT:

@@ -468,12 +468,12 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return stock bearings that fit at the output, of the kind that the design requires, the best choice last.
+    """Return the stock bearings for the output, of the kind that the design requires, the best last.
 
-    The larger of two is the better choice. `max_radius` [m] is the largest outer radius of the bearing: two minimum
-    walls, `wall` [m] each, inside of the heads of the cover screws. Crossed roller bearings leave room for their
-    retainer inside of the heads. A retainer that ends one wall before the heads is preferred to one that reaches up to
-    them.
+    Larger bearings are better; but a crossed roller bearing whose retainer ends one minimum wall inside of the heads of
+    the cover screws is better than any whose retainer reaches up to these heads. `max_radius` [m] is two minimum walls,
+    `wall` [m] each, inside of the heads. It limits only the retainers; `_choose_hub_bearing` selects a bearing that
+    fits.
     """
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":
@@ -651,10 +651,10 @@ def _retaining_radius(reducer: Reducer) -> float:
     return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else reducer.design.ring_root_radius
 
 
-def output_cover_step(sizes: Casing) -> float | None:
+def output_cover_step(casing: Casing) -> float | None:
     """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
-    step = sizes.end + sizes.grip + sizes.screws.bolt.head_height
-    fits = sizes.output_neck < sizes.screws.circle - counterbore(sizes.screws.bolt) and step < sizes.hub_floor
+    step = casing.end + casing.grip + casing.screws.bolt.head_height
+    fits = casing.output_neck < casing.screws.circle - counterbore(casing.screws.bolt) and step < casing.hub_floor
     return step if fits else None
 
 
@@ -729,25 +729,25 @@ def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wa
         )
 
 
-def flange_centres(sizes: Casing) -> Array:
+def flange_centres(casing: Casing) -> Array:
     """Compute the centres of the holes of the flange (n, 2) [m].
 
     Holes of the flange's screws (even indices) alternate with threaded holes for the load (odd indices).
     """
-    return sizes.flange_circle * unit(sizes.flange_phase + pattern_angles(sizes.flange_screws))
+    return casing.flange_circle * unit(casing.flange_phase + pattern_angles(casing.flange_screws))
 
 
-def flange_dowel_centres(sizes: Casing) -> Array:
+def flange_dowel_centres(casing: Casing) -> Array:
     """Compute the centres of the dowels of hub and flange (n, 2) [m]: one inside of each threaded hole for the load."""
-    return sizes.flange_dowel_circle * unit(sizes.flange_phase + pattern_angles(sizes.flange_screws)[1::2])
+    return casing.flange_dowel_circle * unit(casing.flange_phase + pattern_angles(casing.flange_screws)[1::2])
 
 
-def motor_centres(sizes: Casing) -> Array:
+def motor_centres(casing: Casing) -> Array:
     """Compute the centres of the motor screws (n, 2) [m]."""
-    count = sizes.motor.screws
-    return sizes.motor.circle * unit((2.0 * np.arange(count) + 1.0) * np.pi / count)
+    count = casing.motor.screws
+    return casing.motor.circle * unit((2.0 * np.arange(count) + 1.0) * np.pi / count)
 
 
-def dowel_centres(sizes: Casing) -> Array:
+def dowel_centres(casing: Casing) -> Array:
     """Compute the centres of the dowels of a face (n, 2) [m]."""
-    return sizes.dowel_circle * unit(np.array(sizes.dowel_angles))
+    return casing.dowel_circle * unit(np.array(casing.dowel_angles))

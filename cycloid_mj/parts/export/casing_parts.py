@@ -50,75 +50,72 @@ class CasingPosition:
     body: str
 
 
-def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
+def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
     """Return the parts of the casing, such as covers and flange, as cylinders with holes and pockets, by name.
 
     The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
-    adds to them. `sizes` is the casing of the drive.
+    adds to them.
     """
-    joints = drive_joints(reducer, sizes)
+    joints = drive_joints(reducer, casing)
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
-        names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, sizes)),
-        names.MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
-        names.OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
-        names.FLANGE: (names.OUTPUT, _flange_rounds(sizes)),
-        names.RETAINER: (names.HOUSING, _retainer_rounds(sizes)),
+        names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, casing)),
+        names.MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(casing)),
+        names.OUTPUT_COVER: (names.HOUSING, _output_cover(casing)),
+        names.FLANGE: (names.OUTPUT, _flange_rounds(casing)),
+        names.RETAINER: (names.HOUSING, _retainer_rounds(casing)),
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
-    for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
+    for ring in (*crank_rings(reducer, casing), *bearing_spacers(reducer, casing)):
         bore = AXIS, ring.bore, ring.low, ring.high
         parts[ring.name] = RoundPart(names.SHAFT, ((ring.radius, ring.low, ring.high),), (bore,))
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
         if holes or rounds:
-            pockets = _motor_pocket(sizes) if name == names.MOTOR_COVER else ()
+            pockets = _motor_pocket(casing) if name == names.MOTOR_COVER else ()
             parts[name] = RoundPart(material, rounds, holes, pockets=pockets)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
 
-def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
-    """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them.
-
-    `sizes` is the casing of the drive.
-    """
-    for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *((names.RETAINER,) if sizes.retainer else ())):
+def place_casing(reducer: Reducer, casing: Casing) -> Iterator[CasingPosition]:
+    """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
+    for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *((names.RETAINER,) if casing.retainer else ())):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPosition(names.FLANGE, names.FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
-    for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
+    for ring in (*crank_rings(reducer, casing), *bearing_spacers(reducer, casing)):
         yield CasingPosition(ring.name, ring.name, (0.0, 0.0, 0.0), ring.body)
-    for part in bought_parts(drive_joints(reducer, sizes)):
+    for part in bought_parts(drive_joints(reducer, casing)):
         for number, origin in enumerate(part.origins, start=part.first):
             yield CasingPosition(names.numbered_name(part.item, number), part.item, origin, part.body)
 
 
-def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
+def bored_shaft(reducer: Reducer, casing: Casing | None, chord_error: float | None = None) -> Part:
     """Return the shaft as exact outlines, adapted to its joints by `fit_part` and with the bore for the motor's shaft.
 
-    Without a casing, `sizes` None, it is the shaft of the mechanism. The crank is balanced for a `chord_error` [m] of
-    its outlines, see `lay_out_parts`.
+    With `casing` None, it is the shaft of the mechanism. The crank is balanced for a `chord_error` [m] of its outlines,
+    see `lay_out_parts`.
     """
     shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
-    if not sizes:
+    if not casing:
         return shaft
-    bore = sizes.motor_bore
+    bore = casing.motor_bore
     holes = ((AXIS, *bore),) if bore else ()
-    fitted_part = fit_part(reducer, sizes, names.SHAFT, shaft)
+    fitted_part = fit_part(reducer, casing, names.SHAFT, shaft)
     return fitted_part.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted_part.segments))
 
 
-def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
+def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
     """Adapt a part of the mechanism to its joints in a drive: axial clearances, bores, grooves and keyways.
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. So is the collar
     between two discs on a crank in one piece. Shaft, cams and spacer have keyways. Bearings in stock are pressed into
-    the discs, and rollers turn on their pins. `sizes` is the casing of the drive.
+    the discs, and rollers turn on their pins.
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
-        return part.of(_wider(item, sizes.play, item is segments[0], item is segments[-1]) for item in segments)
+        return part.of(_wider(item, casing.play, item is segments[0], item is segments[-1]) for item in segments)
     if name == names.PRESSED_PIN:
         half_pin_length = 0.5 * sleeve_pin_length(reducer)
         return part.of(replace(segment, z0=-half_pin_length, z1=half_pin_length) for segment in segments)
@@ -127,9 +124,9 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
         outline = CircleContour(ring_pin_radius(reducer))
         return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in segments)
     if name == names.OUTPUT and reducer.design.output.has_disc_seat:
-        return part.of(_fit_disc(sizes, segments))
-    if name == names.SECOND_OUTPUT and sizes.motor_bearing:
-        return part.of(_fit_second_disc(sizes, sizes.motor_bearing[1], segments))
+        return part.of(_fit_disc(casing, segments))
+    if name == names.SECOND_OUTPUT and casing.motor_bearing:
+        return part.of(_fit_second_disc(casing, casing.motor_bearing[1], segments))
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
@@ -137,27 +134,27 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
         bore = CircleContour(roller_bore(reducer))
         return part.of(replace(segment, holes=(bore,)) for segment in segments)
     if family in (names.CAM, names.SPACER, names.SHAFT):
-        return part.of(_fit_crank_segments(reducer, sizes, family, segments))
+        return part.of(_fit_crank_segments(reducer, casing, family, segments))
     return part
 
 
-def _fit_disc(sizes: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
+def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
     """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder."""
     disc, *others = segments
-    step = sizes.bearings[-1 if sizes.motor_bearing else 0][0]
-    yield replace(disc, outline=CircleContour(hub_shoulders(sizes.hub)[0]), z1=step)
-    yield replace(disc, outline=CircleContour(0.5 * sizes.hub.bore), z0=step)
+    step = casing.bearings[-1 if casing.motor_bearing else 0][0]
+    yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z1=step)
+    yield replace(disc, outline=CircleContour(0.5 * casing.hub.bore), z0=step)
     yield from others
 
 
-def _fit_second_disc(sizes: Casing, step: float, segments: Sequence[Segment]) -> Iterator[Segment]:
+def _fit_second_disc(casing: Casing, step: float, segments: Sequence[Segment]) -> Iterator[Segment]:
     """Yield the segments of a second disc of the output that is the seat of a bearing, whose shoulder starts at `step`.
 
     The shoulder is next to the cycloid discs; `step` is a position along z [m].
     """
     for disc in segments:
-        yield replace(disc, outline=CircleContour(0.5 * sizes.hub.bore), z1=step)
-        yield replace(disc, outline=CircleContour(hub_shoulders(sizes.hub)[0]), z0=step)
+        yield replace(disc, outline=CircleContour(0.5 * casing.hub.bore), z1=step)
+        yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z0=step)
 
 
 def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
@@ -165,17 +162,18 @@ def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segme
     return replace(segment, z0=segment.z0 - play * at_start, z1=segment.z1 + play * at_end)
 
 
-def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: Sequence[Segment]) -> Iterator[Segment]:
+def _fit_crank_segments(
+    reducer: Reducer, casing: Casing, family: str, segments: Sequence[Segment]
+) -> Iterator[Segment]:
     """Adapt the segments of a shaft, cam or spacer to a drive: keyways, axial clearances, and the start of a shaft.
 
     Yields the segments along z. `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
-    `sizes` is the casing of the drive.
     """
     if family == names.SHAFT:
-        segments = (*_cut_groove(sizes, replace(segments[0], z0=sizes.journal)), *segments[1:])
+        segments = (*_cut_groove(casing, replace(segments[0], z0=casing.journal)), *segments[1:])
     if reducer.design.has_one_piece_crank:
-        segments = tuple(_cut_disc_collars(reducer, sizes, segments))
-        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, segments)
+        segments = tuple(_cut_disc_collars(reducer, casing, segments))
+        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, casing, segments)
         for segment in segments:
             moves_start, moves_end = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
             shifted = replace(
@@ -185,8 +183,8 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
             )
             yield from _add_collars(shifted, collars)
         return
-    key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
-    pieces = _split_spacer(reducer, sizes, segments) if family == names.SPACER else tuple(segments)
+    key, radius = cam_key(reducer, casing), reducer.design.shaft.radius
+    pieces = _split_spacer(reducer, casing, segments) if family == names.SPACER else tuple(segments)
     if spline := cam_spline(reducer):
         yield from _cut_splines(reducer, family, pieces, spline_contour(spline))
     elif cam_clamp(reducer) and family == names.CAM:
@@ -229,13 +227,10 @@ def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], splin
         yield replace(shaft, z0=cams[-1].z1)
 
 
-def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a one-piece crank for two discs: the collar between them gets a neck at both sides.
-
-    `sizes` is the casing of the drive.
-    """
+def _cut_disc_collars(reducer: Reducer, casing: Casing, segments: Iterable[Segment]) -> Iterator[Segment]:
+    """Yield the segments of a one-piece crank for two discs: the collar between them gets a neck at both sides."""
     neck = CircleContour(reducer.design.shaft.radius)
-    length = disc_collar_neck(reducer, sizes)
+    length = disc_collar_neck(reducer, casing)
     for segment in segments:
         if names.family(segment.name) != names.SPACER:
             yield segment
@@ -246,16 +241,13 @@ def _cut_disc_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segmen
         yield replace(segment, outline=neck, z0=high)
 
 
-def _cut_groove(sizes: Casing, journal: Segment) -> Iterator[Segment]:
-    """Split the journal of a crank at the groove of its retaining ring; yield the pieces along z.
-
-    `sizes` is the casing of the drive.
-    """
-    ring = sizes.crank_end.shaft_ring
+def _cut_groove(casing: Casing, journal: Segment) -> Iterator[Segment]:
+    """Split the journal of a crank at the groove of its retaining ring; yield the pieces along z."""
+    ring = casing.crank_end.shaft_ring
     if ring is None:
         yield journal
         return
-    end = sizes.near[0]
+    end = casing.near[0]
     start = end - ring.groove_width
     yield replace(journal, z1=start)
     yield replace(journal, outline=CircleContour(0.5 * ring.groove), z0=start, z1=end)
@@ -275,68 +267,66 @@ def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Seg
         yield replace(segment, z0=start)
 
 
-def _split_spacer(reducer: Reducer, sizes: Casing, segments: Sequence[Segment]) -> tuple[Segment, ...]:
+def _split_spacer(reducer: Reducer, casing: Casing, segments: Sequence[Segment]) -> tuple[Segment, ...]:
     """Split a spacer into hub, wide rim and hub along z; the rim is narrower by the axial play on both sides."""
     (ring,) = segments
-    hub = replace(ring, outline=CircleContour(hub_radius(reducer, sizes)))
-    low, high = ring.z0 + sizes.play, ring.z1 - sizes.play
+    hub = replace(ring, outline=CircleContour(hub_radius(reducer, casing)))
+    low, high = ring.z0 + casing.play, ring.z1 - casing.play
     return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
 
 
-def _motor_cover_rounds(sizes: Casing) -> tuple[Round, ...]:
+def _motor_cover_rounds(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the motor cover along z: a narrow one next to the motor, if possible, then the wide one.
 
     The wide cylinder ends at the ring, or, with screws outside of the ring, continues around it as a rim. The rim ends
-    below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim. `sizes`
-    is the casing of the drive.
+    below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim.
     """
-    top = sizes.end - sizes.play if sizes.screws.outside else -sizes.end
-    if sizes.step - sizes.face > 2.0 * sizes.wall and sizes.slim + sizes.wall < sizes.outer:
-        return (sizes.slim, sizes.face, sizes.step), (sizes.outer, sizes.step, top)
-    return ((sizes.outer, sizes.face, top),)
+    top = casing.end - casing.play if casing.screws.outside else -casing.end
+    if casing.step - casing.face > 2.0 * casing.wall and casing.slim + casing.wall < casing.outer:
+        return (casing.slim, casing.face, casing.step), (casing.outer, casing.step, top)
+    return ((casing.outer, casing.face, top),)
 
 
-def _motor_pocket(sizes: Casing) -> tuple[Pocket, ...]:
+def _motor_pocket(casing: Casing) -> tuple[Pocket, ...]:
     """Return the pocket around the boss of the bearing in the motor cover, if there is room for a cutter."""
-    if min(sizes.cavity - sizes.boss, sizes.floor - sizes.pocket) < MIN_POCKET:
+    if min(casing.cavity - casing.boss, casing.floor - casing.pocket) < MIN_POCKET:
         return ()
-    return ((sizes.cavity, sizes.boss, sizes.pocket, sizes.floor),)
+    return ((casing.cavity, casing.boss, casing.pocket, casing.floor),)
 
 
-def _output_cover(sizes: Casing) -> tuple[Round, ...]:
+def _output_cover(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the output cover: a single one, or a slimmer one beyond the heads of its screws."""
-    step = output_cover_step(sizes)
+    step = output_cover_step(casing)
     if step:
-        return (sizes.outer, sizes.end, step), (sizes.output_neck, step, sizes.output_cover_end)
-    return ((sizes.outer, sizes.end, sizes.output_cover_end),)
+        return (casing.outer, casing.end, step), (casing.output_neck, step, casing.output_cover_end)
+    return ((casing.outer, casing.end, casing.output_cover_end),)
 
 
-def _retainer_rounds(sizes: Casing) -> tuple[Round, ...]:
+def _retainer_rounds(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinder of the retainer of a crossed roller bearing; none for a pair of bearings."""
-    ring = sizes.retainer
-    return ((ring.radius, sizes.top, sizes.top + ring.thickness),) if ring else ()
+    ring = casing.retainer
+    return ((ring.radius, casing.top, casing.top + ring.thickness),) if ring else ()
 
 
-def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
+def _flange_rounds(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders of the output flange: one that clamps the inner ring, and a wider one that covers a gap."""
-    end, step = sizes.top + sizes.flange_thickness, sizes.top + sizes.play
-    if sizes.gap_seal_radius == sizes.flange_radius:
-        return ((sizes.flange_radius, sizes.top, end),)
-    return (sizes.flange_radius, sizes.top, step), (sizes.gap_seal_radius, step, end)
+    end, step = casing.top + casing.flange_thickness, casing.top + casing.play
+    if casing.gap_seal_radius == casing.flange_radius:
+        return ((casing.flange_radius, casing.top, end),)
+    return (casing.flange_radius, casing.top, step), (casing.gap_seal_radius, step, end)
 
 
-def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
+def _hub_rounds(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
     """Return the cylinders that the casing adds to the disc of the output: floor, shoulder of the bearings, and hub.
 
-    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange. `sizes` is
-    the casing of the drive.
+    The floor covers the bores for the output pins. A disc within its bearings only continues to the flange.
     """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     if reducer.design.output.has_disc_seat:
-        return ((0.5 * sizes.hub.bore, floor, sizes.top),) if sizes.top > floor + SAME_LENGTH else ()
-    shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, sizes.bearings[0][0]
+        return ((0.5 * casing.hub.bore, floor, casing.top),) if casing.top > floor + SAME_LENGTH else ()
+    shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, casing.bearings[0][0]
     return (
-        (sizes.rim, floor, shoulder),
-        (hub_shoulders(sizes.hub)[0], shoulder, first_bearing),
-        (0.5 * sizes.hub.bore, first_bearing, sizes.top),
+        (casing.rim, floor, shoulder),
+        (hub_shoulders(casing.hub)[0], shoulder, first_bearing),
+        (0.5 * casing.hub.bore, first_bearing, casing.top),
     )

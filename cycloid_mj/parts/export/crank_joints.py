@@ -72,22 +72,22 @@ class CamKey:
     high: float
 
 
-def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def crank_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     """Yield the joints of crank, discs, ring pins and output pins."""
-    yield from _cam_joint(reducer, sizes)
+    yield from _cam_joint(reducer, casing)
     yield from _cam_bearing_joint(reducer)
-    yield from _ring_pin_joints(reducer, sizes)
+    yield from _ring_pin_joints(reducer, casing)
     yield from _output_pin_joints(reducer)
 
 
 @once
-def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
+def cam_key(reducer: Reducer, casing: Casing) -> CamKey | None:
     """Choose the parallel key that joins the cams of several discs to the shaft.
 
     The result is None if no key fits, or if the cams are joined to the shaft in another way. The keyways fix the phases
     of the cams. The key is at the angle at which the walls of the cams over it are thickest. It must leave a wall in
     the cams, and in the shaft over the motor's bore, and stay within the faces of the spacer, which touch the cams but
-    not their bearings. `sizes` is the casing of the drive.
+    not their bearings.
     """
     design = reducer.design
     if design.cam_joint != "key":
@@ -103,26 +103,26 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     outer, eccentricity = cam_radius(reducer), design.gear.eccentricity
     offsets = eccentricity * directions @ unit(-np.array(reducer.phases)).T
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
-    best, bore = int(np.argmax(walls)), sizes.motor_bore
+    best, bore = int(np.argmax(walls)), casing.motor_bore
     core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
     keyway_radius = math.hypot(radius + key.in_hub, 0.5 * key.width)
-    does_fit = walls[best] >= keyway_radius + RULES.min_wall and hub_radius(reducer, sizes) >= keyway_radius
+    does_fit = walls[best] >= keyway_radius + RULES.min_wall and hub_radius(reducer, casing) >= keyway_radius
     if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     midpoint = 0.5 * (low + high)
     return CamKey(key, float(angles[best]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
 
 
-def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
+def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
     """Return the shrink fit of cams on the shaft; None if the cams have another joint.
 
     It is the tightest of `SHRINK_FITS` that can be joined and at which neither part yields, or the last. The hub is a
-    ring as thick as the thinnest wall of the cam (conservative). `sizes` is the casing of the drive.
+    ring as thick as the thinnest wall of the cam (conservative).
     """
     design = reducer.design
     if design.cam_joint != "shrink":
         return None
-    steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, sizes.motor_bore
+    steel, diameter, bore = design.material_of(names.SHAFT), 2.0 * design.shaft.radius, casing.motor_bore
     cam_start = crank_segments(reducer)[names.numbered_name(names.CAM, 1)].z0
     core = bore[0] if bore and bore[2] > cam_start else design.shaft.bore_radius
     hub_diameter = 2.0 * (cam_radius(reducer) - design.gear.eccentricity)
@@ -137,17 +137,14 @@ def shrink_fit(reducer: Reducer, sizes: Casing) -> ShrinkFit | None:
     return ShrinkFit(zones, press, limit, difference)
 
 
-def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits.
-
-    `sizes` is the casing of the drive.
-    """
+def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits."""
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if reducer.design.has_one_piece_crank:
         return
-    key, parts = cam_key(reducer, sizes), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
+    key, parts = cam_key(reducer, casing), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
     name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
-    if shrunk := shrink_fit(reducer, sizes):
+    if shrunk := shrink_fit(reducer, casing):
         yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrunk.zones}, shrunk", *seats)
         return
     if spline := cam_spline(reducer):
@@ -187,16 +184,13 @@ def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
     yield Joint("cam bearings in the discs", kind, (names.CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 
 
-def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear.
-
-    `sizes` is the casing of the drive.
-    """
+def _ring_pin_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear."""
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.kind != "pin":
         return
     if ring.has_sleeves:
-        yield _sleeve_pin_joint(reducer, sizes)
+        yield _sleeve_pin_joint(reducer, casing)
         seats = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
         parts = names.PIN, names.PRESSED_PIN
         yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seats)
@@ -208,17 +202,17 @@ def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     yield Joint("ring pins in their sockets", kind, (names.PIN, names.HOUSING), (), (), fit, *seats)
 
 
-def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
+def _sleeve_pin_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the press-fit joint of the fixed pins, on which the ring's sleeves turn, with motor and output cover.
 
     In each cover it has a hole for each pin. The hole has the radius and the fit of the pin, and is as deep as
-    `sleeve_pin_depth`. `sizes` are the dimensions of the covers.
+    `sleeve_pin_depth`.
     """
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     holes: tuple[tuple[str, Hole], ...] = (
-        (names.MOTOR_COVER, (centres, radius, -sizes.end - depth, -sizes.end)),
-        (names.OUTPUT_COVER, (centres, radius, sizes.end, sizes.end + depth)),
+        (names.MOTOR_COVER, (centres, radius, -casing.end - depth, -casing.end)),
+        (names.OUTPUT_COVER, (centres, radius, casing.end, casing.end + depth)),
     )
     parts = names.PRESSED_PIN, names.MOTOR_COVER, names.OUTPUT_COVER
     seats = 2 * ring.teeth, 2.0 * radius, depth

@@ -39,36 +39,36 @@ class CrankRing:
     body: str = names.SHAFT
 
 
-def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
+def crank_rings(reducer: Reducer, casing: Casing) -> tuple[CrankRing, ...]:
     """Return the rings on a shaft with separate cams: before the first cam, beyond the last of a straddled shaft."""
     if reducer.design.has_one_piece_crank:
         return ()
-    return tuple(_crank_rings(reducer, sizes, crank_segments(reducer)))
+    return tuple(_crank_rings(reducer, casing, crank_segments(reducer)))
 
 
-def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
+def bearing_spacers(reducer: Reducer, casing: Casing) -> tuple[CrankRing, ...]:
     """Return the outer and the inner spacer ring between the two bearings of an overhung crank.
 
     The result is empty for a straddled crank, for bearings without a gap between them, and for needle bearings (drawn
-    cups). `sizes` is the casing of the drive.
+    cups).
     """
     far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
-    if sizes.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
+    if casing.far or near_seat[0] - far_seat[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
     outer, inner = names.all_numbered(names.BEARING_SPACER, 2)
     ends, shaft = (far_seat[1], near_seat[0]), reducer.design.shaft.radius
     return (
-        CrankRing(outer, sizes.seat, *ends, shoulder_radius(sizes.seat, shaft), names.HOUSING),
-        CrankRing(inner, shoulder_radius(shaft, sizes.seat), *ends, shaft),
+        CrankRing(outer, casing.seat, *ends, shoulder_radius(casing.seat, shaft), names.HOUSING),
+        CrankRing(inner, shoulder_radius(shaft, casing.seat), *ends, shaft),
     )
 
 
-def crank_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> tuple[CrankRing, ...]:
+def crank_collars(reducer: Reducer, casing: Casing, segments: Iterable[Segment]) -> tuple[CrankRing, ...]:
     """Return the collars of a crank in one piece: next to its motor-side bearing, and beyond the cams if straddled.
 
     `segments` are those of the crank, whose counterweight balances exact outlines or polygons.
     """
-    return tuple(_crank_rings(reducer, sizes, {segment.name: segment for segment in segments}))
+    return tuple(_crank_rings(reducer, casing, {segment.name: segment for segment in segments}))
 
 
 def counterweight_shift(reducer: Reducer) -> float:
@@ -77,38 +77,38 @@ def counterweight_shift(reducer: Reducer) -> float:
     return max(RULES.collar - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
 
 
-def disc_collar_neck(reducer: Reducer, sizes: Casing) -> float:
+def disc_collar_neck(reducer: Reducer, casing: Casing) -> float:
     """Compute the length [m] of the necks between cams and collar of a crank in one piece for two discs.
 
     There is room for the fillets at both ends of a neck, if this leaves a collar; otherwise, a neck is as long as the
-    axial play. `sizes` is the casing of the drive.
+    axial play.
     """
-    length = max(sizes.play, FILLETED_NECK * reducer.design.shaft.shoulder_fillet)
-    return length if reducer.design.gear.disc_gap - 2.0 * length >= RULES.min_wall else sizes.play
+    length = max(casing.play, FILLETED_NECK * reducer.design.shaft.shoulder_fillet)
+    return length if reducer.design.gear.disc_gap - 2.0 * length >= RULES.min_wall else casing.play
 
 
-def hub_radius(reducer: Reducer, sizes: Casing) -> float:
+def hub_radius(reducer: Reducer, casing: Casing) -> float:
     """Compute the radius within which a ring touches the cams but not their bearings [m]."""
-    return cam_radius(reducer) - reducer.design.gear.eccentricity - sizes.play
+    return cam_radius(reducer) - reducer.design.gear.eccentricity - casing.play
 
 
-def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
+def _crank_rings(reducer: Reducer, casing: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
     """Yield the spacer rings and collars of a crank, from the motor on, except those that would be too thin.
 
-    `segments` are those of the crank by name. `sizes` is the casing of the drive.
+    `segments` are those of the crank by name.
     """
     shaft = reducer.design.shaft
-    radius = min(shoulder_radius(shaft.radius, sizes.seat), sizes.crank_end.max_collar - sizes.play)
+    radius = min(shoulder_radius(shaft.radius, casing.seat), casing.crank_end.max_collar - casing.play)
     if COUNTERWEIGHT not in segments:
-        radius = min(radius, hub_radius(reducer, sizes))
+        radius = min(radius, hub_radius(reducer, casing))
     cams = [segment for name, segment in segments.items() if names.family(name) == names.CAM]
     ring_end = segments[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in segments else cams[0].z0
-    retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
-    thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
+    retreat = casing.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
+    thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, casing))
     if radius >= thinnest:
         yield CrankRing(
-            names.numbered_name(names.CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end, shaft.radius
+            names.numbered_name(names.CRANK_RING, 1), radius, casing.near[1] + retreat, ring_end, shaft.radius
         )
-    if sizes.far and max_radius >= thinnest:
-        ends = cams[-1].z1, sizes.far[0] - sizes.play
+    if casing.far and max_radius >= thinnest:
+        ends = cams[-1].z1, casing.far[0] - casing.play
         yield CrankRing(names.numbered_name(names.CRANK_RING, 2), max_radius, *ends, shaft.radius)

@@ -93,32 +93,30 @@ class PartDrawing:
     notes: tuple[str, ...]
 
 
-def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
+def part_drawings(reducer: Reducer, casing: Casing) -> tuple[PartDrawing, ...]:
     """Return the drawings of all manufactured parts of a drive.
-
-    `sizes` is the casing of the drive.
 
     Raises
     ------
     DesignError
         A part cannot be manufactured.
     """
-    parts, joints = assembly_parts(reducer, sizes), drive_joints(reducer, sizes)
-    parts_by_name = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
+    parts, joints = assembly_parts(reducer, casing), drive_joints(reducer, casing)
+    parts_by_name = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, casing)
     counts = {name: part.count for name, part in parts_by_name.items()}
     if reducer.design.output.has_roller_parts:
         counts[names.ROLLER] = reducer.design.output.pins * reducer.design.gear.discs
-    return tuple(_draw_part(reducer, sizes, parts[name], name, count, joints) for name, count in counts.items())
+    return tuple(_draw_part(reducer, casing, parts[name], name, count, joints) for name, count in counts.items())
 
 
 def _draw_part(
-    reducer: Reducer, sizes: Casing, part: Part, name: str, count: int, joints: Sequence[Joint]
+    reducer: Reducer, casing: Casing, part: Part, name: str, count: int, joints: Sequence[Joint]
 ) -> PartDrawing:
     """Return the drawing of a part: section, front view, dimensions, notes and title block.
 
     Parameters
     ----------
-    reducer, sizes
+    reducer, casing
         The reducer and its casing.
     part, name
         The part and its name.
@@ -127,15 +125,15 @@ def _draw_part(
     joints
         All joints of the drive, for fits and threads.
     """
-    material, is_printed_part = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
+    material, is_printed_part = part_material(reducer, name, casing), is_printed(reducer, material_part(reducer, name))
     diameters = section_diameters(
         part, names.CAM, lambda radius, inner: _tolerance_zone(reducer, name, joints, radius, inner=inner)
     )
     notes = (
         *_describe_holes(name, joints),
-        *describe_cam_joint(reducer, sizes, name),
+        *describe_cam_joint(reducer, casing, name),
         *_describe_tolerances(reducer, name, diameters),
-        *_describe_broken_edges(broken_edges(reducer, sizes, part)),
+        *_describe_broken_edges(broken_edges(reducer, casing, part)),
         *describe_surface(name, material, is_printed_part),
     )
     return lay_out_drawing(part, name, title_block(reducer, name, count, material), diameters, notes)

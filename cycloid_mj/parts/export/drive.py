@@ -36,11 +36,11 @@ def drive_mass(reducer: Reducer) -> float:
     return assembly_mass(undivided_reducer, casing(undivided_reducer))
 
 
-def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
+def assembly_mass(reducer: Reducer, casing: Casing) -> float:
     """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
-    parts = assembly_parts(reducer, sizes)
+    parts = assembly_parts(reducer, casing)
     mass = {name: filling(name) * part.mass(EXPORT_CHORD_ERROR) for name, part in parts.items()}
-    return sum(mass[place.part] for place in place_parts(reducer, 0.0, sizes))
+    return sum(mass[place.part] for place in place_parts(reducer, 0.0, casing))
 
 
 def filling(part: str) -> float:
@@ -59,7 +59,7 @@ def casing_inertia(reducer: Reducer) -> float:
         A part does not fit.
     """
     mechanism, drive = (
-        manufactured_parts(reducer, EXPORT_CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer))
+        manufactured_parts(reducer, EXPORT_CHORD_ERROR, casing=variant) for variant in (None, casing(reducer))
     )
     output_side, shaft_side = (
         sum(_inertia(drive.get(name)) - _inertia(mechanism.get(name)) for name in bodies)

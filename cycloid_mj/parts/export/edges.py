@@ -56,24 +56,24 @@ SEATS = {JointKind.BEARING, JointKind.PRESSED}
 """Kinds of joints whose mates are pressed in or on along the axis."""
 
 
-def broken_edges(reducer: Reducer, sizes: Casing, part: Part) -> tuple[BrokenEdge, ...]:
+def broken_edges(reducer: Reducer, casing: Casing, part: Part) -> tuple[BrokenEdge, ...]:
     """Return the edges of a part of a drive that have a chamfer or a fillet; a bearing has its corners."""
-    radii = _seat_radii(reducer, sizes, part)
+    radii = _seat_radii(reducer, casing, part)
     return tuple(_break_edges(reducer, part, radii)) if radii.size else ()
 
 
-def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
+def _seat_radii(reducer: Reducer, casing: Casing, part: Part) -> Array:
     """Return the radii of the n seats of a part [m], (n,); edges next to these seats get chamfers or fillets.
 
     The seats are the surfaces at which the joints of the drive fit the part to another. For a bearing, they are its
-    bore and its outside. `sizes` is the casing of the drive.
+    bore and its outside.
     """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:
         (ring,) = part.segments
         circles = [circle for contour in (ring.outline, *ring.holes) if (circle := circle_of(contour))]
         return np.array([circle.radius for circle in circles])
-    for joint in drive_joints(reducer, sizes):
+    for joint in drive_joints(reducer, casing):
         if joint.kind in SEATS and name in joint.parts:
             diameters |= {
                 joint.diameter,

@@ -53,30 +53,29 @@ class Blockage:
     other: str
 
 
-def assembly_moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
+def assembly_moves(reducer: Reducer, casing: Casing) -> tuple[Move, ...]:
     """Return the moves of `order.assembly_order`; a group, once complete, moves by its name."""
-    return tuple(_list_moves(reducer, sizes, place_parts(reducer, 0.0, sizes)))
+    return tuple(_list_moves(reducer, casing, place_parts(reducer, 0.0, casing)))
 
 
-def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
+def blockages(reducer: Reducer, casing: Casing) -> tuple[Blockage, ...]:
     """Find the parts of a drive that cannot be mounted because other parts are in their way.
 
     All moves are along z. The outlines of moving parts are compared with those of all parts ahead of them that are
     mounted already. Each `Blockage` names the moving part and the part in its way; they are in the order of assembly.
-    `sizes` is the casing of the drive.
     """
-    placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, sizes)}
-    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
+    placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, casing)}
+    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, casing).items()}
     groups: dict[str, list[str]] = {}
 
     @cache
     def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
         placement = placement_by_name[name]
         drawn = tuple(_section(placement, prism) for prism in prisms[placement.part])
-        return _flex_ring(reducer, sizes, placement.part, drawn)
+        return _flex_ring(reducer, casing, placement.part, drawn)
 
     blocked_pairs = []
-    for move in assembly_moves(reducer, sizes):
+    for move in assembly_moves(reducer, casing):
         moving_parts = [part for name in move.parts for part in groups.pop(name, [name])]
         present_parts = groups.setdefault(move.group, [])
         blocked_pairs += [
@@ -106,18 +105,18 @@ def _section(placement: PlacedPart, prism: Prism) -> tuple[float, float, manifol
     return prism.z0 + z, prism.z1 + z, section
 
 
-def _flex_ring(reducer: Reducer, sizes: Casing, part: str, sections: "Sections") -> "Sections":
+def _flex_ring(reducer: Reducer, casing: Casing, part: str, sections: "Sections") -> "Sections":
     """Return the cross-sections of a part during mounting; a retaining ring is spread or squeezed for it.
 
     A ring is spread over the shaft or squeezed into a bore. `part` is the name of the part, and `sections` are both
     ends along z [m] and the outline [um] of each of its sections as mounted. Those of parts that are not retaining
-    rings are returned unchanged. `sizes` is the casing of the drive.
+    rings are returned unchanged.
     """
     if part == names.SHAFT_RING:
         shaft = manifold3d.CrossSection.circle(1e6 * reducer.design.shaft.radius, FLEX_SEGMENTS)
         return tuple((low, high, section - shaft) for low, high, section in sections)
     if part == names.BORE_RING:
-        bore = manifold3d.CrossSection.circle(1e6 * sizes.seat, FLEX_SEGMENTS)
+        bore = manifold3d.CrossSection.circle(1e6 * casing.seat, FLEX_SEGMENTS)
         return tuple((low, high, section ^ bore) for low, high, section in sections)
     return sections
 
@@ -146,12 +145,12 @@ def _is_blocked(moving_sections: Sections, present_sections: Sections, direction
     return False
 
 
-def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_moves(reducer: Reducer, casing: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble a drive, in order: output, ring, discs and crank, motor cover.
 
-    `placements` are all parts of the drive with their final positions. `sizes` is the casing of the drive.
+    `placements` are all parts of the drive with their final positions.
     """
-    yield from _list_output_moves(sizes, placements)
+    yield from _list_output_moves(casing, placements)
     yield from _list_crank_moves(reducer, placements)
     yield Move((names.MOTOR_COVER,), names.MOTOR_COVER)
     yield Move(_names_of_family(placements, names.SCREW_INSERT), names.MOTOR_COVER, DOWN)
@@ -190,10 +189,10 @@ def _screws_of_cam(reducer: Reducer, placements: tuple[PlacedPart, ...], number:
     return screws[(number - 1) * count : number * count]
 
 
-def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_output_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that assemble the output, its bearings and flange, then the ring and its pins.
 
-    `placements` are all parts of the drive with their final positions. `sizes` is the casing of the drive.
+    `placements` are all parts of the drive with their final positions.
     """
     yield Move((names.OUTPUT,), "hub")
     yield Move(_names_of_family(placements, names.FLANGE_INSERT), "hub", DOWN)
@@ -201,12 +200,12 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
     yield Move((names.OUTPUT_COVER,), DRIVE)
     *inner, outer = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
     yield Move(_names_of_family(placements, names.RETAINER_INSERT), DRIVE, DOWN)
-    yield Move((outer,) if sizes.motor_bearing else tuple(inner), DRIVE, UP)
-    if not sizes.motor_bearing:
+    yield Move((outer,) if casing.motor_bearing else tuple(inner), DRIVE, UP)
+    if not casing.motor_bearing:
         yield Move((outer,), DRIVE, DOWN)
     for family in (names.RETAINER, names.RETAINER_SCREW):
         yield Move(_names_of_family(placements, family), DRIVE, DOWN)
-    if sizes.far:
+    if casing.far:
         yield Move(_names_of_family(placements, names.SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)
     yield Move(_names_of_family(placements, names.FLANGE_DOWEL), DRIVE, DOWN)

@@ -63,30 +63,30 @@ USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 
 
 @once
-def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
+def drive_joints(reducer: Reducer, casing: Casing) -> tuple[Joint, ...]:
     """Return all joints between parts of a drive with its casing: fits, bearing seats, screws, threads and dowels.
 
-    They are listed from motor to load, then those of the crank. `sizes` is the casing of the drive.
+    They are listed from motor to load, then those of the crank.
     """
     return (
-        *_motor_shaft_joint(reducer, sizes),
-        _motor_pilot_joint(sizes),
-        _cover_bearing_joint(reducer, sizes),
-        *_crank_end_joints(reducer, sizes),
-        *_cavity_joints(sizes),
-        *_second_disc_joint(sizes),
-        _output_bearing_joint(sizes),
-        *_retainer_joint(reducer, sizes),
-        _cover_screw_joint(reducer, sizes),
-        _motor_screw_joint(reducer, sizes),
-        *_ring_seat_joint(reducer, sizes),
-        _flange_screw_joint(reducer, sizes),
-        *_hub_bore_joint(reducer, sizes),
-        *_hub_bearing_joint(reducer, sizes),
-        _load_thread_joint(reducer, sizes),
-        *_dowel_joints(sizes),
-        *_flange_dowel_joint(sizes),
-        *crank_joints(reducer, sizes),
+        *_motor_shaft_joint(reducer, casing),
+        _motor_pilot_joint(casing),
+        _cover_bearing_joint(reducer, casing),
+        *_crank_end_joints(reducer, casing),
+        *_cavity_joints(casing),
+        *_second_disc_joint(casing),
+        _output_bearing_joint(casing),
+        *_retainer_joint(reducer, casing),
+        _cover_screw_joint(reducer, casing),
+        _motor_screw_joint(reducer, casing),
+        *_ring_seat_joint(reducer, casing),
+        _flange_screw_joint(reducer, casing),
+        *_hub_bore_joint(reducer, casing),
+        *_hub_bearing_joint(reducer, casing),
+        _load_thread_joint(reducer, casing),
+        *_dowel_joints(casing),
+        *_flange_dowel_joint(casing),
+        *crank_joints(reducer, casing),
     )
 
 
@@ -96,42 +96,39 @@ def bought_parts(joints: Iterable[Joint]) -> Iterator[BoughtPart]:
     yield from sorted(parts, key=lambda part: (ITEMS.index(part.item), part.first))
 
 
-def cross_holes_of(reducer: Reducer, sizes: Casing, part: str) -> tuple[CrossHole, ...]:
+def cross_holes_of(reducer: Reducer, casing: Casing, part: str) -> tuple[CrossHole, ...]:
     """Return the holes across the axis of a part of a drive."""
-    joints = drive_joints(reducer, sizes)
+    joints = drive_joints(reducer, casing)
     return tuple(hole for joint in joints for name, hole in joint.cross_holes if name == part)
 
 
-def _motor_shaft_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    bore = sizes.motor_bore
+def _motor_shaft_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    bore = casing.motor_bore
     if bore:
         hole = (AXIS, *bore)
         yield Joint("shaft of the motor in the crank", JointKind.LOCATED, (MOTOR, names.SHAFT), ((names.SHAFT, hole),))
 
 
-def _motor_pilot_joint(sizes: Casing) -> Joint:
-    recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + RULES.pilot_depth)
+def _motor_pilot_joint(casing: Casing) -> Joint:
+    recess = (AXIS, casing.motor.pilot, casing.face, casing.face + RULES.pilot_depth)
     return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, names.MOTOR_COVER), ((names.MOTOR_COVER, recess),))
 
 
-def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of shaft and motor cover by bearings: one, or both of an overhung shaft.
-
-    `sizes` is the casing of the drive.
-    """
-    seat_start = sizes.seat_start
-    shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
+def _cover_bearing_joint(reducer: Reducer, casing: Casing) -> Joint:
+    """Return the joint of shaft and motor cover by bearings: one, or both of an overhung shaft."""
+    seat_start = casing.seat_start
+    shoulder = shoulder_radius(casing.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
-        (AXIS, shoulder, sizes.face + RULES.pilot_depth, seat_start),
-        *_seat_holes(sizes, seat_start),
+        (AXIS, shoulder, casing.face + RULES.pilot_depth, seat_start),
+        *_seat_holes(casing, seat_start),
     )
-    numbers = (2,) if sizes.far else (1, 2)
+    numbers = (2,) if casing.far else (1, 2)
     return Joint(
         "shaft in the motor cover",
         JointKind.BEARING,
         (names.SHAFT, names.MOTOR_COVER),
         tuple((names.MOTOR_COVER, hole) for hole in holes),
-        (bearings := _shaft_bearings(reducer, sizes, numbers),),
+        (bearings := _shaft_bearings(reducer, casing, numbers),),
         bearings.fit,
         len(numbers),
         2.0 * reducer.design.shaft.radius,
@@ -139,26 +136,23 @@ def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
     )
 
 
-def _seat_holes(sizes: Casing, start: float) -> Iterator[Hole]:
+def _seat_holes(casing: Casing, start: float) -> Iterator[Hole]:
     """Yield the seat of the bearings in the motor cover, and the groove of their retaining ring if there is one.
 
-    `start` [m] is the lower end of the seat along z. `sizes` is the casing of the drive.
+    `start` [m] is the lower end of the seat along z.
     """
-    ring, low = sizes.crank_end.bore_ring, sizes.near[1]
+    ring, low = casing.crank_end.bore_ring, casing.near[1]
     if ring:
         high = low + ring.groove_width
-        yield AXIS, sizes.seat, start, low
+        yield AXIS, casing.seat, start, low
         yield AXIS, 0.5 * ring.groove, low, high
         start = high
-    yield AXIS, sizes.seat, start, sizes.floor
+    yield AXIS, casing.seat, start, casing.floor
 
 
-def _crank_end_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joints of parts next to the bearings of the crank: retaining rings in grooves, or a seal ring.
-
-    `sizes` is the casing of the drive.
-    """
-    parts, (start, end) = sizes.crank_end, sizes.near
+def _crank_end_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    """Yield the joints of parts next to the bearings of the crank: retaining rings in grooves, or a seal ring."""
+    parts, (start, end) = casing.crank_end, casing.near
     if ring := parts.shaft_ring:
         solid = _retaining_ring(names.SHAFT_RING, ring, names.SHAFT, start - 0.5 * ring.thickness)
         yield _retaining_ring_joint("retaining ring on the crank", names.SHAFT, ring, solid)
@@ -197,94 +191,87 @@ def _retaining_ring_joint(name: str, part: str, ring: stock.RetainingRing, bough
     return Joint(name, JointKind.LOCATED, (part, names.SHAFT_BEARING), (), (bought,), ring.groove_zone, *seat)
 
 
-def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of a straddled shaft and the hub of the output by a bearing; none for an overhung shaft.
-
-    `sizes` is the casing of the drive.
-    """
-    if sizes.far:
+def _hub_bearing_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    """Yield the joint of a straddled shaft and the hub of the output by a bearing; none for an overhung shaft."""
+    if casing.far:
         disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
-        recess = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
+        recess = shoulder_radius(casing.seat, reducer.design.shaft.radius)
         holes: tuple[tuple[str, Hole], ...] = (
-            (names.OUTPUT, (AXIS, sizes.seat, disc, sizes.far[1])),
-            (names.OUTPUT, (AXIS, recess, sizes.far[1], sizes.far[1] + RULES.collar)),
+            (names.OUTPUT, (AXIS, casing.seat, disc, casing.far[1])),
+            (names.OUTPUT, (AXIS, recess, casing.far[1], casing.far[1] + RULES.collar)),
         )
-        bearing = _shaft_bearings(reducer, sizes, (1,))
+        bearing = _shaft_bearings(reducer, casing, (1,))
         parts = (names.SHAFT, names.OUTPUT)
         bore, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
         yield Joint("shaft in the hub", JointKind.BEARING, parts, holes, (bearing,), bearing.fit, 1, bore, width)
 
 
-def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
+def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) -> BoughtPart:
     """Return the shaft bearings with the given `numbers` as bought parts.
 
-    Number 1 is far from the discs or in the hub, 2 is near the discs. `sizes` is the casing of the drive.
+    Number 1 is far from the discs or in the hub, 2 is near the discs.
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
     return BoughtPart(
         names.SHAFT_BEARING,
-        tube(radius, sizes.seat, width),
+        tube(radius, casing.seat, width),
         names.SHAFT,
         tuple((0.0, 0.0, middles[number - 1]) for number in numbers),
         bearing_dimensions(bearing)
         if bearing
-        else (("outside diameter", 2.0 * sizes.seat), ("bore", 2.0 * radius), ("length", width)),
+        else (("outside diameter", 2.0 * casing.seat), ("bore", 2.0 * radius), ("length", width)),
         designation=bearing.designation if bearing else "",
         fit=shaft_bearing_fit(reducer),
         first=numbers[0],
     )
 
 
-def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
-    """Yield the cavities of the casing in which crank and output turn.
-
-    `sizes` is the casing of the drive.
-    """
-    crank = (AXIS, sizes.cavity, sizes.floor, sizes.motor_bearing[0] if sizes.motor_bearing else -sizes.end)
+def _cavity_joints(casing: Casing) -> Iterator[Joint]:
+    """Yield the cavities of the casing in which crank and output turn."""
+    crank = (AXIS, casing.cavity, casing.floor, casing.motor_bearing[0] if casing.motor_bearing else -casing.end)
     parts = names.SHAFT, names.MOTOR_COVER
     yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
-    output = (AXIS, sizes.output_cavity, sizes.end, sizes.hub_floor)
+    output = (AXIS, casing.output_cavity, casing.end, casing.hub_floor)
     parts = names.OUTPUT, names.OUTPUT_COVER
     yield Joint("output in its cavity", JointKind.CLEARANCE, parts, ((names.OUTPUT_COVER, output),))
 
 
-def _output_bearing_joint(sizes: Casing) -> Joint:
+def _output_bearing_joint(casing: Casing) -> Joint:
     """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or a single bearing.
 
     The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover.
-    `sizes` is the casing of the drive.
     """
-    hub, seat, (*inner, (outer, top)) = sizes.hub, 0.5 * sizes.hub.outside, sizes.bearings
+    hub, seat, (*inner, (outer, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
     shoulder = hub_shoulders(hub)[1]
-    holes: tuple[Hole, ...] = ((AXIS, seat, sizes.hub_floor, top), (AXIS, shoulder, top, sizes.output_cover_end))
-    if not sizes.motor_bearing:
-        shoulder_start = inner[0][1] if inner else sizes.hub_floor
+    holes: tuple[Hole, ...] = ((AXIS, seat, casing.hub_floor, top), (AXIS, shoulder, top, casing.output_cover_end))
+    if not casing.motor_bearing:
+        shoulder_start = inner[0][1] if inner else casing.hub_floor
         holes = (
             *((AXIS, seat, *ends) for ends in inner),
             (AXIS, shoulder, shoulder_start, outer),
             (AXIS, seat, outer, top),
         )
-    bearings = _output_bearings(sizes, sizes.bearings[-1:] if sizes.motor_bearing else sizes.bearings)
+    bearings = _output_bearings(casing, casing.bearings[-1:] if casing.motor_bearing else casing.bearings)
     parts = (names.OUTPUT, names.OUTPUT_COVER)
     cover_holes = tuple((names.OUTPUT_COVER, hole) for hole in holes)
     name, fit, count = "hub in the output cover", bearings.fit, len(bearings.origins)
     return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, count, hub.bore, hub.width)
 
 
-def _second_disc_joint(sizes: Casing) -> Iterator[Joint]:
+def _second_disc_joint(casing: Casing) -> Iterator[Joint]:
     """Yield the joint of the second disc of the output and the motor cover by a bearing, if there is one around it."""
-    if sizes.motor_bearing:
-        hub, bearing = sizes.hub, _output_bearings(sizes, (sizes.motor_bearing,))
-        hole = names.MOTOR_COVER, (AXIS, 0.5 * hub.outside, sizes.motor_bearing[0], -sizes.end)
+    if casing.motor_bearing:
+        hub, bearing = casing.hub, _output_bearings(casing, (casing.motor_bearing,))
+        hole = names.MOTOR_COVER, (AXIS, 0.5 * hub.outside, casing.motor_bearing[0], -casing.end)
         parts, name = (names.SECOND_OUTPUT, names.MOTOR_COVER), "second disc in the motor cover"
         yield Joint(name, JointKind.BEARING, parts, (hole,), (bearing,), bearing.fit, 1, hub.bore, hub.width)
 
 
-def _output_bearings(sizes: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
+def _output_bearings(casing: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
     """Return bearings of the output with their ends along z [m]; those in the output cover are numbered last."""
-    hub = sizes.hub
+    hub = casing.hub
     return BoughtPart(
         names.OUTPUT_BEARING,
         tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
@@ -293,25 +280,22 @@ def _output_bearings(sizes: Casing, ends: tuple[tuple[float, float], ...]) -> Bo
         bearing_dimensions(hub),
         designation=hub.designation,
         fit=hub_bearing_fit(hub),
-        first=len(sizes.bearings) + 1 - len(ends) if ends[-1] == sizes.bearings[-1] else 1,
+        first=len(casing.bearings) + 1 - len(ends) if ends[-1] == casing.bearings[-1] else 1,
     )
 
 
-def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the screwed joint of the retainer and the output cover, which clamp the outer ring of crossed rollers.
-
-    `sizes` is the casing of the drive.
-    """
-    ring = sizes.retainer
+def _retainer_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
+    """Yield the screwed joint of the retainer and the output cover, which clamp the outer ring of crossed rollers."""
+    ring = casing.retainer
     if ring is None:
         return
-    thread, face, end = ring.bolt.thread, sizes.top + ring.thickness, sizes.output_cover_end
+    thread, face, end = ring.bolt.thread, casing.top + ring.thickness, casing.output_cover_end
     centres = ring.circle * unit(pattern_angles(ring.count)[::2])
     depth = hole_depth(reducer, thread, ring.length - ring.thickness)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT_COVER, (centres, core_radius(reducer, thread), end - depth, end)),
-        (names.RETAINER, (AXIS, hub_shoulders(sizes.hub)[1], sizes.top, face)),
-        (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), sizes.top, face)),
+        (names.RETAINER, (AXIS, hub_shoulders(casing.hub)[1], casing.top, face)),
+        (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), casing.top, face)),
     )
     bought_parts = (
         _bought_screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
@@ -323,20 +307,17 @@ def _retainer_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     yield Joint(name, JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
 
-def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of both covers by screws, which pass through the ring or outside of it.
-
-    `sizes` is the casing of the drive.
-    """
-    screws, bolt, ring_half_width = sizes.screws, sizes.screws.bolt, sizes.end
-    centres, end = screws.centres(), ring_half_width - sizes.play if screws.outside else -ring_half_width
-    engagement = screws.length - sizes.grip - ring_half_width + end
+def _cover_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
+    """Return the joint of both covers by screws, which pass through the ring or outside of it."""
+    screws, bolt, ring_half_width = casing.screws, casing.screws.bolt, casing.end
+    centres, end = screws.centres(), ring_half_width - casing.play if screws.outside else -ring_half_width
+    engagement = screws.length - casing.grip - ring_half_width + end
     thread_depth = hole_depth(reducer, bolt.thread, engagement)
-    head_face, step = ring_half_width + sizes.grip, output_cover_step(sizes)
+    head_face, step = ring_half_width + casing.grip, output_cover_step(casing)
     holes: list[tuple[str, Hole]] = [
         (names.MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
         (names.OUTPUT_COVER, (centres, screws.hole, ring_half_width, head_face)),
-        (names.OUTPUT_COVER, (centres, counterbore(bolt), head_face, step or sizes.output_cover_end)),
+        (names.OUTPUT_COVER, (centres, counterbore(bolt), head_face, step or casing.output_cover_end)),
     ]
     if not screws.outside:
         holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))
@@ -349,13 +330,12 @@ def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought_parts), threads=threads)
 
 
-def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
+def _motor_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the screwed joint of the motor and its cover.
 
     If the motor has tapped holes, screws lead from inside the cover into it. Otherwise, the cover has threaded holes.
-    `sizes` is the casing of the drive.
     """
-    motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
+    motor, centres, face = casing.motor, motor_centres(casing), casing.face
     name, parts = "screws of the motor", (MOTOR, names.MOTOR_COVER)
     if not motor.tapped:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
@@ -363,34 +343,33 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         inserts = tuple(_bought_inserts(reducer, names.MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
         threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, motor.thread, depth),)
         return Joint(name, JointKind.SCREWED, parts, ((names.MOTOR_COVER, thread),), inserts, threads=threads)
-    head_face = face + motor_grip(motor, sizes.wall)
+    head_face = face + motor_grip(motor, casing.wall)
     holes: tuple[Hole, ...] = (
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, head_face),
-        (centres, counterbore(thickest_bolt(motor.thread)), head_face, sizes.floor),
+        (centres, counterbore(thickest_bolt(motor.thread)), head_face, casing.floor),
     )
-    bought_parts = _bought_screws(names.MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
+    bought_parts = _bought_screws(
+        names.MOTOR_SCREW, *motor_screw(motor, casing.wall), names.HOUSING, centres, head_face
+    )
     return Joint(name, JointKind.SCREWED, parts, tuple((names.MOTOR_COVER, hole) for hole in holes), (bought_parts,))
 
 
-def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _ring_seat_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     """Yield the seat of a ring that the screws pass outside of."""
-    if sizes.screws.outside:
-        seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -sizes.end, sizes.end - sizes.play)
+    if casing.screws.outside:
+        seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -casing.end, casing.end - casing.play)
         parts = (names.HOUSING, names.MOTOR_COVER)
         yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((names.MOTOR_COVER, seat),))
 
 
-def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings.
-
-    `sizes` is the casing of the drive.
-    """
-    bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
+def _flange_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
+    """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
+    bolt, top, end = casing.flange_bolt, casing.top, casing.top + casing.flange_thickness
     length, depth = (
-        flange_screw_length(bolt, sizes.flange_thickness),
-        flange_screw_depth(reducer, bolt, sizes.flange_thickness),
+        flange_screw_length(bolt, casing.flange_thickness),
+        flange_screw_depth(reducer, bolt, casing.flange_thickness),
     )
-    centres, head_face = flange_centres(sizes)[::2], end - bolt.head_height
+    centres, head_face = flange_centres(casing)[::2], end - bolt.head_height
     bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
@@ -407,38 +386,37 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
 
-def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _hub_bore_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     """Yield the central bore of hub and flange, which saves mass, centres a load and continues a hollow shaft.
 
-    Yields nothing for a solid shaft if screws and dowels leave no room for it. `sizes` is the casing of the drive.
+    Yields nothing for a solid shaft if screws and dowels leave no room for it.
     """
-    design, top, wall = reducer.design, sizes.top, sizes.wall
-    bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
+    design, top, wall = reducer.design, casing.top, casing.wall
+    bottom = max(casing.hub_floor, casing.far[1] + RULES.collar if casing.far else 0.0) + 2.0 * wall
     bore, holes = design.shaft.bore_radius, []
-    if min(sizes.flange_bore, top - bottom) > 2.0 * wall:
+    if min(casing.flange_bore, top - bottom) > 2.0 * wall:
         holes = [
-            (names.OUTPUT, (AXIS, sizes.hub_bore, bottom, top)),
-            (names.FLANGE, (AXIS, sizes.flange_bore, top, top + sizes.flange_thickness)),
+            (names.OUTPUT, (AXIS, casing.hub_bore, bottom, top)),
+            (names.FLANGE, (AXIS, casing.flange_bore, top, top + casing.flange_thickness)),
         ]
     elif bore:
-        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (names.FLANGE, (AXIS, bore, top, sizes.ends[1]))]
+        holes = [(names.OUTPUT, (AXIS, bore, bottom, top)), (names.FLANGE, (AXIS, bore, top, casing.ends[1]))]
     if bore:
-        start = sizes.far[1] + RULES.collar if sizes.far else design.gear.stack_width / 2.0 + AXIAL_GAP
+        start = casing.far[1] + RULES.collar if casing.far else design.gear.stack_width / 2.0 + AXIAL_GAP
         holes.append((names.OUTPUT, (AXIS, bore, start, bottom)))
     if holes:
         yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, names.FLANGE), tuple(holes))
 
 
-def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
+def _load_thread_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the joint of output flange and load: threaded holes in the flange for the screws of the load.
 
-    They are on the circle of the flange's own screws, each midway between two of these. `sizes` is the casing of the
-    drive.
+    They are on the circle of the flange's own screws, each midway between two of these.
     """
-    bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
-    thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
+    bolt, centres, end = casing.flange_bolt, flange_centres(casing)[1::2], casing.top + casing.flange_thickness
+    thread = (centres, core_radius(reducer, bolt.thread), casing.top, end)
     inserts = tuple(_bought_inserts(reducer, names.LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
-    threads = (_tapped_holes(reducer, names.FLANGE, centres, bolt.thread, end - sizes.top),)
+    threads = (_tapped_holes(reducer, names.FLANGE, centres, bolt.thread, end - casing.top),)
     return Joint(
         "threads for the load",
         JointKind.SCREWED,
@@ -449,31 +427,28 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
     )
 
 
-def _dowel_joints(sizes: Casing) -> Iterator[Joint]:
-    """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels.
-
-    `sizes` is the casing of the drive.
-    """
-    if sizes.dowel is None:
+def _dowel_joints(casing: Casing) -> Iterator[Joint]:
+    """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels."""
+    if casing.dowel is None:
         return
-    ring_half_width, centres = sizes.end, dowel_centres(sizes)
+    ring_half_width, centres = casing.end, dowel_centres(casing)
     faces: tuple[tuple[float, str, str], ...] = ((ring_half_width, names.MOTOR_COVER, names.OUTPUT_COVER),)
-    if not sizes.has_outer_dowels:
+    if not casing.has_outer_dowels:
         faces = (
             (-ring_half_width, names.MOTOR_COVER, names.HOUSING),
             (ring_half_width, names.HOUSING, names.OUTPUT_COVER),
         )
     for index, (face, *parts) in enumerate(faces):
         name, first_number = "dowels of {} and {}".format(*parts).replace("_", " "), 1 + index * len(centres)
-        yield _dowelled_joint(name, (*parts,), (names.DOWEL, names.HOUSING, first_number), sizes.dowel, centres, face)
+        yield _dowelled_joint(name, (*parts,), (names.DOWEL, names.HOUSING, first_number), casing.dowel, centres, face)
 
 
-def _flange_dowel_joint(sizes: Casing) -> Iterator[Joint]:
+def _flange_dowel_joint(casing: Casing) -> Iterator[Joint]:
     """Yield the dowelled joint of hub and output flange in a plastic, whose screws transmit little by friction."""
-    if sizes.flange_dowel:
+    if casing.flange_dowel:
         item, parts = (names.FLANGE_DOWEL, names.OUTPUT, 1), (names.OUTPUT, names.FLANGE)
-        centres = flange_dowel_centres(sizes)
-        yield _dowelled_joint("dowels of the output flange", parts, item, sizes.flange_dowel, centres, sizes.top)
+        centres = flange_dowel_centres(casing)
+        yield _dowelled_joint("dowels of the output flange", parts, item, casing.flange_dowel, centres, casing.top)
 
 
 def _dowelled_joint(

@@ -58,93 +58,84 @@ ALONG = (
 """Families of parts from motor to load; the second disc of the output belongs to the first."""
 
 
-def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of one step.
-
-    `sizes` is the casing of the drive.
-    """
-    screws = sizes.screws
-    has_plastic, is_single = is_plastic(reducer), bool(sizes.retainer or sizes.motor_bearing)
-    dowels = ", its dowels in their holes," if sizes.dowel else ""
-    flange_dowels = f", press {sizes.flange_screws} {names.FLANGE_DOWEL} into its face" if sizes.flange_dowel else ""
+def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
+    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of one step."""
+    screws = casing.screws
+    has_plastic, is_single = is_plastic(reducer), bool(casing.retainer or casing.motor_bearing)
+    dowels = ", its dowels in their holes," if casing.dowel else ""
+    flange_dowels = f", press {casing.flange_screws} {names.FLANGE_DOWEL} into its face" if casing.flange_dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth"
         f"{'' if has_plastic else '; put sealant on both faces of the ring before a cover goes on'}.",
         "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
-        _describe_output_bearings(sizes),
-        f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
+        _describe_output_bearings(casing),
+        f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if casing.far else 'Push'} the "
         f"through {'it' if is_single else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
-        f"on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
+        f"on ({casing.flange_screws} x {casing.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
-        f"it clamps {'the inner ring' if is_single else 'them'}{_describe_preload(sizes)}.",
-        f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
+        f"it clamps {'the inner ring' if is_single else 'them'}{_describe_preload(casing)}.",
+        f"Lay the {names.HOUSING} on it{'' if casing.has_outer_dowels else dowels.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
-        _describe_discs(reducer, sizes),
-        _describe_crank(reducer, sizes),
-        f"{_describe_motor_cover(reducer, sizes)}, put it on{dowels} and tighten "
+        _describe_discs(reducer, casing),
+        _describe_crank(reducer, casing),
+        f"{_describe_motor_cover(reducer, casing)}, put it on{dowels} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side"
-        f"{f'; snap the {names.SHAFT_RING} on the {names.SHAFT}' if sizes.crank_end.shaft_ring else ''}.",
-        _describe_last_step(reducer, sizes),
+        f"{f'; snap the {names.SHAFT_RING} on the {names.SHAFT}' if casing.crank_end.shaft_ring else ''}.",
+        _describe_last_step(reducer, casing),
     )
 
 
-def _describe_output_bearings(sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover.
-
-    `sizes` is the casing of the drive.
-    """
-    hub, ring = sizes.hub.designation, sizes.retainer
+def _describe_output_bearings(casing: Casing) -> str:
+    """Return the sentence of the assembly instructions on how the bearings of the output are mounted in their cover."""
+    hub, ring = casing.hub.designation, casing.retainer
     if ring:
         return (
             f"Put the {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from outside, screw the "
             f"{names.RETAINER} on its outer ring ({ring.count} x {ring.bolt.designation}) and tighten "
             "crosswise in steps while it is turned."
         )
-    if sizes.motor_bearing:
+    if casing.motor_bearing:
         return (
             f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, up to its lip; the "
             f"other one goes on the disc {names.SECOND_OUTPUT} later."
         )
-    grease = ", back to back, and pack them with grease" if sizes.hub.contact_angle else ""
+    grease = ", back to back, and pack them with grease" if casing.hub.contact_angle else ""
     return (
         f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, the other one from "
         f"outside{grease}."
     )
 
 
-def _describe_preload(sizes: Casing) -> str:
+def _describe_preload(casing: Casing) -> str:
     """Describe how a pair of angular contact bearings is preloaded; empty for deep groove bearings."""
-    if not sizes.hub.contact_angle:
+    if not casing.hub.contact_angle:
         return ""
     return "; grind its raised face until the hub turns without play and not harder than by hand"
 
 
-def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
+def _describe_motor_cover(reducer: Reducer, casing: Casing) -> str:
     """Return the sentence of the assembly instructions on the motor cover, into which bearings are pressed.
 
-    A motor with tapped holes is first bolted on from within. `sizes` is the casing of the drive.
+    A motor with tapped holes is first bolted on from within.
     """
-    count = "the" if sizes.far else "both"
-    spacer_text = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
-    seal = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if sizes.crank_end.seal else ""
-    ring = f", snap the {names.BORE_RING} in" if sizes.crank_end.bore_ring else ""
+    count = "the" if casing.far else "both"
+    spacer_text = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, casing) else ""
+    seal = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if casing.crank_end.seal else ""
+    ring = f", snap the {names.BORE_RING} in" if casing.crank_end.bore_ring else ""
     step = f"press {seal}{count} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{spacer_text}{ring}"
-    if not sizes.motor.tapped:
+    if not casing.motor.tapped:
         return f"P{step[1:]}"
-    bolt, length = motor_screw(sizes.motor, sizes.wall)
+    bolt, length = motor_screw(casing.motor, casing.wall)
     screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
     crank_test = "Turn the crank by hand through one turn"
-    return f"{crank_test}; bolt the motor on ({sizes.motor.name}, {screws} from within), {step}"
+    return f"{crank_test}; bolt the motor on ({casing.motor.name}, {screws} from within), {step}"
 
 
-def _describe_last_step(reducer: Reducer, sizes: Casing) -> str:
-    """Return the last sentence of the assembly instructions: mount the motor, or turn the drive.
-
-    `sizes` is the casing of the drive.
-    """
-    motor = sizes.motor
+def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
+    """Return the last sentence of the assembly instructions: mount the motor, or turn the drive."""
+    motor = casing.motor
     if reducer.design.shaft.bore_radius:
         return (
             "Turn the crank by hand through one turn; clamp a belt pulley, or the rotor of a frameless motor, on the "
@@ -185,11 +176,8 @@ def _describe_ring_pins(reducer: Reducer) -> str:
     return "; glue the pins into their sockets (retaining compound) and let it cure before the disc goes in"
 
 
-def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions that mounts a single disc, or several discs with their crank.
-
-    `sizes` is the casing of the drive.
-    """
+def _describe_discs(reducer: Reducer, casing: Casing) -> str:
+    """Return the sentence of the assembly instructions that mounts a single disc, or several discs with their crank."""
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
@@ -210,14 +198,16 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
             f"Clamp each cam on the shaft in a fixture that sets its phase ({screws}), then push its gear with the "
             f"bearing over it: cam 1, gear 1, a {names.SPACER}, cam 2, gear 2."
         )
-    if shrunk := shrink_fit(reducer, sizes):
+    if shrunk := shrink_fit(reducer, casing):
         return (
             f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrunk.difference:.0f} K "
             "apart, by an oven (200 °C at most) and dry ice. When it is cold, push its gear with the bearing over it: "
             f"cam 1, gear 1, a {names.SPACER}, cam 2, gear 2{' and so on' if design.gear.discs > 2 else ''}."
         )
-    first_step = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
-    is_glued = not (cam_key(reducer, sizes) or cam_spline(reducer))
+    first_step = (
+        "Lay the key into the shaft" if cam_key(reducer, casing) else "Mark the phases of the cams on the shaft"
+    )
+    is_glued = not (cam_key(reducer, casing) or cam_spline(reducer))
     retaining_note = " with retaining compound" if is_glued else ""
     return (
         f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
@@ -235,12 +225,9 @@ def _describe_cam_bearing(reducer: Reducer) -> str:
     return f"Line the bore of the {names.GEAR} with {rollers}, in grease that keeps them there"
 
 
-def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
-    """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them.
-
-    `sizes` is the casing of the drive.
-    """
-    design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
+def _describe_crank(reducer: Reducer, casing: Casing) -> str:
+    """Return the sentence of the assembly instructions that mounts the crank, with several discs together with them."""
+    design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, casing)}
     first_ring, second_ring = (names.numbered_name(names.CRANK_RING, number) for number in (1, 2))
     ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (
         second_ring in rings

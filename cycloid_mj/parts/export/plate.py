@@ -85,9 +85,9 @@ class PrintPlate:
         return {part: parts.count(part) for part in dict.fromkeys(parts)}
 
 
-def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
+def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, casing: Casing | None = None) -> PrintPlate:
     """Place all printed parts on one plate of any size, as `plates` does."""
-    (single,) = plates(reducer, chord_error, cam_seat, sizes)
+    (single,) = plates(reducer, chord_error, cam_seat, casing)
     return single
 
 
@@ -95,7 +95,7 @@ def plates(
     reducer: Reducer,
     chord_error: float,
     cam_seat: float = 0.0,
-    sizes: Casing | None = None,
+    casing: Casing | None = None,
     bed: tuple[float, float] | None = None,
 ) -> tuple[PrintPlate, ...]:
     """Lay out all printed parts on plates that fit on the bed of a printer, as many plates as necessary.
@@ -110,7 +110,7 @@ def plates(
         Largest distance of a chord from its curve [m].
     cam_seat
         Bore radius of the cam bearing [m], which the cams fit; 0: cams with the outer radius of the bearing.
-    sizes
+    casing
         Casing, to include covers and flanges.
     bed
         Length and width of the bed [m]; None: one plate of any size.
@@ -120,7 +120,7 @@ def plates(
     DesignError
         A part cannot be manufactured, its mesh is not watertight, or it is larger than the bed.
     """
-    parts_to_print = printed_parts(reducer, chord_error, cam_seat, sizes)
+    parts_to_print = printed_parts(reducer, chord_error, cam_seat, casing)
     flat_parts = [(name, part.count, *_lay_flat(part.solid)) for name, part in parts_to_print.items()]
     shapes = {name: mesh(solid) for name, _, solid, _ in flat_parts}
     supports, unsupported_areas = _build_supports(

@@ -62,14 +62,14 @@ def stock_cam_seat(reducer: Reducer) -> float:
 
 
 def print_files(
-    reducer: Reducer, sizes: Casing | None, settings: PrintSettings, torques: Mapping[str, float] | None = None
+    reducer: Reducer, casing: Casing | None, settings: PrintSettings, torques: Mapping[str, float] | None = None
 ) -> PrintFiles:
     """Encode all files for printing a drive (print plates, test coupon, bill of materials), with notes and warnings.
 
     Parameters
     ----------
-    sizes
-        Sizes of the casing; None: the mechanism only.
+    casing
+        The casing; None: the mechanism only.
     torques
         Tightening torques [N m] by the name of the screws in the bill.
 
@@ -79,18 +79,21 @@ def print_files(
         A part cannot be manufactured, or is larger than the bed.
     """
     error, seat = settings.chord_error, settings.cam_seat
-    print_plates = plates(widen_clearances(reducer, settings.offset), error, seat, sizes, settings.bed)
+    print_plates = plates(widen_clearances(reducer, settings.offset), error, seat, casing, settings.bed)
     stems = [PLATE] if len(print_plates) == 1 else [f"{PLATE}_{number}" for number in range(1, len(print_plates) + 1)]
     by_stem = dict(zip(stems, print_plates, strict=True))
-    items, consumable_lines = bill(reducer, seat, sizes, torques), tuple(consumables(reducer, sizes)) if sizes else ()
-    materials = printed_materials(reducer, sizes, {part for plate in print_plates for part in plate.counts})
+    items, consumable_lines = (
+        bill(reducer, seat, casing, torques),
+        tuple(consumables(reducer, casing)) if casing else (),
+    )
+    materials = printed_materials(reducer, casing, {part for plate in print_plates for part in plate.counts})
     files, warnings = {BILL: bill_csv((*items, *consumable_lines))}, [*out_of_stock(items)]
     for stem, plate in by_stem.items():
         files |= {f"{stem}.stl": stl_bytes(plate.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(plate, materials)}
     if is_plastic(reducer):
         files |= {f"{name}.stl": stl_bytes(mesh(plate), MILLIMETRES) for name, plate in coupon_solids(error).items()}
         unsupported_areas = {name: faces for plate in print_plates for name, faces in plate.hanging.items()}
-        warnings += print_warnings(reducer, unsupported_areas, error, sizes)
+        warnings += print_warnings(reducer, unsupported_areas, error, casing)
     consumable_texts = tuple(describe_consumable(line) for line in consumable_lines)
     notes = _describe_plates(by_stem, consumable_texts, coupon_words() if is_plastic(reducer) else "")
     return PrintFiles(by_stem, files, (*items, *consumable_lines), consumable_texts, notes, tuple(warnings))

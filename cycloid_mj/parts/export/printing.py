@@ -77,24 +77,24 @@ def material_part(reducer: Reducer, part: str) -> str:
     return names.OUTPUT if family in (names.OUTPUT_PIN, names.ROLLER) else family
 
 
-def part_material(reducer: Reducer, part: str, sizes: Casing | None) -> Material:
+def part_material(reducer: Reducer, part: str, casing: Casing | None) -> Material:
     """Return the material of a part of a drive; covers can have one of their own."""
-    if sizes and sizes.cover_material and names.family(part) in names.COVERS:
-        return Material(name=sizes.cover_material)
+    if casing and casing.cover_material and names.family(part) in names.COVERS:
+        return Material(name=casing.cover_material)
     return reducer.design.material_of(material_part(reducer, part))
 
 
 def printed_parts(
-    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
+    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, casing: Casing | None = None
 ) -> dict[str, PrintedPart]:
     """Return the printed parts: the plastic parts of `manufactured_parts`, or all if none is plastic."""
-    manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
+    manufactured = manufactured_parts(reducer, chord_error, cam_seat, casing)
     plastic = {name: part for name, part in manufactured.items() if is_printed(reducer, material_part(reducer, name))}
     return plastic or manufactured
 
 
 def manufactured_parts(
-    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
+    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, casing: Casing | None = None
 ) -> dict[str, PrintedPart]:
     """Return the parts to be manufactured, as solids and outlines in their own frames, with their number, by name.
 
@@ -110,8 +110,8 @@ def manufactured_parts(
         Largest distance of a chord from its curve [m].
     cam_seat
         Bore radius of the cam bearing [m], which the cams fit; 0: cams with the outer radius of the bearing.
-    sizes
-        Sizes of the casing, to include covers and flanges.
+    casing
+        The casing, to include covers and flanges.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def manufactured_parts(
     gear, ring, output = design.gear, design.ring, design.output
     cam = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
     separated_parts, mechanism_parts = (
-        separate_parts(reducer, cam, sizes, chord_error),
+        separate_parts(reducer, cam, casing, chord_error),
         lay_out_parts(reducer, chord_error),
     )
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
@@ -135,8 +135,8 @@ def manufactured_parts(
     counts |= {names.OUTPUT: 1, names.SECOND_OUTPUT: 1}
     if is_printed(reducer, names.OUTPUT):
         counts[names.OUTPUT_PIN] = output.pins
-    if sizes:
-        added_parts = casing_parts(reducer, sizes).items()
+    if casing:
+        added_parts = casing_parts(reducer, casing).items()
         counts |= {name: 1 for name, part in added_parts if not part.bought and name not in mechanism_parts}
     drawn_parts = parts(reducer, chord_error)  # kept there, for what stays as it is
 
@@ -155,7 +155,7 @@ def manufactured_parts(
 
 
 def separate_parts(
-    reducer: Reducer, cam: float = 0.0, sizes: Casing | None = None, chord_error: float | None = None
+    reducer: Reducer, cam: float = 0.0, casing: Casing | None = None, chord_error: float | None = None
 ) -> dict[str, Part]:
     """Return all manufactured and bought parts of an assembly as exact outlines, each in its own frame, by name.
 
@@ -167,8 +167,8 @@ def separate_parts(
         The reducer; its clearances are in the outlines.
     cam
         Radius of the cams [m]; 0: cams with the outer radius of the cam bearing.
-    sizes
-        Sizes of the casing, to include its parts and its holes in other parts.
+    casing
+        The casing, to include its parts and its holes in other parts.
     chord_error
         Chord error of the balanced crank [m], see `lay_out_parts`.
 
@@ -199,14 +199,14 @@ def separate_parts(
                 parts_by_name[name] = parts_by_name[name].of(
                     _resize_cam(reducer, segment, cam) for segment in parts_by_name[name].segments
                 )
-    if sizes:
-        parts_by_name = {name: fit_part(reducer, sizes, name, part) for name, part in parts_by_name.items()}
-    for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
+    if casing:
+        parts_by_name = {name: fit_part(reducer, casing, name, part) for name, part in parts_by_name.items()}
+    for name, part in (casing_parts(reducer, casing) if casing else {}).items():
         base_segments = parts_by_name[name].segments if name in parts_by_name else ()
-        density = STEEL if part.bought else part_material(reducer, name, sizes).density
+        density = STEEL if part.bought else part_material(reducer, name, casing).density
         parts_by_name[name] = Part(name, cut_holes(name, part, base_segments), density)
     if names.SECOND_OUTPUT in parts_by_name:
-        density = part_material(reducer, names.SECOND_OUTPUT, sizes).density
+        density = part_material(reducer, names.SECOND_OUTPUT, casing).density
         parts_by_name[names.SECOND_OUTPUT] = replace(parts_by_name[names.SECOND_OUTPUT], density=density)
     return parts_by_name
 

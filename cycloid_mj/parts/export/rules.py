@@ -16,7 +16,7 @@ from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 
 
-def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+def describe_violations(reducer: Reducer, casing: Casing) -> Iterator[str]:
     """Yield a sentence with the remedy for each design rule that the joints of a drive violate.
 
     The rules are:
@@ -27,19 +27,17 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     - Threads in a plastic have an insert. Pressed and turning parts have a fit.
     - Bearings reach their shoulders, and the crank has the fillets that its fatigue strength assumes.
     - A motor is not bolted to a cover that turns.
-
-    `sizes` is the casing of the drive.
     """
-    for gap in running_gaps(reducer, sizes):
-        if not gap.keeps(sizes.play):
+    for gap in running_gaps(reducer, casing):
+        if not gap.keeps(casing.play):
             yield (
                 f"{gap.part} and {gap.other} move against each other but are only {MILLIMETRES * gap.distance:.3g} mm "
-                f"apart; {MILLIMETRES * sizes.play:g} mm are needed: please report this design"
+                f"apart; {MILLIMETRES * casing.play:g} mm are needed: please report this design"
             )
-    for blockage in blockages(reducer, sizes):
+    for blockage in blockages(reducer, casing):
         yield f"{blockage.part} cannot pass {blockage.other} to its place: please report this design"
-    yield from describe_missing_dowels(reducer, sizes)
-    for joint in drive_joints(reducer, sizes):
+    yield from describe_missing_dowels(reducer, casing)
+    for joint in drive_joints(reducer, casing):
         if joint.diameter and not joint.fit:
             yield f"{joint.name} has no fit: please report this design"
         for thread in joint.threads:
@@ -51,7 +49,7 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
             f"the fillets of {MILLIMETRES * fillet:.3g} mm at the shoulders of the crank keep its bearings off them, "
             f"whose corners have a radius of {MILLIMETRES * BEARING_CORNER:g} mm: reduce shaft.fillet_radius_mm"
         )
-    yield from _describe_short_necks(reducer, sizes)
+    yield from _describe_short_necks(reducer, casing)
     if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
@@ -60,23 +58,20 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
         )
 
 
-def describe_missing_dowels(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+def describe_missing_dowels(reducer: Reducer, casing: Casing) -> Iterator[str]:
     """Yield a sentence if no dowel centres the covers, or if none keeps a ring of plastic from turning."""
-    if sizes.dowel is None:
+    if casing.dowel is None:
         yield "no dowel fits in the covers, which only the play of the screws centres: enlarge the housing"
-    elif is_plastic(reducer) and sizes.has_outer_dowels:
+    elif is_plastic(reducer) and casing.has_outer_dowels:
         yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
 
 
-def _describe_short_necks(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield a sentence if a crank in one piece for two discs has no room for the fillets between cams and collar.
-
-    `sizes` is the casing of the drive.
-    """
+def _describe_short_necks(reducer: Reducer, casing: Casing) -> Iterator[str]:
+    """Yield a sentence if a crank in one piece for two discs has no room for the fillets between cams and collar."""
     gear, fillet = reducer.design.gear, reducer.design.shaft.shoulder_fillet
     if gear.discs == 1 or not reducer.design.has_one_piece_crank:
         return
-    if disc_collar_neck(reducer, sizes) < FILLETED_NECK * fillet:
+    if disc_collar_neck(reducer, casing) < FILLETED_NECK * fillet:
         smallest_gap = 2.0 * FILLETED_NECK * fillet + RULES.min_wall
         yield (
             f"the gap of {MILLIMETRES * gear.disc_gap:g} mm between the discs has no room for fillets between the cams "

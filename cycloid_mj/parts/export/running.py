@@ -78,11 +78,10 @@ class RunningGap:
         return self.distance >= (play - SAME_LENGTH if self.axial else SAME_LENGTH)
 
 
-def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
+def running_gaps(reducer: Reducer, casing: Casing) -> tuple[RunningGap, ...]:
     """Return the smallest distance [m] of each pair of parts that move relative to each other; 0 or less if they touch.
 
-    Where parts overlap along z by design, such as a cam and its disc, their distance is ignored. `sizes` is the casing
-    of the drive.
+    Where parts overlap along z by design, such as a cam and its disc, their distance is ignored.
 
     Raises
     ------
@@ -90,7 +89,7 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
         A part cannot be manufactured, or does not fit.
     """
     smallest: dict[tuple[str, str], RunningGap] = {}
-    for annulus, other in combinations(swept_annuli(reducer, sizes), 2):
+    for annulus, other in combinations(swept_annuli(reducer, casing), 2):
         axial, radial = annulus.distances(other)
         if annulus.body == other.body or annulus.part == other.part or _are_mates(annulus, other, axial, radial):
             continue
@@ -119,23 +118,20 @@ def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) ->
     return axial < -SAME_LENGTH and any(families <= mates for mates in _MATES)
 
 
-def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
+def swept_annuli(reducer: Reducer, casing: Casing) -> tuple[Annulus, ...]:
     """Return the annuli that all parts of a drive and its motor sweep, each once."""
-    motor = () if reducer.design.shaft.bore_radius else _motor_annuli(sizes)  # none is on the axis of a hollow shaft
-    return tuple(dict.fromkeys((*_part_annuli(reducer, sizes), *motor)))
+    motor = () if reducer.design.shaft.bore_radius else _motor_annuli(casing)  # none is on the axis of a hollow shaft
+    return tuple(dict.fromkeys((*_part_annuli(reducer, casing), *motor)))
 
 
-def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
-    """Yield the ring-shaped spaces (annuli) swept by all parts of a drive, one for each ring of a bearing.
-
-    `sizes` is the casing of the drive.
-    """
-    parts = assembly_parts(reducer, sizes)
-    for placement in place_parts(reducer, 0.0, sizes):
+def _part_annuli(reducer: Reducer, casing: Casing) -> Iterator[Annulus]:
+    """Yield the ring-shaped spaces (annuli) swept by all parts of a drive, one for each ring of a bearing."""
+    parts = assembly_parts(reducer, casing)
+    for placement in place_parts(reducer, 0.0, casing):
         for segment in parts[placement.part].segments:
             annulus = _swept_ring(placement, segment)
             if names.family(placement.part) in (names.SHAFT_BEARING, names.OUTPUT_BEARING):
-                yield from _split_bearing(reducer, sizes, annulus)
+                yield from _split_bearing(reducer, casing, annulus)
             else:
                 yield annulus
 
@@ -174,14 +170,14 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
     return bool(abs(steps.sum()) > math.pi)
 
 
-def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
+def _split_bearing(reducer: Reducer, casing: Casing, bearing: Annulus) -> Iterator[Annulus]:
     """Yield the annuli of a bearing's inner ring, rolling elements and outer ring, from that of the entire bearing.
 
-    A drawn cup has no inner ring and stays one annulus. `sizes` is the casing of the drive.
+    A drawn cup has no inner ring and stays one annulus.
     """
     is_on_shaft = bearing.part == names.SHAFT_BEARING
     ends = bearing.low, bearing.high
-    is_in_hub = is_on_shaft and sizes.far is not None and bearing.low > 0.0
+    is_in_hub = is_on_shaft and casing.far is not None and bearing.low > 0.0
     outer_body = names.OUTPUT if is_in_hub else names.HOUSING
     if is_on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield Annulus(bearing.part, outer_body, bearing.inner, bearing.outer, *ends)
@@ -189,16 +185,16 @@ def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterato
     inner, outer = (
         (shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner))
         if is_on_shaft
-        else hub_shoulders(sizes.hub)
+        else hub_shoulders(casing.hub)
     )
     yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
     yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
     yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)
 
 
-def _motor_annuli(sizes: Casing) -> Iterator[Annulus]:
+def _motor_annuli(casing: Casing) -> Iterator[Annulus]:
     """Yield the annuli of the motor: body, pilot and shaft."""
-    motor, face = sizes.motor, sizes.face
+    motor, face = casing.motor, casing.face
     yield Annulus(MOTOR, names.HOUSING, 0.0, motor.circle, face - motor.circle, face)
     yield Annulus(MOTOR, names.HOUSING, motor.shaft, motor.pilot, face, face + PILOT_HEIGHT)
     if motor.shaft:
