@@ -345,14 +345,14 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
             flags.DesignNames,
             Parameter(help=f"Designs: presets ({flags.NAMES}) or TOML files. Default: pin and nonpin."),
         ],
-        more_designs: flags.SeveralFlag = (),
+        design: flags.SeveralFlag = (),
         changes: flags.SetFlag = (),
         at_c: flags.TemperatureFlag = None,
         options: MeasureOptions,
         output_flags: MeasureDelivery,
     ) -> int:
-        """Measure designs named by position or by ``--design``, with the same changes of each; return the exit code."""
-        chosen = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *more_designs) or BOTH]
+        """Measure the `designs` by position, or those of the flag ``--design``, and return the exit code."""
+        chosen = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *design) or BOTH]
         resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
         return _measure_designs(name, resolved, options, output_flags)
 

@@ -109,7 +109,7 @@ def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> di
     - ``crank``: crank angle [rad]
     - ``deviation``: pose of the disc minus its ideal pose, x, y [mm] and angle [rad]
     - ``opening``: gap between the disc and each pin or arc of the ring, minus the clearance [mm]
-    - ``outputAway``: distance between the centres of each output pin and its hole, minus the eccentricity [mm]
+    - ``outputDistance``: distance between the centres of each output pin and its hole, minus the eccentricity [mm]
     - ``force``: forces x, y [N], by the groups of contacts in `GROUPS`
     - ``away``, with ring pins only: position of each pin in its socket, x, y [mm]
     - ``pinAngle``, with ring pins only: rotation of each pin [rad]
@@ -123,7 +123,7 @@ def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> di
         "crank": encode_array(np.mod(gap_values.crank_angle, 2 * np.pi * reducer.design.lobes)),
         "deviation": encode_array(deviation),
         "opening": encode_array(MILLIMETRES * gap_values.opening),
-        "outputAway": encode_array(MILLIMETRES * gap_values.output_away),
+        "outputDistance": encode_array(MILLIMETRES * gap_values.output_away),
         "force": {kind: encode_array(forces.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
     if (ideal := ideal_forces(reducer, columns)) is not None:

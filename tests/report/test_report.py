@@ -185,7 +185,7 @@ def test_the_mechanism_has_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
         columns = {name: values[rows] for name, values in run.columns.items()}
         measured, acting = measure_gaps(Reducer(design), columns), contact_forces(Reducer(design), columns)
         np.testing.assert_allclose(array(frames["opening"]), 1e3 * measured.opening, rtol=1e-5, atol=1e-12)
-        np.testing.assert_allclose(array(frames["outputAway"]), 1e3 * measured.output_away, rtol=1e-5, atol=1e-12)
+        np.testing.assert_allclose(array(frames["outputDistance"]), 1e3 * measured.output_away, rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(array(frames["force"]["ring"]), acting.of("pin_gear", "tooth").force, rtol=1e-6)
         np.testing.assert_allclose(array(frames["force"]["cam"]), acting.of("cam").force, rtol=1e-6)
         turns = np.ptp(columns["crank_angle"]) / (2 * np.pi)

@@ -141,7 +141,7 @@ class Mechanism {
     const outputs = [];
     for (let i = 0; i < outputPins; i++) {
       const angle = (2 * Math.PI * i) / outputPins - turn;
-      const away = 1 + (times * frames.outputAway[k * outputPins + i]) / c;
+      const away = 1 + (times * frames.outputDistance[k * outputPins + i]) / c;
       const hole = [gear[0] + outputCircle * Math.sin(angle), gear[1] + outputCircle * Math.cos(angle)];
       outputs.push([hole[0] - away * gear[0], hole[1] - away * gear[1]]);
       this.outputs[i].setAttribute("cx", outputs[i][0]);
