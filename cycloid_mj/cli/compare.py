@@ -120,7 +120,7 @@ class CompareOptions:
         )
 
     @property
-    def hold_given(self) -> bool:
+    def has_hold_flag(self) -> bool:
         """True if the user sets the duration of the hold."""
         return self.hold_s is not None or any(change.strip().startswith(flags.HOLD.key) for change in self.set_)
 
@@ -188,7 +188,7 @@ def compare(
     compared_designs = [flags.load_design(name, options.set_, (), options.at_c) for name in designs]
     flags.require_distinct_names(compared_designs)
     plan = _plan_runs(
-        list_cases(compared_designs, first_design, options.load_nm, options.solver, options.hold_given), options
+        list_cases(compared_designs, first_design, options.load_nm, options.solver, options.has_hold_flag), options
     )
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]

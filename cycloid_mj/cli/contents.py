@@ -41,7 +41,7 @@ class Listed(NamedTuple):
         set_help_format(app[name])
 
     def list_in(self, app: App, name: str, group: Group, position: int) -> None:
-        """Add the command's name and line, which import nothing."""
+        """Add the name and the help line of the command to a group of the app, without importing its module."""
         app.command(f"cycloid_mj.cli.{self.function}", name=name, group=group, sort_key=position, help=self.line)
 
 

@@ -251,7 +251,7 @@ def _command(words: Sequence[str], comment: str) -> str:
 
 @dataclass(frozen=True)
 class LoggedRun:
-    """A logged run.
+    """Summary of a run that was simulated into a log.
 
     Attributes
     ----------
@@ -260,11 +260,11 @@ class LoggedRun:
     steps
         Steps of the run.
     wall
-        Time that they took, with the log [s].
+        Wall time of the simulation, including the log [s].
     findings
-        The run's judgement, or why it cannot be judged.
+        Results of the run's analysis, or the error if it cannot be evaluated.
     run
-        The run without its forces, if it was to be kept and can be judged.
+        The run without its forces; None if it is not to be kept or cannot be evaluated.
     """
 
     log: Path

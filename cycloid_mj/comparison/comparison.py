@@ -66,7 +66,7 @@ class Comparison(Presented):
         return tuple(sorted({trial.load for trial in self.trials}))
 
     def at(self, load: float) -> tuple[Trial, ...]:
-        """List the runs under a load [N m]."""
+        """Return the trials (simulations and their results) under a load [N m]."""
         return tuple(trial for trial in self.trials if trial.load == load)
 
     @property

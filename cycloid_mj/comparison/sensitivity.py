@@ -34,7 +34,7 @@ class SensitivityPoint:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Response of a figure of one run to each assumption; `figure` is its value with those of the design."""
+    """Values of a quantity of a run with other assumptions; `figure` is its value with those of the design."""
 
     quantity: str
     unit: str

@@ -94,7 +94,7 @@ class Optimum(Tabular):
 
     @property
     def refused(self) -> dict[str, int]:
-        """Number of points that each check or limit rejects, the most frequent first; a point may count repeatedly."""
+        """Number of points that each check or limit rejects, the largest first; a point may count several times."""
         counted = Counter(name for row in self.rows for name in str(row.values[REJECTED_BY]).split("; ") if name)
         return dict(counted.most_common())
 

@@ -69,7 +69,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         "dT = losses/(h A)",
         f"{lost:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
         f"at h = {film:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C at 8 to 15) "
-        f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
+        f"on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C",
     )
     for kind in design.pair_kinds:
@@ -205,8 +205,8 @@ def cooling_area(reducer: Reducer) -> float:
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
 
 
-def _outside_of(reducer: Reducer) -> str:
-    """Name what `cooling_area` is the outside of."""
+def _describe_cooled_outside(reducer: Reducer) -> str:
+    """Return the name of the body whose outside is `cooling_area`, for messages."""
     return "the covers, without their flanges" if has_casing(reducer) else "ring and output disc"
 
 

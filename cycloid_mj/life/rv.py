@@ -135,8 +135,8 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
 
-    They follow from ideal load sharing or from the static equilibrium, whichever results in the larger mean load.
-    `torque` [N m] acts on the output.
+    The forces follow from ideal load sharing or from the static equilibrium, whichever has the larger mean. `torque` [N
+    m] acts on the output.
     """
     shared, solved = ideal_rv(reducer, torque), solve_running_equilibrium(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]

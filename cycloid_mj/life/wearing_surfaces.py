@@ -269,9 +269,8 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Contacts, SlidingContacts]:
     """Solve for forces and sliding speeds of the contacts of discs and ring of an RV reducer.
 
-    They are those under a torque on the output [N m]. `crank` [rad] are m crank angles relative to the ring, shape
-    (m,). The result has the single key "teeth"; its arrays of positions, forces, speeds and half widths have the shape
-    (m, contacts).
+    `torque` acts on the output [N m]. `crank` [rad] are m crank angles relative to the ring, shape (m,). The result has
+    the single key "teeth"; its arrays of positions, forces, speeds and half widths have the shape (m, contacts).
 
     Raises
     ------

@@ -100,8 +100,8 @@ class _GroupSamples:
     def finish(self, samples: int) -> list[Array]:
         """Return the times [s] of this group and then each of its columns, all of shape (k,).
 
-        They contain the first `samples` samples of the log, or those of the selected rows with indices below `samples`.
-        The arrays are read-only, so that a `Run` need not copy them.
+        The arrays contain the first `samples` samples of the log, or those of the selected rows with indices below
+        `samples`. The arrays are read-only, so that a `Run` need not copy them.
         """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:

@@ -25,7 +25,7 @@ class Groups:
     radius
         Reduced radius R [m].
     length
-        Length of the line [m].
+        Length L of the line [m].
     """
 
     speed: Array
@@ -46,16 +46,17 @@ def line_contact_groups(
 ) -> Groups:
     """Compute the dimensionless groups of line contacts, from which the formulas of this module compute film thickness.
 
-    They are U (speed), G (material) and W (load); the module docstring defines them.
+    They are the speed group U = eta u/(E' R), the material group G = alpha E' and the load group W = w/(E' R L), with
+    the parameters eta, u, R, alpha, w (force), L and E'.
 
     Parameters
     ----------
     force, entrainment, radius
-        Normal force [N], entrainment speed [m/s], whose sign has no effect, and reduced radius R [m].
+        Normal force w [N], entrainment speed u [m/s], whose sign has no effect, and reduced radius R [m].
     length
-        Length of the line [m].
+        Length L of the line [m].
     viscosity, pressure_coefficient
-        Viscosity at the inlet [Pa s], and its pressure coefficient [1/Pa].
+        Viscosity eta at the inlet [Pa s], and its pressure coefficient alpha [1/Pa].
     modulus
         Reduced modulus E' [Pa], which is twice the result of `ideal_loads.contact_modulus`.
     """

@@ -162,7 +162,7 @@ def _film_coefficient(law: FilmLaw, film: Array, sliding: npt.ArrayLike, pressur
 
 
 def _mixed(law: FilmLaw, film: Array, film_coefficient: Array) -> MixedFriction:
-    """Combine boundary friction and shear of the film; a thin film shears no harder than a boundary layer."""
+    """Combine boundary friction and film shear; a thin film has no more friction than a boundary layer."""
     ratio = film / law.roughness
     share = asperity_share(law, ratio)
     coefficient = share * law.boundary + (1.0 - share) * np.minimum(film_coefficient, law.boundary)

@@ -140,7 +140,7 @@ def backlash(
         raise UsageError(f"angles = {angles} (the number of crank angles) is out of range: choose 1 or more")
     reducer = reducer.at_rated_load
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
-    stops_by_case, checks = _run_presses(reducer, crank_angles, solver, progress)
+    stops_by_case, checks = _simulate_stops(reducer, crank_angles, solver, progress)
     closed_forms = REFERENCES[reducer.LAYOUT](reducer, crank_angles)
     test = f"{reducer.INPUT} locked, without friction and weight"
     return Measurement(
@@ -155,10 +155,10 @@ def backlash(
     )
 
 
-def _run_presses(
+def _simulate_stops(
     reducer: Reducer, crank_angles: list[float], solver: Solver, progress: Progress
 ) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
-    """Simulate the output pressed to its stops at each crank angle [rad], with different clearances.
+    """Simulate the output pressed to both stops at each crank angle [rad], with all clearances and with one kind alone.
 
     The cases are "all", for all clearances together, and the kinds of mating pairs, for the clearance of one kind
     alone. `solver` is the solver of the runs, MuJoCo or the planar solver.
@@ -357,7 +357,7 @@ def _curves(
     """Return curves of the backlash [arcmin] over the crank angle [deg], simulated and by closed form.
 
     There are two curves for each case. A case is "all" clearances, or the clearance of one kind of mating pair alone.
-    `stops_by_case` are the simulated stops by case, from `_run_presses`; `closed_forms` have the same keys.
+    `stops_by_case` are the simulated stops by case, from `_simulate_stops`; `closed_forms` have the same keys.
     """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
@@ -399,7 +399,7 @@ def _angle_rows(stops_by_case: dict[str, list[StopPair]], closed_forms: dict[str
 
     The stops are those with all clearances together. Backlash, closed form and time step have a value for each case:
     "all" clearances, or the clearance of one kind of mating pair alone, with the kind as its key. `stops_by_case` has a
-    pair of stops per crank angle for each case, from `_run_presses`; `closed_forms` are by case, too.
+    pair of stops per crank angle for each case, from `_simulate_stops`; `closed_forms` are by case, too.
     """
     return [
         {

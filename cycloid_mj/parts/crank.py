@@ -46,7 +46,7 @@ class ShaftDimensions:
 
     @property
     def weighted(self) -> bool:
-        """True if it has a counterweight."""
+        """True if the crank has a counterweight."""
         return self.counterweight[1] > self.counterweight[0]
 
     @property

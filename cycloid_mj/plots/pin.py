@@ -72,7 +72,7 @@ def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) ->
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
     """Draw the path of a pin's centre at n samples [um] and the curve of m points that it can reach [um].
 
-    They are `position` (n, 2) and `limit` (2, m). `part` is the name of the pin in the title.
+    The path is `position` (n, 2), the curve `limit` (2, m). `part` is the name of the pin in the title.
     """
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **style.SIMULATED)

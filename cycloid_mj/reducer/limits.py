@@ -72,7 +72,11 @@ def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
 
 
 def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
-    """Convert a pose (u,) [m] (see the module) at a crank angle [rad] to a `Fit`; its `min_gap` is NaN."""
+    """Convert a pose at a crank angle [rad] to a `Fit`, without the smallest gap (`min_gap` is NaN).
+
+    `pose` [m] has x, y and rotation of each disc, and the rotation of the output, relative to the ring; rotations are
+    multiplied by the radius of the circle of output pins.
+    """
     return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank_angle))), pose, math.nan)
 
 

@@ -242,8 +242,8 @@ def needle_share(needles: int) -> float:
 def needle_directions(reducer: "Reducer", crank: Array) -> Array:
     """Return the directions of the Z separate needles of a bearing at m angles as unit vectors, shape (m, Z, 2).
 
-    They are equal for all cams or eccentrics, because the cage rolls with the crank in the disc. A needle is on +y at
-    the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).
+    The directions are the same for all cams or eccentrics, because the cage rolls with the crank in the disc. A needle
+    is on +y at the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).
     """
     count = reducer.separate_needles
     disc = -crank / reducer.design.lobes

@@ -192,7 +192,7 @@ class Play:
 def solve_play(reducer: Reducer, poses: int) -> Play:
     """Compute play and wind-up of a reducer in static equilibrium with a locked crank.
 
-    They are means over crank angles. `poses` is the number of evenly spaced crank angles. Raises RunError if there is
+    Both are means over crank angles. `poses` is the number of evenly spaced crank angles. Raises RunError if there is
     no equilibrium.
     """
     rated_torque = reducer.design.rated_torque

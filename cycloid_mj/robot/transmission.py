@@ -42,8 +42,8 @@ RIPPLE = RippleSettings()
 def solve_ripple(reducer: Reducer, on_part: Callable[[], None]) -> Ripple:
     """Compute the strongest harmonics of the transmission error at the loads `RIPPLE.loads` and nearly without load.
 
-    They are computed in both directions of the crank; `on_part` is called after each of the `count_parts` parts of a
-    turn that are solved.
+    The harmonics are computed in both directions of the crank; `on_part` is called after each of the `count_parts`
+    parts of a turn that are solved.
     """
     lightest = next((load for load in RIPPLE.unloaded if _has_equilibrium(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)

@@ -120,7 +120,7 @@ def contact_forces(
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)
     measured_geometry = _logged_inner_parts(reducer, poses_by_part)
-    displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
+    displayed_geometry = measured_geometry if drawing is None else _inner_parts_of_drawing(reducer, drawing)
     wrench_columns = [columns[names.column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["output_angle"].size
     wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
@@ -270,10 +270,11 @@ def _logged_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) ->
     return _central_inner_parts(ring, cams(reducer, poses_by_part[names.SHAFT]), pins, drawn_radii(reducer))
 
 
-def _inner_parts_drawn(reducer: Reducer, drawn: Drawing | RvDrawing) -> _InnerParts:
-    if isinstance(drawn, RvDrawing):
-        return _drawn_rv_parts(cast(RvReducer, reducer), drawn)
-    return _central_inner_parts(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
+def _inner_parts_of_drawing(reducer: Reducer, drawing: Drawing | RvDrawing) -> _InnerParts:
+    """Return centres and radii of the inner parts of all mating pairs (pins, cams or eccentrics) as they are drawn."""
+    if isinstance(drawing, RvDrawing):
+        return _drawn_rv_parts(cast(RvReducer, reducer), drawing)
+    return _central_inner_parts(drawing.ring, cams(reducer, drawing.shaft), drawing.output_pins, drawing.radii)
 
 
 def _central_inner_parts(ring: Array, cam_centres: Array, pins: Array, radii: Radii) -> _InnerParts:

@@ -331,7 +331,8 @@ class Requirement:
     def kind(self) -> Self:
         """Return the requirement without limits and conditions that do not influence the sizes of candidates.
 
-        It is a key of the cache. Limits become infinite, and conditions those that are usual for the process.
+        Such requirements share a cached set of candidates. Limits become infinite; conditions become those that are
+        usual for the process.
         """
         process = PROCESSES[self.process]
         return self.but(

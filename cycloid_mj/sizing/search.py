@@ -277,7 +277,7 @@ class Pool:
         return cls(requirement, points, sizes, _estimate(requirement, sizes)) if len(points) else None
 
     def changed(self, requirement: Requirement) -> Self | None:
-        """Return these candidates under a changed requirement, without ratings; both share their corrections."""
+        """Return these candidates for a changed requirement, without ratings, but with the corrections of estimates."""
         pool = self.of(requirement, self.points)
         return pool and replace(pool, samples=self.samples, corrections=self.corrections, biases=self.biases)
 
@@ -306,8 +306,8 @@ class Pool:
     def corrected(self) -> Estimate:
         """Return the estimates of all candidates, corrected by the computed torque limits of similar ones.
 
-        The key ``capacity`` has the smallest torque limit. They also include the expected effect of a tolerance study
-        (`study_factors`).
+        The key ``capacity`` has the smallest torque limit. The estimates include the expected effect of a tolerance
+        study (`study_factors`).
         """
         records = [*self.corrections.values()]
         values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
@@ -581,11 +581,11 @@ def create_pool(requirement: Requirement, source: Pool | None = None) -> Pool | 
 
 @lru_cache(maxsize=32)
 def _find_likely_critical_samples(kind: Requirement) -> tuple[int, ...]:
-    """Return the numbers of the tolerance samples that are likely critical for the drives of some requirements.
+    """Return the numbers of the tolerance samples that are likely critical for requirements of one kind.
 
-    They have the same `Requirement.kind`, which is passed as `kind`. In a critical sample, the deviations of the parts
-    cause the governing tooth forces. The samples are found from some of these drives. The result is empty if these have
-    no tolerances or cannot be built.
+    Requirements are of one `kind` if they differ only in limits and conditions (`Requirement.kind`). In a critical
+    sample, the deviations of the parts cause the governing tooth forces. The samples are found from some of these
+    drives. The result is empty if these have no tolerances or cannot be built.
     """
     _, sizes = decode(kind, _find_elites(kind))
     torque = capacity(_estimate(kind, sizes))

@@ -269,7 +269,7 @@ def _solve_carrier_output(
 def _solve_contacts(
     reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
 ) -> tuple[Array, Array, float]:
-    """Solve for equilibrium as `_solve_with_cams`, also with output rollers on separate needles.
+    """Solve for equilibrium (`_solve_with_cams`), repeatedly if output rollers have separate needles.
 
     Raises
     ------

@@ -132,7 +132,7 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 
 @lru_cache(maxsize=16)
 def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> LockedCurve:
-    """Solve for torque and rotation of the output of an RV reducer, as `_solve_contact_curve`."""
+    """Solve for torque and rotation of the output of an RV reducer at a locked sun, up to +-`max_torque` [N m]."""
     shares = np.array(SHARES)
     torque = reducer.share * max_torque * np.concatenate([-shares, shares])
     turn = reducer.share * solve_rv_loads(compute_rv_springs(reducer, np.full(torque.size, crank)), torque).carrier_turn

@@ -187,7 +187,7 @@ class RvFriction:
         return self.teeth, self.bearings
 
     def generalised(self, pins: Array, bearings: Array, meshes: Array) -> Array:
-        """Return the generalised forces of friction, shape (m, u), under forces [N] as those of `RvLoads`."""
+        """Return the friction forces along the u unknown displacements [N], shape (m, u), under contact forces [N]."""
         return np.asarray(
             np.einsum("mc,mcu->mu", pins, self.teeth)
             + np.einsum("mdn,dnu->mu", bearings, self.bearings)
@@ -374,7 +374,9 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
 
     Each of the n planets has two flanks. The first n flanks carry a counter-clockwise load on the carrier. The normal
     of a flank points from the sun to the planet, at the pressure angle to the circle of cranks. `crank` are crank
-    angles against the ring [rad], shape (m,). The u unknown displacements are listed in the module docstring.
+    angles against the ring [rad], shape (m,). There are u unknown displacements [m]: x, y and rotation of each disc,
+    the rotations of the carrier and of each crank, and x and y of the sun; rotations are multiplied by the radius of
+    the circle of crank axes.
 
     Returns
     -------

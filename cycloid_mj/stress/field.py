@@ -167,7 +167,7 @@ class LoadedPart:
 
 
 def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
-    """Factorise a part under its loads, for `solve_maxima` and `evaluate_map`; raises as ``solve``."""
+    """Assemble a part and factorise its stiffness, for `solve_maxima` and `evaluate_map`; errors as `solve`."""
     operators = build_recovery(grid)  # first: with the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
     return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, measure_distances(grid, case))

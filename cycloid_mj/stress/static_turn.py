@@ -38,7 +38,7 @@ def solve_over_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tupl
 
 @once
 def _solve_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
-    """Solve the static equilibrium as `solve_over_turn`; cached."""
+    """Solve the static equilibrium at crank angles [rad]; the result is cached (see `solve_over_turn`)."""
     design = reducer.design
     springs = compute_rv_springs(reducer, np.array(angles) * design.lobes / design.ring.teeth)
     torque = torque_on_carrier(reducer, design.load.torque)

@@ -61,7 +61,11 @@ def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
     separate_lines = kind == NONPIN
     source = "T l/sum l^2 over arcs and Sigma" if separate_lines else "T l/sum l^2"
     note = "each contact line is a separate spring, as in the formula" if separate_lines else ""
-    return [_ideal_row(kind, ideal_forces, separate_lines, f"ideal forces of the teeth, {kind}", source, note, quick)]
+    return [
+        _compare_ideal_forces(
+            kind, ideal_forces, separate_lines, f"ideal forces of the teeth, {kind}", source, note, quick
+        )
+    ]
 
 
 def patch_rows(quick: bool) -> list[ValidationRow]:
@@ -71,10 +75,14 @@ def patch_rows(quick: bool) -> list[ValidationRow]:
     """
     note = "an arc and a flank line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
-    return [_ideal_row(NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick)]
+    return [
+        _compare_ideal_forces(
+            NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick
+        )
+    ]
 
 
-def _ideal_row(
+def _compare_ideal_forces(
     kind: str,
     reference: Callable[[Reducer, float], Array],
     separate_lines: bool,
@@ -88,13 +96,13 @@ def _ideal_row(
     Parameters
     ----------
     kind
-        Kind of ring.
+        Kind of ring, such as `rig.FIXED`.
     reference
         Function from reducer and crank angle [rad] to the forces on the disc [N], shape (pins or lobes, 2).
     separate_lines
         Whether each contact line is a spring of its own.
     quantity, source, note
-        Texts of the row.
+        Compared quantity, source of the reference and note, as texts of the result.
     quick
         Whether the crank turns faster, for a shorter run.
     """

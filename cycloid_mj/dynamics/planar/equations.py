@@ -116,8 +116,8 @@ def solve_step(
         Speeds of all unknowns that were expected at the midpoint, at which the contacts were linearised, shape
         (unknowns,).
     q0, v0
-        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at the beginning of the step, shape (unknowns,),
-        in the order that the module ``system`` describes.
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at the beginning of the step, shape (unknowns,):
+        x, y and rotation of each disc, the rotations of output and crank, and x, y and rotation of each moving pin.
     command
         Commands of output and crank, shape (2,): the angle [rad] of a shaft with a servo, else its torque [N m].
     timestep

@@ -53,7 +53,7 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
     design = reducer.design
     ring, housing = design.ring, design.housing
     head_wall = wall if is_plastic(reducer) else max(0.5 * wall - RULES.head_play, 0.5 * RULES.min_wall)
-    for bolt in _bolts_up_to(housing.outer_radius, is_plastic(reducer)):
+    for bolt in _stock_bolts(housing.outer_radius, is_plastic(reducer)):
         hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
@@ -78,8 +78,8 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
     return _screws_of_length(bolt, circle, angles, wall, 0.0)
 
 
-def _bolts_up_to(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
-    """Yield the screws in stock from the thickest for a cover radius [m] down; `inserted`: those with inserts."""
+def _stock_bolts(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
+    """Yield the screws in stock, the thickest for a cover radius [m] first; if `inserted`, only those with inserts."""
     thickest = thickest_bolt(RULES.thread_share * radius, inserted=inserted)
     usable = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
     yield from (bolt for bolt in usable if bolt.thread <= thickest.thread)

@@ -177,8 +177,8 @@ def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0)
     )
 
 
-def _names_on(placements: tuple[PlacedPart, ...], gear: str) -> tuple[str, ...]:
-    """Return the names of the other parts that move with a disc."""
+def _names_of_moving_parts(placements: tuple[PlacedPart, ...], gear: str) -> tuple[str, ...]:
+    """Return the names of the parts that move with the disc `gear`."""
     return tuple(item.name for item in placements if item.body == gear and item.name != gear)
 
 
@@ -244,7 +244,7 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
         yield Move((shaft,), shaft)
         for gear, direction in zip(reducer.gears, (UP, DOWN), strict=True):
             yield Move((gear,), gear)
-            yield Move(_names_on(placements, gear), gear, direction)
+            yield Move(_names_of_moving_parts(placements, gear), gear, direction)
             yield Move((gear,), shaft, direction)
         yield from (Move((shaft,), DRIVE, UP), *second_disc)
         return
@@ -258,7 +258,7 @@ def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> I
             yield cam
             yield Move(_screws_of_cam(reducer, placements, number), shaft)
         yield Move((gear,), gear)
-        yield Move(_names_on(placements, gear), gear, DOWN)
+        yield Move(_names_of_moving_parts(placements, gear), gear, DOWN)
         if not is_cam_first:
             yield cam
         yield Move((gear,), shaft, DOWN)
