@@ -36,7 +36,7 @@ class Compared:
 
     @cached_property
     def error(self) -> Array:
-        """Simulated minus theory."""
+        """Simulated values minus those of the closed form."""
         return self.simulated - self.theory
 
     @cached_property
@@ -46,11 +46,11 @@ class Compared:
 
     @cached_property
     def size(self) -> "Compared":
-        """Compare the lengths of the vectors, shape (n,)."""
+        """Lengths of the simulated vectors and of those of the closed form, shape (n,)."""
         return Compared(np.linalg.norm(self.simulated, axis=1), np.linalg.norm(self.theory, axis=1))
 
     def select(self, rows: Mask | slice) -> "Compared":
-        """Return some of the samples."""
+        """Return the samples selected by `rows`, a mask or slice."""
         return Compared(self.simulated[rows], self.theory[rows])
 
 

@@ -87,7 +87,7 @@ class Orders(Presented):
         return f"{len(self.order)} orders; largest {self.amplitude[largest]:.4g} at {self.order[largest]:.4g}"
 
     def rms(self, kept: Mask) -> float:
-        """Compute the rms value of some orders together."""
+        """Compute the rms value of the signal that consists of the orders in the mask `kept`."""
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 
 

@@ -218,6 +218,6 @@ def _short_run_warning(motion: Series, window: Window) -> str:
     )
 
 
-def _window_turns(judged: Window) -> float:
+def _window_turns(window: Window) -> float:
     """Return the crank turns of a window, including the interval after its last sample."""
-    return judged.crank_turns * judged.samples / max(judged.samples - 1, 1) + 1e-6
+    return window.crank_turns * window.samples / max(window.samples - 1, 1) + 1e-6

@@ -118,12 +118,12 @@ def life(content: Content) -> dict[str, Any]:
 
 
 def checks(content: Content) -> dict[str, Any]:
-    """Return failures and warnings."""
+    """Return the failed checks and the warnings of the design in the request `content`."""
     return summary.checks(_reducer(content))
 
 
 def remedies(content: Content) -> dict[str, Any]:
-    """Return changes that resolve the ``check`` of that name, a warning of life, heat or strength."""
+    """Return changes of the design that resolve a warning of life, heat or strength, ``check`` in the request."""
     return summary.remedies(_reducer(content), str(content.get("check", "")))
 
 

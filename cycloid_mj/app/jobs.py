@@ -18,7 +18,7 @@ class JobWorker(Protocol):
     """Runs functions one after the other, see `workers.Worker`."""
 
     def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
-        """Run a function and return its result."""
+        """Run the function `work`, which receives `on_progress` and `args`, and return its result."""
 
     def stop(self) -> None:
         """Stop the function that is running."""
@@ -28,11 +28,11 @@ class InProcess:
     """Runs functions in this process: for work of some milliseconds, which cannot be stopped."""
 
     def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
-        """Run a function and return its result."""
+        """Run the function `work`, which receives `on_progress` and `args`, and return its result."""
         return work(on_progress, *args)
 
     def stop(self) -> None:
-        """Do nothing."""
+        """Do nothing: functions in this process cannot be stopped."""
 
 
 @dataclass

@@ -206,7 +206,7 @@ def _judge_covered_size(reducer: Reducer, required: Any, motor: MotorName) -> tu
 
 
 def _judge_rv_size(reducer: Reducer, required: Any, _motor: MotorName) -> tuple[Verdicts, dict[str, Any]]:
-    """Return the same for an RV reducer, which has no covers."""
+    """Return the result of `_judge_covered_size` for an RV reducer, which has no covers."""
     sizes = rv_size(cast(RvReducer, reducer))
     length = sizes["drive_length_mm"]
     return requirement_verdicts(required, sizes), {"cased": None, "no_covers": "", "length_mm": length}

@@ -80,4 +80,4 @@ class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
             )
 
     def on_end(self, event: Any) -> None:
-        """Nothing more is to be said."""
+        """Do nothing at the end of a compilation; numba calls it with an `event`."""

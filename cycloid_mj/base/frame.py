@@ -35,7 +35,7 @@ class Tabular(Presented):
 
     @property
     def frame(self) -> "Frame":
-        """Its rows as a frame."""
+        """The result as a table (`Frame`)."""
         raise NotImplementedError
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:

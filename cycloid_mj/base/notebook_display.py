@@ -38,7 +38,7 @@ class Presented(Drawn):
 
     @property
     def frame(self) -> "Frame":
-        """Its quantities, a row each."""
+        """Table of the quantities of the result, a row each."""
         raise NotImplementedError
 
     @property

@@ -113,7 +113,7 @@ class _Line(NamedTuple):
     freedom: float
 
     def at(self, x: float) -> tuple[float, float]:
-        """Compute y and its variance."""
+        """Compute the value of the line at the abscissa x, and its variance."""
         distance = x - self.middle
         return self.value + self.slope * distance, self.value_variance + self.slope_variance * distance**2
 

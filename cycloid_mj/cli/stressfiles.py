@@ -217,7 +217,7 @@ def _claim_tables(verdicts: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
 
 
 def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
-    """Yield what decides the claims of a paper, or why they are not evaluated for these designs."""
+    """Yield notes on the claims of papers: what decides each, or why a paper is not compared with these designs."""
     for source, claims in verdicts.items():
         if not claims and referred:
             yield f"not compared with the paper ({source}): its stresses are without load; use --load-nm 0"

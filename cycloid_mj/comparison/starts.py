@@ -27,7 +27,7 @@ class StartSpread:
 
     @classmethod
     def of(cls, values: Iterable[float]) -> "StartSpread":
-        """Collect the values."""
+        """Create the spread from the values of all starts."""
         return cls(tuple(float(value) for value in values))
 
     @property

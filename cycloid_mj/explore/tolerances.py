@@ -184,7 +184,7 @@ class Tolerances(Tabular):
 
     @property
     def samples_text(self) -> str:
-        """The same, in words."""
+        """The number of samples in words, such as "1000 samples"."""
         return f"{self.sample_count} samples"
 
     @property

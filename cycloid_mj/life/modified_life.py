@@ -70,7 +70,7 @@ ROLLERS = LifeCurve(
 
 
 def life_curve(exponent: float) -> LifeCurve:
-    """Return the constants of balls or rollers, by the exponent p of their life."""
+    """Return the constants of ball bearings if the exponent of the life is 3, else those of roller bearings."""
     return BALLS if exponent == BALL_EXPONENT else ROLLERS
 
 

@@ -51,7 +51,7 @@ class PittingFactors:
 
     @property
     def product(self) -> float:
-        """Return Z_L Z_v Z_R [1]."""
+        """Return the product of lubricant, speed and roughness factor [1]."""
         return self.lubricant * self.speed * self.roughness
 
 

@@ -77,9 +77,9 @@ def unbalance(reducer: Reducer) -> Unbalance:
     """Compute static unbalance [kg m] and couple unbalance [kg m2] of discs and crank, from the masses of the solids.
 
     With one disc, `Unbalance.bare` is without the counterweight and `Unbalance.balanced` with it; all values are
-    components along the eccentric, with a sign. With several discs there is no counterweight, so both are equal; all
-    values are magnitudes. The same holds for RV reducers. Their couple includes the eccentrics of the cranks, but their
-    static unbalance does not, as in simulations; it is zero with several discs.
+    components along the eccentric, with a sign. With several discs, and for RV reducers, there is no counterweight:
+    `bare` and `balanced` are equal, and all values are magnitudes. The couple of RV reducers includes the eccentrics of
+    the cranks, but the static unbalance does not, as in simulations; it is zero with several discs.
     """
     design = reducer.design
     if isinstance(reducer, RvReducer):

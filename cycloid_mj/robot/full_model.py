@@ -221,8 +221,8 @@ class RvModel(FullModel):
     def compliances(self) -> dict[str, float]:
         """Compute the compliance of teeth, crank bearings and planets [rad/(N m)] at the output.
 
-        It is that between the ends of the straight part of the wind-up curve. The compliance of a spring is the work of
-        the change of its force over the square of the change of the torque.
+        The values are valid between the ends of the straight part of the wind-up curve. The compliance of a spring is
+        the work of the change of its force over the square of the change of the torque.
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)

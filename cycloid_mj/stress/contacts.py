@@ -266,7 +266,7 @@ def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float
 
 
 def _on_gear(turn: Turn, name: str, disc: int) -> Action:
-    """Compute the logged force of a pair on a disc, about the reducer's axis."""
+    """Return the logged force of the pair `name` on a disc, with its moment about the reducer's axis."""
     return _read_action(turn, _pair_name(turn, name, disc), _disc(turn, disc).origin)
 
 
@@ -491,7 +491,7 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
-    """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
+    """Return the force of the socket on a ring pin, or of a disc on a fixed pin (moment about the reducer's axis)."""
     if _has_free_pins(turn):
         return _read_action(turn, names.numbered_name(names.SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, names.numbered_name(names.PIN, pin + 1), disc)
@@ -503,7 +503,7 @@ def _has_free_pins(turn: Turn) -> bool:
 
 
 def _hole_contact(turn: Turn, name: str, kind: str, action: Action, centre: Array) -> PartContact:
-    """Return the contact of a round part on the wall of its hole about a centre [m]."""
+    """Return the contact of a round part on the wall of the hole around `centre` [m], under the force `action`."""
     width = _round_width(turn, kind, action)
     return _contact(turn, name, kind, action, action.on_hole(centre, _round_radii(turn, kind)[1], width), width)
 
@@ -511,7 +511,7 @@ def _hole_contact(turn: Turn, name: str, kind: str, action: Action, centre: Arra
 def _contact(
     turn: Turn, name: str, kind: str, action: Action, position: Array, width: Array, curvature: Array | None = None
 ) -> PartContact:
-    """Return a contact of a kind, with its Hertz line; `curvature` [1/m] is that of a tooth."""
+    """Return a contact of a kind of pair with its Hertzian stress; `curvature` [1/m] is that of a tooth."""
     return PartContact(name, action, position, width, line_contact(turn.reducer, kind, action.size, curvature))
 
 

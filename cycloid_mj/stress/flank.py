@@ -87,10 +87,10 @@ def lobe_contact_point(
 
 
 def _miss(gear: CycloidGear, t: Array, action_point: Array, direction: Array, offset: float) -> Array:
-    """Compute the distance of outline(t) from the line of action [m]."""
+    """Compute the distance of the outline at the parameter t [rad] from the line of action [m]."""
     return cross(profile.outline(gear, t, offset) - action_point, direction)
 
 
 def _ahead(gear: CycloidGear, t: Array) -> Array:
-    """Compute the unit tangents of the outline, clockwise as t grows, (..., 2)."""
+    """Compute the unit tangents of the outline at the parameters t [rad], in clockwise direction, shape (..., 2)."""
     return profile.unit(profile.normal_angle(gear, t) + math.pi / 2)

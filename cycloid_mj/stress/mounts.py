@@ -226,5 +226,5 @@ def _to_nodes(of_elements: Array) -> Array:
 
 
 def _displacement_loads(of_nodes: Array) -> Array:
-    """Return loads on displacements and none on slopes, shape (n,) -> (2 n,)."""
+    """Return the load vector (2 n,) of a beam with n nodal forces (n,) and without nodal moments."""
     return np.stack([of_nodes, np.zeros_like(of_nodes)], axis=1).ravel()

@@ -270,13 +270,13 @@ def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
 
 
 def _scale_to_unit_moment(grid: Grid, load: Array) -> Array:
-    """Scale a load (n, 1) to 1 N m about z."""
+    """Scale nodal forces (n, 1) so that their moment about z is 1 N m."""
     x, y = grid.points[:, 0], grid.points[:, 1]
     return np.asarray(load / (x @ load[1::3] - y @ load[0::3]))
 
 
 def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
-    """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
+    """Compute the displacements (n, p) under an outward force of 1 N on each pad, and the compliance (p, p) [m/N]."""
     loads, _ = elastic.equilibrate_loads(part, pads.press.toarray())
     displacements = elastic.displacements(part, loads)
     return displacements, np.asarray(pads.press.T @ displacements)

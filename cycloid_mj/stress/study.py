@@ -405,7 +405,7 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
 
 
 def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], ...]:
-    """Return other start distances [m] of the search for the bulk, and the bulk stress [Pa] of each."""
+    """Return pairs of start distance [m] of the search for the bulk, and the bulk stress [Pa] that it finds."""
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
         (factor * grid.bulk_distance, float(sizes[find_plateau(sizes, index)])) for factor, index in SENSITIVITY.items()
@@ -425,7 +425,7 @@ def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
 
 
 def _largest(values: Array) -> Array:
-    """Compute the largest number of each row (k, m), not a number where there is none."""
+    """Compute the largest number in each row of an array (k, m); NaN for rows of NaN only."""
     largest = np.max(values, axis=1, initial=-np.inf, where=~np.isnan(values))
     return np.where(np.isfinite(largest), largest, np.nan)
 
@@ -449,7 +449,7 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
 
 
 def _imbalance(stress: PartStress, grid: Grid) -> float:
-    """Compute the imbalance of forces and moments over the largest force, and over its moment at the part's radius."""
+    """Compute the larger imbalance [1]: of forces over the largest force, or of moments over its moment at the rim."""
     forces, moments = stress.imbalance[:, : grid.dimension], stress.imbalance[:, grid.dimension :]
     reach = float(np.linalg.norm(grid.points[:, :2], axis=1).max())
     largest = max(float(np.abs(forces).max()), float(np.abs(moments).max()) / reach)
@@ -457,7 +457,10 @@ def _imbalance(stress: PartStress, grid: Grid) -> float:
 
 
 def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
-    """Compute Flamant's 2 F/(pi L d) [Pa] at the bulk distance d from the largest force on a narrow patch."""
+    """Compute Flamant's stress 2 F/(pi L d) [Pa] at the bulk distance d from the largest force F on a narrow patch.
+
+    The patch is narrower than d, L is the face width of the disc.
+    """
     narrow = loads.half_width < distance / 2.0
     force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
     return float(2.0 * force / (np.pi * reducer.design.gear.face_width * distance))

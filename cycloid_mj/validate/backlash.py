@@ -17,7 +17,7 @@ TORQUE = 0.01
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Return the comparisons of this validation step, the rows of its table; `quick` has no effect."""
     return [_backlash_row(kind) for kind in KINDS]
 
 

@@ -311,5 +311,5 @@ Tests on further designs check that forces are the gradient of the energy, and t
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this part of the step."""
+    """Return the comparisons of this part of a validation step, rows of its table; `quick` has no effect."""
     return [row for part in STATICS for row in part()]

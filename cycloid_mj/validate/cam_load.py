@@ -30,7 +30,7 @@ IDEAL = [
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Return the comparisons of this validation step, the rows of its table; `quick` shortens a simulation."""
     return [_slow_ideal_row(quick), *_fast_ideal_rows(quick), *_rated_rows()]
 
 

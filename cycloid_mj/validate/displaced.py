@@ -237,7 +237,7 @@ class DisplacedSprings:
         return float(-0.5 * self._forces_at(gaps) @ gaps)
 
     def push(self, z: Array) -> Array:
-        """Compute the generalised force of the springs [N], shape (u,)."""
+        """Compute the forces of all springs along the u unknown displacements `z` [N], shape (u,)."""
         gaps, slopes = self.contacts(z)
         return np.asarray(slopes.T @ self._forces_at(gaps))
 

@@ -38,7 +38,7 @@ class EnergyBalance:
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Return the row of one kind of ring."""
+    """Compare input work with output, dissipated and stored energy, for a kind of ring; `quick` has no effect."""
     cycle = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
     works = balance(_logged_at_every_step(kind, *cycle))
     source = "output + friction + normal + stored"

@@ -307,5 +307,5 @@ MODELS: tuple[Callable[[], list[ValidationRow]], ...] = tuple(
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Return the comparisons of this validation step, the rows of its table; `quick` has no effect."""
     return [row for part in (*STATICS, *MODELS) for row in part()]

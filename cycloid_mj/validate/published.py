@@ -258,12 +258,15 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
 
 
 def total_efficiency(case: Wang) -> float:
-    """Compute the efficiency by Wang's formula."""
+    """Compute the total efficiency [1] of a case: the product of those of mesh, bearings and output (Wang 2016)."""
     return mesh_efficiency(case) * case.bearings * output_efficiency(case)
 
 
 def mesh_efficiency(case: Wang) -> float:
-    """Compute eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi)."""
+    """Compute the efficiency of the mesh: eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi).
+
+    Symbols: z lobes, friction coefficient mu, diameters Dp of the pin circle and d of a pin, trochoid ratio K1.
+    """
     lobes = case.pins - 1
     meshing = 1.0 - 4.0 * case.mesh_friction * (case.pin_circle - case.pin) / (
         case.shortening * lobes * case.pin_circle * math.pi
@@ -272,7 +275,11 @@ def mesh_efficiency(case: Wang) -> float:
 
 
 def output_efficiency(case: Wang) -> float:
-    """Compute eta_sx = 1 - 4 f K1 d Dp/(pi Dw (d + 2 D2))."""
+    """Compute the efficiency of the output pins: eta_sx = 1 - 4 f K1 d Dp/(pi Dw (d + 2 D2)).
+
+    Symbols: friction coefficient f of the sleeves, the trochoid ratio K1, diameters d of an output pin, Dp of the pin
+    circle and Dw of the circle of holes, and the wall D2 of a sleeve.
+    """
     sleeve = case.output_pin / (case.output_pin + 2.0 * case.sleeve_wall)
     return 1.0 - 4.0 * case.sleeve_friction * sleeve * case.shortening * case.pin_circle / (math.pi * case.hole_circle)
 

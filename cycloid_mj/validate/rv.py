@@ -56,7 +56,7 @@ CONDITIONS = RvConditions()
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step; runs in MuJoCo are left out if it is to be quick."""
+    """Return the comparisons of this validation step (rows of its table); `quick` omits the runs in MuJoCo."""
     reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}))
     run_rows = _compare_run_with_statics(reducer, "planar", CONDITIONS.settled, CONDITIONS.hold)
     if not quick:

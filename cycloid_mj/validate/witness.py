@@ -66,7 +66,7 @@ CASES = {"fixed pins, friction 0.3": high_friction, "two discs, 12 000 rpm": hig
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Return the comparisons of this validation step, the rows of its table; `quick` has no effect."""
     return [row for which, design in CASES.items() for row in comparison_rows(which, Reducer(design()))]
 
 

@@ -21,7 +21,10 @@ ACTIVE, PENETRATION, LARGEST_FORCE, ITERATIONS, ACCELERATION_SUM, WARNINGS = ran
 
 
 def sample_slices(copied: int, pairs: int, drags: int) -> tuple[slice, slice, slice, slice, int]:
-    """Return the columns of copied values, solver, pairs and drags in a sample, by their numbers, and its width."""
+    """Return the slices of a logged sample for its groups of values, and the total number of values.
+
+    The groups are `copied` values of MuJoCo, those of the solver, the forces of `pairs`, and the losses of `drags`.
+    """
     ends = np.cumsum([0, copied, OF_SOLVER, OF_PAIR * pairs, drags]).tolist()
     values, solver, forces, losses = map(slice, ends[:-1], ends[1:])
     return values, solver, forces, losses, ends[-1]

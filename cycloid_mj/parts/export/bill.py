@@ -184,7 +184,7 @@ def _consumable(item: str, volume: float, material: str, designation: str, use: 
 def _inner_volume(part: Part, z: float, casing: Casing) -> float:
     """Compute the volume [m3] that a part occupies in the space of the grease.
 
-    This space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
+    The space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
     the height of the origin of the part in the drive.
     """
     solid = part.solid(VISUAL_CHORD_ERROR)
