@@ -91,7 +91,7 @@ def run_steady(
 
 
 def steady_design(reducer: Reducer) -> Reducer:
-    """Return the design with the log rate of these runs, at full speed from the start."""
+    """Return the design with the log rate of steady runs, which are at full speed from the start."""
     require_motion(reducer)
     return reducer.but(settings={"log_rate": max(STEADY.log_rate, reducer.design.settings.log_rate)})
 

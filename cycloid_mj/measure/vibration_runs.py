@@ -160,7 +160,7 @@ def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
 
 
 def _remove_mean(key: str, signal: Array) -> Array:
-    """Return accelerations unchanged, and forces minus their mean."""
+    """Return a force minus its mean; an acceleration is returned unchanged."""
     return signal if key in ("gear_centre", "output") else signal - signal.mean(axis=0)
 
 

@@ -12,11 +12,11 @@ class Contour(Protocol):
     """A closed contour in the plane of a part, counter-clockwise."""
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return its consecutive curves, with `splines` splines per lobe or root."""
+        """Return the consecutive curves of the contour, with `splines` splines per lobe or root."""
         ...
 
     def polygon(self, chord_error: float) -> Array:
-        """Return it as a polygon (n, 2) [m] with a chord error [m]."""
+        """Return the contour as a polygon (n, 2) [m] with a chord error [m]."""
         ...
 
 
@@ -28,11 +28,11 @@ class CircleContour:
     centre: tuple[float, float] = (0.0, 0.0)
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return the circle."""
+        """Return the circle, the only curve of this contour."""
         return (Circle(self.centre, self.radius),)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, with vertices on the circle and the first one towards +x."""
+        """Return the polygon (n, 2) [m] with a chord error [m]; vertices are on the circle, the first is towards +x."""
         return circle(self.radius, chord_error, self.centre)
 
 

@@ -181,7 +181,7 @@ class InternalGearContour:
     reducer: Reducer
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, root by root."""
+        """Return the bore as a polygon (n, 2) [m], one root of the teeth after the other."""
         return envelope.sample_ring_by_sagitta(self.reducer.tooth_profile, chord_error).points[::-1]
 
     def curves(self, splines: int) -> tuple[Curve, ...]:

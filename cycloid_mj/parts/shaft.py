@@ -96,7 +96,7 @@ class JournalContour(CircleContour):
     """The circle of the shaft as two half circles, the upper one first, which the counterweight shares."""
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, half by half."""
+        """Return the outline as a polygon (n, 2) [m], one half after the other."""
         halves = (arc(self.radius, start, start + math.pi, chord_error)[:-1] for start in (0.0, math.pi))
         return np.concatenate(list(halves))
 

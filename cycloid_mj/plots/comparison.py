@@ -167,7 +167,7 @@ def _empty_figure(rows: int, columns: int, title: str, row: float = ROW, **share
 
 
 def _speed(grid: Grid) -> str:
-    """Return the crank speed in words; all runs have the same."""
+    """Return the crank speed, which is common to all runs, in words."""
     return f"{condition(reducer_of(grid[0][0].design)).speed_rpm:g} rpm"
 
 

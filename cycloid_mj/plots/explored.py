@@ -104,7 +104,7 @@ def figure_words(column: str, unit: str = "") -> str:
 
 
 def _draw_over_input(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
-    """Draw a quantity over one input."""
+    """Draw the quantity `name` of all points of a sweep over the input `key`."""
     _draw_line(axes, _input_positions(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
     _mark_failures(axes, sweep, key)
 

@@ -34,7 +34,7 @@ class FrictionMap:
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Self:
-        """Read the map from a JSON object."""
+        """Create the friction map from the JSON object `content`."""
         rows = {key: tuple(tuple(map(float, row)) for row in content[key]) for key in ("driving", "driven")}
         return cls(tuple(map(float, content["torques"])), tuple(map(float, content["speeds"])), **rows)
 

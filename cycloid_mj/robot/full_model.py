@@ -255,7 +255,7 @@ class RvModel(FullModel):
 
 
 def _tooth_time_constant(reducer: Reducer, laws: Mapping[str, ContactParameters]) -> float:
-    """Compute the time constant of a pin and its seat [s]: the mean of both, weighted by their compliances."""
+    """Compute the time constant [s] of the contacts of a pin with disc and seat in series, weighted by compliance."""
     pairs = (reducer.design.tooth_pair, reducer.design.seat_pair)
     in_series = [laws[kind] for kind in pairs if kind in laws]
     return sum(law.damping / law.stiffness**2 for law in in_series) / sum(1.0 / law.stiffness for law in in_series)

@@ -72,7 +72,7 @@ class Ripple:
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Self:
-        """Read the ripple from a JSON object."""
+        """Create the ripple (transmission error of a joint) from the JSON object `content`."""
         orders, loads = (tuple(map(float, content[key])) for key in ("orders", "loads"))
         rows = {item.name: tuple(tuple(map(float, row)) for row in content[item.name]) for item in fields(cls)[2:]}
         return cls(orders, loads, **rows)

@@ -561,7 +561,7 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
 
 
 def floor_digits(value: float) -> float:
-    """Round down to three digits."""
+    """Round a positive number down to three significant digits."""
     scale = 10.0 ** (math.floor(math.log10(value)) - 2)
     return significant(math.floor(value / scale) * scale)
 

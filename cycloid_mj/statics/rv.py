@@ -676,7 +676,7 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
 
 
 def _sum_along(slope: Array, force: Array) -> Array:
-    """Return the generalised forces (m, u) [N] of forces (m, c) [N] along the gradients (m, c, u) of their gaps."""
+    """Convert contact forces (m, c) [N] to forces along the u unknowns (m, u) [N], by the gaps' gradients (m, c, u)."""
     return np.asarray((force[:, np.newaxis] @ slope)[:, 0])
 
 

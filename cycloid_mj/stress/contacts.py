@@ -536,7 +536,7 @@ def _round_width(turn: Turn, kind: str, action: Action) -> Array:
 
 
 def total(contacts: Sequence[PartContact]) -> Action:
-    """Sum the actions of contacts."""
+    """Return the sum of forces and moments of all contacts."""
     force = np.sum([contact.action.force for contact in contacts], axis=0)
     return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))
 

@@ -48,6 +48,6 @@ def part_grid(
 
 
 def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part under its loads; the `response` of the result solves for any of their crank angles."""
+    """Factorise the stiffness of a part; the `response` of the result solves for the loads at any crank angle."""
     case = shaft_case if grid.part == "shaft" else patch_case
     return case(reducer, grid, loads)

@@ -239,7 +239,7 @@ def study_grids(reducer: Reducer, parts: Sequence[str], settings: StudySettings)
 
 
 def in_order(parts: Sequence[str]) -> list[str]:
-    """Sort parts into the order of their study: the output first, whose grids need the most memory."""
+    """Sort parts into the order in which they are studied: the output first, whose grids need the most memory."""
     return sorted(parts, key=lambda part: part != "output")
 
 

@@ -301,5 +301,8 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
 
 
 def slip_force(force: Array, stretch: Array, limit: Array, stick: npt.ArrayLike) -> Array:
-    """Compute the force of springs that slip at a limit [N], after a stretch [m], from their force before."""
+    """Compute the force [N] of springs that slip at a `limit` [N] after a `stretch` [m]; `force` is that before it.
+
+    `stick` is the stiffness before slip [N/m].
+    """
     return np.clip(force + np.asarray(stick) * stretch, -limit, limit)

@@ -46,14 +46,14 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def idle_rows(quick: bool) -> list[ValidationRow]:
-    """Return the row of unloaded free pins, which leave the walls of their sockets and touch the edges."""
+    """Compare works without load, where free pins leave the walls of sockets and touch edges; `quick` has no effect."""
     works = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
     source = "friction + normal + stored"
     return [relative(f"input work, idle {FREE}", 1e3 * works.supplied, 1e3 * works.total_output, "mJ", source, 1e-3)]
 
 
 def jolt_rows(quick: bool) -> list[ValidationRow]:
-    """Return the row of a sudden load: the work of the normal forces."""
+    """Compare the work of the normal forces under a sudden load with the energy balance; `quick` has no effect."""
     jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
     works = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
     missing = works.supplied - works.delivered - works.stored

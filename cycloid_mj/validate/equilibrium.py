@@ -78,7 +78,7 @@ class LockedReducer:
         return self.load.size > 4
 
     def pose(self, z: Array) -> GearPose:
-        """Return the gear's pose."""
+        """Return the pose of the disc that the unknowns `z` [m] describe."""
         centre = kinematics.gear_centre(self.gear, self.crank) + z[:2]
         return GearPose(centre, self.angle(z[2]))
 

@@ -51,7 +51,7 @@ class Flanks:
 
 
 def design_flanks(reducer: Reducer) -> Flanks:
-    """Return the flanks of a design."""
+    """Return profile, offset, rotation and waves of the flanks of a disc."""
     amplitudes = enumerate(reducer.deviations.waves.tolist(), start=1)
     waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
     return Flanks(reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation, waves)

@@ -140,7 +140,7 @@ def run_parts(
 
 
 def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
-    """Return all rows in the order of their parts."""
+    """Return the rows of all parts of the validation, in the order of the parts."""
     return [row for _, rows in sorted(rows_of_parts, key=lambda numbered: numbered[0]) for row in rows]
 
 

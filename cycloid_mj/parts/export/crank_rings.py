@@ -88,7 +88,7 @@ def disc_collar_neck(reducer: Reducer, casing: Casing) -> float:
 
 
 def hub_radius(reducer: Reducer, casing: Casing) -> float:
-    """Compute the radius within which a ring touches the cams but not their bearings [m]."""
+    """Compute the largest radius [m] of a ring that touches the cams, but not the bearings on them."""
     return cam_radius(reducer) - reducer.design.gear.eccentricity - casing.play
 
 

@@ -78,7 +78,7 @@ def material_part(reducer: Reducer, part: str) -> str:
 
 
 def part_material(reducer: Reducer, part: str, casing: Casing | None) -> Material:
-    """Return the material of a part of a drive; covers can have one of their own."""
+    """Return the material of a part of a drive; that of covers can differ from that of the ring."""
     if casing and casing.cover_material and names.family(part) in names.COVERS:
         return Material(name=casing.cover_material)
     return reducer.design.material_of(material_part(reducer, part))

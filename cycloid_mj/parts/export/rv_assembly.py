@@ -49,7 +49,7 @@ def rv_assembly_parts(reducer: RvReducer) -> dict[str, Part]:
 
 
 def rv_mass(reducer: RvReducer) -> float:
-    """Compute the mass of all parts of `rv_assembly_parts` in their numbers [kg]; raises the same errors."""
+    """Compute the mass of an assembled RV reducer [kg], with all copies of each part; errors as `rv_assembly_parts`."""
     return sum(rv_masses(reducer).values())
 
 
