@@ -120,18 +120,22 @@ class RemedySearch:
 
         `changes` are sorted from the smallest. The first one whose predicted torque suffices is rated, and the ratio of
         rated to predicted torque corrects the predictions, until one change suffices and the next smaller one does not.
-        Complete searches, as for a new requirement, verify the result.
+        Where none is predicted to suffice any more, steps double (galloping search). Complete searches, as for a new
+        requirement, verify the result.
         """
         predict = cache(lambda index: self._predict(changes[index].requirement))
         scale, low, high = self.scale, 0, len(changes)
-        for _ in range(MAX_PROBES):
+        for probe in range(MAX_PROBES):
             if low == high:
                 break
             required = changes[low].requirement.torque
             index = _first_above(predict, required / max(scale, 1e-9), low, high)
-            if index == high == len(changes):
+            if index == high < len(changes):
+                index = high - 1
+            elif index == high and probe:  # larger changes may suffice, although they are not predicted to
+                index = min(low - 1 + 2 ** (probe - 1), high - 1)
+            elif index == high:
                 break
-            index = min(index, high - 1)
             torque = self._rate(changes[index].requirement)
             scale = torque / max(predict(index), 1e-9)
             low, high = (low, index) if torque >= required else (index + 1, high)

@@ -67,3 +67,20 @@ def test_the_smallest_sufficient_change_is_found_by_few_ratings(error: float, mo
     assert not list(search.smallest(changes[:5]))
     nothing = SimpleNamespace(scale=0.0, _predict=lambda requirement: 0.0, _rate=rate)
     assert not list(remedies.RemedySearch.smallest(nothing, changes))
+
+
+def test_predictions_that_decrease_do_not_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From 213 mm on, no parts of 5:1 are in stock; ratings at 164 mm were below the predictions, and none was left."""
+    changes = list_changes(ASKED, "diameter")
+    search = object.__new__(remedies.RemedySearch)
+    search.scale = 1.0
+
+    def carried(requirement: Requirement) -> float:
+        index = [item.requirement for item in changes].index(requirement)
+        return ASKED.torque * 1.03 ** (index - 33) if index < 38 else 0.0
+
+    monkeypatch.setattr(search, "_predict", lambda requirement: 1.2 * carried(requirement), raising=False)
+    monkeypatch.setattr(search, "_rate", lambda requirement: 0.95 * carried(requirement), raising=False)
+    monkeypatch.setattr(remedies, "is_feasible", lambda requirement: carried(requirement) >= requirement.torque)
+    (found,) = search.smallest(changes)
+    assert found in changes[33:37]
