@@ -95,7 +95,7 @@ class SearchSettings:
     ratings: int = 40
     few_ratings: int = 8
     strong: int = 60
-    studies: int = 10
+    studies: int = 8
     likely: float = 0.7
     reach: float = 0.3
     first_error: float = 3.0
@@ -124,7 +124,7 @@ class Rated:
     """A drive rated at a torque [N m]: its rating, figures by the keys of the estimate, capacity, and weakest item.
 
     `study` has yield [%] and backlash [arcmin] of the tolerance study; it is empty before. A drive that `passed` it
-    carries the torque.
+    carries the torque; `too_large` is a torque [N m] at which its study failed before.
     """
 
     reducer: Reducer
@@ -134,6 +134,7 @@ class Rated:
     items: Mapping[str, RatedItem] = field(default_factory=dict)
     study: Figures = field(default_factory=dict)
     passed: bool = False
+    too_large: float = math.inf
 
     @property
     def life(self) -> float:
@@ -461,22 +462,25 @@ class Pool:
     def study(self, row: int) -> Rated | None:
         """Compute the torque limits of the candidate with the index `row` by a tolerance study; store and return them.
 
-        The torque is the required one, or the largest that the candidate is expected to carry. After a study at too
-        large a torque, that is a secant step with the slope 1/3: when the torque is reduced, a capacity limited by
-        pitting falls by a third to a half of the reduction, because fewer teeth are in contact, and a capacity limited
-        by bearings is constant. The result is None if too many samples jam.
+        The torque is the required one, or the largest that the candidate is expected to carry. If a study shows that
+        such a torque was too large, it is repeated once at a torque by a secant step with the slope 1/3: when the
+        torque is reduced, a capacity limited by pitting falls by a third to a half of the reduction, because fewer
+        teeth are in contact, and a capacity limited by bearings is constant. The result is None if too many samples
+        jam.
         """
         drive, required = self.rated[row], self.requirement.torque
         if not drive:
             return None
+        expected = float(self.study_factors["other"][row]) * drive.capacity
         if drive.study:
-            expected = max(1.5 * drive.capacity - 0.5 * drive.torque, 0.5 * drive.capacity)
-        else:
-            expected = float(self.study_factors["other"][row]) * drive.capacity
+            expected = _secant_torque(drive)
         torque = required if expected >= required else floor_digits(SETTINGS.study_share * expected)
         studied = self._study_at(drive.reducer, torque)
         if studied and torque < required <= studied.capacity:
             studied = self._study_at(drive.reducer, required)
+        elif studied and studied.capacity < torque < required:
+            smaller = self._study_at(drive.reducer, floor_digits(SETTINGS.study_share * _secant_torque(studied)))
+            studied = smaller and replace(smaller, too_large=torque)
         if studied and not drive.study:
             backlash = studied.figures["backlash"] / drive.figures.get("backlash", studied.figures["backlash"])
             self.biases[tuple(self.points[row])] = math.log(studied.capacity / drive.capacity), math.log(backlash)
@@ -484,8 +488,13 @@ class Pool:
         return studied
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
-        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last."""
-        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
+        """Repeat the tolerance study of a drive at a larger torque; return the drive that passed last.
+
+        The torque is nearer to what the drive carries. If a study failed at a larger torque, the torque is the
+        geometric mean of both (bisection).
+        """
+        middle = math.sqrt(drive.torque * drive.too_large)
+        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, middle, self.requirement.torque))
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
 
@@ -558,6 +567,14 @@ def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
     weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.reach**-4
     middle = np.median(np.concatenate([np.zeros((2, values.shape[1])), values]), axis=0)
     return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
+
+
+def _secant_torque(drive: Rated) -> float:
+    """Return the torque [N m] at which a drive that was rated at too large a torque is expected to equal its capacity.
+
+    It is at least half of the capacity.
+    """
+    return max(1.5 * drive.capacity - 0.5 * drive.torque, 0.5 * drive.capacity)
 
 
 def floor_digits(value: float) -> float:
