@@ -356,8 +356,6 @@ def run_into_log(
 
     Parameters
     ----------
-    design
-        The design.
     names
         Paths of the log, the preferred one first.
     force

@@ -77,8 +77,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
         The points whose drives have parts in stock and thick enough walls, shape (m, `DIMENSIONS`), and a record array
         of their m drives with the fields `SIZES`, in SI units.
     """
-    teeth, discs, is_custom = requirement.ratio + 1, requirement.discs or 1, requirement.custom
-    coords = points.T
+    teeth, discs, is_custom, coords = requirement.ratio + 1, requirement.discs or 1, requirement.custom, points.T
     rings = _list_rings(requirement.ratio, requirement.diameter / 2.0, is_custom, requirement.made_of)
     if not (rings and len(points)):
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
@@ -97,9 +96,8 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     root = circle - eccentricity - pin - requirement.usual_clearance
     bore, cam, cam_dynamic, cam_static, has_cam = _cam_bearings(coords[4], root, face, is_custom)
     max_shaft = np.minimum(0.85 * bore, cam) - eccentricity
-    min_shaft = _least_shaft(requirement)
     shaft, bearing, shaft_dynamic, shaft_static, has_shaft = _shaft_bearings(
-        coords[5], min_shaft, max_shaft, discs > 1, is_custom
+        coords[5], _least_shaft(requirement), max_shaft, discs > 1, is_custom
     )
     count = OUTPUT_PINS[_choose(coords[6], len(OUTPUT_PINS))]
     middle, band = 0.5 * (bore + root), root - bore - 0.03 * circle
