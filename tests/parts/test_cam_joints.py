@@ -113,10 +113,14 @@ def test_step_file_of_a_clamped_cam_has_the_holes_of_its_screws():
 
 @pytest.mark.parametrize("name", cases(("sleeved-n40-d2-ring-25um", "nonpin-n33-d2-ring-60um")))
 def test_joints_of_the_zoo_are_built_or_refused_with_a_remedy(name):
+    """A joint adds no violation of a rule to those of the design itself, such as a motor that turns with the ring."""
+    filed = Reducer(load(design_file(name)))
+    casing, _ = casing_or_none(filed)
+    own = set(describe_violations(filed, casing)) if casing else set()
     for joint in ("spline", "clamp"):
-        reducer = Reducer(load(design_file(name))).but(shaft={"cam_joint": joint})
+        reducer = filed.but(shaft={"cam_joint": joint})
         sizes, reason = casing_or_none(reducer)
-        assert list(describe_violations(reducer, sizes)) == [] if sizes else "is not possible" in reason
+        assert set(describe_violations(reducer, sizes)) <= own if sizes else "is not possible" in reason
 
 
 @pytest.mark.parametrize(
