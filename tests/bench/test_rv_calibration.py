@@ -63,14 +63,22 @@ def test_drag_of_a_loop_becomes_the_drag_of_the_output() -> None:
 
 @pytest.mark.slow
 def test_values_of_a_simulated_loop_come_back() -> None:
-    """The loop is simulated by the planar solver, with friction in all contacts, which the fit does not have."""
+    """The loop is simulated by the planar solver, with friction in all contacts, which the default model does not have.
+
+    That model does not identify the stiffness: its hysteresis and stiffness compensate each other. The Bayesian
+    criterion prefers friction in proportion to the torque, with which the values are those of the drive. Its share is
+    half of the loop's width over its deflection, 1.5 %.
+    """
     loop = compute_model_loop(RvReducer(DRIVE).working_at(784.0), 784.0, 0.0)
     calibration = calibrate(RV80E, [loop])
-    values = {key: item.value for key, item in calibration.estimates.items()}
-    assert values["bearing_stiffness"] == pytest.approx(0.8, rel=0.01)
-    assert values["play"] == pytest.approx(3.0, abs=0.3)
     assert calibration.rms < 0.015 * loop.height
-    assert values["hysteresis"] < 30.0
+    assert not calibration.estimates["bearing_stiffness"].identified
+    preferred = calibration.preferred
+    assert preferred is not None
+    assert preferred.key == "load"
+    assert preferred.values["bearing_stiffness"] == pytest.approx(0.8, rel=0.01)
+    assert preferred.values["play"] == pytest.approx(3.0, abs=0.3)
+    assert preferred.values["load_friction"] == pytest.approx(0.015, rel=0.1)
     with pytest.raises(UsageError, match="remove --losses"):
         compare_losses(calibration)
 
