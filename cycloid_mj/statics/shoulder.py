@@ -24,6 +24,10 @@ TORSION = (3.4, 19.0, 1.0, 2.0)
 class SeatNotch:
     """Fatigue notch factors that DIN 743-2:2012 (table 1) states for a shaft in its hub, from tests.
 
+    In torsion, a key has 0.56 times the factor in bending plus 0.1, a press fit 0.65 times it without an offset: the
+    printed factors of press fits in torsion, from 1.2 at 400 MPa to 1.9 at 1200 MPa, agree with 0.65 times those in
+    bending and not with 0.1 more.
+
     Attributes
     ----------
     description

@@ -23,6 +23,9 @@ DIN_743_2_TABLE_1 = {
 }
 """Tensile strength [MPa]: notch factors in bending of a shaft with a key, and in a press fit, as printed."""
 
+PRESS_FITS_IN_TORSION = {400: 1.2, 500: 1.3, 600: 1.4, 700: 1.5, 800: 1.6, 900: 1.7, 1000: 1.8, 1100: 1.8, 1200: 1.9}
+"""Tensile strength [MPa]: notch factor in torsion of a shaft in a press fit, of the same table."""
+
 
 def item(*changes: str):
     return rate(Reducer(override(TWODISC, list(changes)))).items["shaft_fatigue"]
@@ -32,6 +35,14 @@ def item(*changes: str):
 def test_notch_factors_agree_with_the_table_of_din_743(strength: int) -> None:
     key, press = (SEATS[name].tested_factors(1e6 * strength)[0] for name in ("key", "shrink"))
     assert (key, press) == pytest.approx(DIN_743_2_TABLE_1[strength], abs=0.051)
+
+
+@pytest.mark.parametrize("strength", PRESS_FITS_IN_TORSION)
+def test_press_fits_in_torsion_have_no_offset(strength: int) -> None:
+    """The offset of 0.1 of a key would make each of the nine factors of a press fit larger than the printed one."""
+    bending, torsion = SEATS["shrink"].tested_factors(1e6 * strength)
+    assert torsion == pytest.approx(0.65 * bending)
+    assert round(torsion, 1) == PRESS_FITS_IN_TORSION[strength]
 
 
 def test_torsion_and_splines_follow_din_743() -> None:

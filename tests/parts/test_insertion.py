@@ -28,6 +28,13 @@ def test_every_part_can_be_put_in_by_the_steps(name):
     assert len(assembly_order(reducer, sizes)) == 10
 
 
+def test_the_hub_passes_its_bearings_before_the_flange_clamps_them():
+    reducer, sizes = drive("pin")
+    assert assembly_order(reducer, sizes)[4].startswith("Push the hub through both, and screw the output_flange on")
+    reducer, sizes = drive("printed")
+    assert "into the hub of the output; push the hub through both" in assembly_order(reducer, sizes)[4]
+
+
 def test_an_enclosed_seat_blocks_its_bearing():
     reducer, sizes = drive("nonpin-n33-d2-ring-60um")
     shut = replace(sizes, cavity=0.5 * (sizes.seat + reducer.design.shaft.radius))

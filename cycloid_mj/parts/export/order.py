@@ -71,7 +71,7 @@ def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
         _describe_output_pins(reducer),
         _describe_output_bearings(casing),
         f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if casing.far else 'Push'} the "
-        f"through {'it' if is_single else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
+        f"hub through {'it' if is_single else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
         f"on ({casing.flange_screws} x {casing.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
         f"it clamps {'the inner ring' if is_single else 'them'}{_describe_preload(casing)}.",
