@@ -49,10 +49,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, output_flags: Annotated[Del
 
 
 def outcome_of(findings: "Findings") -> Outcome:
-    """Convert the results of a run's analysis to printable output: evaluated time, table in groups, notes.
-
-    `findings` are these results.
-    """
+    """Convert the findings of a run's analysis to printable results: evaluated time, table in groups, notes."""
     from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import make_frame
 
@@ -70,7 +67,7 @@ def outcome_of(findings: "Findings") -> Outcome:
     return Outcome(
         title=f"{findings.design}, {findings.condition_words}",
         condition=span,
-        headline=dict(map(_first, parts)),
+        headline=dict(map(_main_quantity, parts)),
         summary=notes,
         notes=[RETURNED] if any(loss.normal_w < 0.0 for loss in findings.losses) else [],
         tables=[Table("findings", HEADER, tuple(rows))],
@@ -79,7 +76,7 @@ def outcome_of(findings: "Findings") -> Outcome:
     )
 
 
-def _first(part: "RowGroup") -> tuple[str, str]:
-    """Select the figure that represents its part of the drive."""
+def _main_quantity(part: "RowGroup") -> tuple[str, str]:
+    """Return name and value of the first quantity of a group of findings, as text for the headline."""
     row = part.rows[0]
     return row.quantity, f"{row.simulated or row.error} {row.unit if row.unit != '1' else ''}".strip()

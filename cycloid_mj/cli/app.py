@@ -173,10 +173,9 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Return whether the function of a paper package can become a command; warn if it cannot.
+    """Return whether the function of a paper package can become a command with flags; warn if it cannot.
 
-    The arguments of the function would be flags. The command is built on trial. Any exception means that it cannot be
-    used, because the packages of papers are written by others.
+    The function builds the command. Any exception means that it cannot, because papers are packages of other authors.
     """
     trial = App()
     try:
@@ -206,7 +205,7 @@ def _replace_old_command(words: list[str]) -> list[str]:
 
 
 def _rename_flag(word: str) -> str:
-    """Return a word of the command line with the present name of a flag that was called otherwise."""
+    """Replace a deprecated flag in a word of the command line by its new name, and warn; return the word."""
     flag, equals, value = word.partition("=")
     if (name := RENAMED.get(flag)) is None:
         return word

@@ -40,7 +40,7 @@ def run_all(
     solver
         Solver of the runs.
     viewable
-        Designs whose logs contain frames and model for viewers, and are evaluated; by default all.
+        Designs whose runs are evaluated, and whose logs contain model and frames for 3-D viewers; by default all.
 
     Raises
     ------

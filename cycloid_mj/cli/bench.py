@@ -196,7 +196,7 @@ def _fit_loss_models(
 ) -> "Calibration":
     """Fit models with different losses to measured loops: constant friction, friction of contacts, lossy material.
 
-    Return the calibration with all of them; it is written after each model to the paths of `destination`.
+    Return the calibration with the fits of all models. After each fit, it is written to the paths of `destination`.
     `output_flags` are those of the output (``--out``, ``--quiet``).
 
     Raises

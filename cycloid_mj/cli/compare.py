@@ -99,7 +99,7 @@ class CompareOptions:
     ] = False
 
     @property
-    def for_runs(self) -> tuple[str, ...]:
+    def simulation_flags(self) -> tuple[str, ...]:
         """Flags of the command line that apply to simulations only."""
         changed_fields = [
             field.name for field in fields(self) if field.name != "q" and getattr(self, field.name) != field.default
@@ -107,10 +107,10 @@ class CompareOptions:
         return tuple(f"--{name.strip('_').replace('_', '-')}" for name in changed_fields)
 
     @property
-    def first(self) -> flags.Values:
-        """Return time step, speed, ramp and hold of the first design as pairs of a quantity and the value of its flag.
+    def first_design_values(self) -> flags.Values:
+        """Return the flags that change the first design, with which all designs run, as pairs of quantity and value.
 
-        All designs run with these values. A value is None if its flag is not set.
+        The quantities are time step, speed, and durations of ramp and hold. A value is None if its flag is not set.
         """
         return (
             (flags.TIMESTEP, self.timestep_us),
@@ -184,7 +184,7 @@ def compare(
             claim_folder(output_flags.out or default_folder, "the figures", FILES, output_flags.force), output_flags
         )
         return deliver(_compare_logs(logs, q, destination), destination, output_flags)
-    first_design = flags.load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
+    first_design = flags.load_design(designs[0], (*DEFAULTS, *options.set_), options.first_design_values, options.at_c)
     compared_designs = [flags.load_design(name, options.set_, (), options.at_c) for name in designs]
     flags.require_distinct_names(compared_designs)
     plan = _plan_runs(
@@ -210,9 +210,9 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: Co
         raise UsageError(
             "a comparison needs at least two designs: name another one, e.g. cycloid-mj compare pin nonpin"
         )
-    if logs and options.for_runs:
+    if logs and options.simulation_flags:
         raise UsageError(
-            f"{options.for_runs[0]} applies only to new simulations and has no effect on logs: remove this flag"
+            f"{options.simulation_flags[0]} applies only to new simulations and has no effect on logs: remove this flag"
         )
 
 
@@ -250,10 +250,10 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of a comparison: independent starts, varied contact parameters, varied assumptions.
+    """Plan the runs of a comparison: independent starts, and variations of parameters of the contacts.
 
-    `cases` are the designs under their loads, from `list_cases`. `options` selects the runs: the sweep runs with
-    ``--sweep``; ``--quick`` omits the variations and most starts.
+    `cases` are the designs under their loads, from `list_cases`. Among the `options`, ``--sweep`` adds runs with other
+    damping, friction and fixed pins; ``--quick`` omits most starts and the runs with other assumed contact values.
 
     Raises
     ------
@@ -312,8 +312,8 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
     Returns
     -------
     tuple
-        The motion of the run, with its settling excluded from evaluation; and the design of the run with the compared
-        quantities: results of the analysis, fluctuation, vibration and forces (`Measures`).
+        Time series of the run after it has settled; and the design of the run with the compared quantities: results of
+        the analysis, fluctuation, vibration and forces (`Measures`).
 
     Raises
     ------
@@ -336,16 +336,16 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 def _figure_encoders(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
     """Return functions that encode the diagrams of a comparison in a file format, by name of the diagram.
 
-    `motions` are the motions of its runs without their settling. The diagram of the curvature shows the designs of the
-    runs under the first load.
+    `motions` are the time series of its runs after they have settled. The diagram of the curvature shows the designs
+    of the runs under the first load.
     """
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
     from cycloid_mj.plots.save import encode_figure
 
     figures = comparison_figures(motions)
-    unloaded_trials = comparison.at(comparison.loads[0])
-    figures["compare_curvature"] = curvature_figure([trial.design for trial in unloaded_trials])
+    first_load_trials = comparison.at(comparison.loads[0])
+    figures["compare_curvature"] = curvature_figure([trial.design for trial in first_load_trials])
     return {name: partial(encode_figure, figure) for name, figure in figures.items()}
 
 

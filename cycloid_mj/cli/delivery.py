@@ -153,9 +153,9 @@ def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> i
 def _result_json(outcome: Outcome) -> dict[str, Any]:
     """Return the JSON object of an outcome, including all warnings."""
     content = with_warnings(dict(outcome.result))
-    issued = content.get("warnings", [])
-    added = [warning for warning in outcome.warnings if warning not in issued]
-    return content | {"warnings": [*issued, *added]} if added else content
+    issued_warnings = content.get("warnings", [])
+    added_warnings = [warning for warning in outcome.warnings if warning not in issued_warnings]
+    return content | {"warnings": [*issued_warnings, *added_warnings]} if added_warnings else content
 
 
 def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, flags: CommonFlags) -> int:
@@ -194,9 +194,9 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
-    """Write the files of a command's results, all or none; print the names of files that the text does not mention.
+    """Write the files of a command's results, all or none, and print their names unless ``--quiet`` is set.
 
-    `outcome` are the results.
+    `outcome` are the results, `destination` has the paths. Files that the printed text mentions are not repeated.
     """
     files = dict(_encode_files(outcome, destination))
     if files:
@@ -217,8 +217,8 @@ def _list_files(files: Collection[Path]) -> str:
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
     """Yield path and content of every file of a command's results: files, pictures, JSON, CSV and page.
 
-    `outcome` are the results. There is a file of each picture for each format. If the destination has no folder, only
-    the page is yielded, if there is one.
+    `outcome` are the results. Each picture has a file in each format. Without a folder, only the page is yielded, if
+    there is one.
     """
     if destination.folder:
         for name, content in outcome.files.items():
@@ -246,7 +246,7 @@ def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     all warnings, tables, notes and passed checks are printed. Otherwise the last line states how many of them are
     hidden.
     """
-    passes = outcome.passes if show_hidden else ()
+    passed_checks = outcome.passes if show_hidden else ()
     show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines
     title = ", ".join(filter(None, (outcome.title, outcome.condition)))
     for line in [title] if outcome.text is None else outcome.text:
@@ -261,7 +261,7 @@ def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     )
     for line in shown_warnings:
         say(f"warn  {line}")
-    for line in passes:
+    for line in passed_checks:
         say(f"ok    {line}")
     if show_hidden:
         for table in outcome.tables:
@@ -270,7 +270,7 @@ def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
             say(note)
     hidden = {
         "more warning": len(outcome.warnings) - len(shown_warnings),
-        "passed check": len(outcome.passes) - len(passes),
+        "passed check": len(outcome.passes) - len(passed_checks),
         "table row": 0 if show_hidden else sum(len(table.rows) for table in outcome.tables),
         "note": 0 if show_hidden else len(outcome.notes),
     }

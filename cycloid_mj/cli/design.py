@@ -39,8 +39,8 @@ EXAMPLES = """Examples:
 
 def commands(sort_key: int) -> App:
     """Build the commands about design files; `sort_key` is their place in the help."""
-    about = "Create, print and check design files."
-    app = CompletingApp(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    help_text = "Create, print and check design files."
+    app = CompletingApp(name="design", help=help_text, help_epilogue=EXAMPLES, sort_key=sort_key)
     parts: tuple[Callable[..., int], ...] = (new, show, check)
     for order, command in enumerate(parts):
         app.command(command, sort_key=order)
@@ -95,7 +95,7 @@ def check(
     reducer, inheritance = reducer_of(design), design_options.inheritance()
     checks = check_reducer(reducer)
     if isinstance(reducer, RvReducer):
-        outcome = replace(_outcome(design, checks, None, None, inheritance), summary=_rv_lines(reducer, checks))
+        outcome = replace(_outcome(design, checks, None, None, inheritance), summary=_rv_summary_lines(reducer, checks))
         return deliver(_strictly(outcome, strict), destination, output_flags)
     summary = None if checks.failures else _compute_summary(reducer)
     rating = _compute_rating(reducer) if summary else None
@@ -107,7 +107,7 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
     return replace(outcome, code=1) if strict and outcome.warnings else outcome
 
 
-def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
+def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
     """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, numbers of checks.
 
     The mass is left out if the design cannot be built.
@@ -127,15 +127,15 @@ def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         lines.append(f"      mass {rv_mass(reducer):.4g} kg, without main bearings, screws and the shaft of the sun")
     if discs > 1:
         if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
-            identity = "one part, turned by a step of the crank bores"
+            disc_text = "one part, turned by a step of the crank bores"
         elif discs == 2:
             clockings = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
-            identity = (
+            disc_text = (
                 f"different parts; they are one part, flipped, if a crank bore is {clockings} of a pitch off a lobe"
             )
         else:
-            identity = "different parts"
-        lines.append(f"      {discs} discs, {identity}")
+            disc_text = "different parts"
+        lines.append(f"      {discs} discs, {disc_text}")
     return [*lines, f"{len(checks)} checks: {checks.counts}"]
 
 
@@ -154,7 +154,7 @@ def _outcome(
     summary_values = _summary_json(summary, rating) if summary else None
     return Outcome(
         title=f"checks: {design.name}",
-        condition=_describe_defaults(design, inheritance.motor if inheritance else ()),
+        condition=_describe_motor_defaults(design, inheritance.motor if inheritance else ()),
         failures=list(map(str, checks.failures)),
         warnings=list(map(str, checks.warnings)),
         passes=list(map(str, checks.passes)),
@@ -176,7 +176,7 @@ def _outcome(
     )
 
 
-def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
+def _describe_motor_defaults(design: Design, motor: Sequence[str]) -> str:
     """Return a sentence on the motor torque and speed that apply by default; empty if the design file states both.
 
     `motor` are the keys of motor torque and speed that the file leaves out, such as "drive.torque_nm".

@@ -315,7 +315,7 @@ def export(
     outlines = _export_outlines(design, format_, motor, flags)
     casing = _find_casing(reducer, motor, flags.cover_material) if flags.has_casing else None
     plates = _make_print_plates(reducer, casing, settings) if flags.plate else None
-    files = {**outlines.files, **_drive_files(reducer, format_, casing, settings, flags)}
+    files = {**outlines.files, **_encode_casing_files(reducer, format_, casing, settings, flags)}
     if plates:
         files |= plates.files
     if flags.assembly:
@@ -347,13 +347,13 @@ def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flag
     )
 
 
-def _drive_files(
+def _encode_casing_files(
     reducer: Reducer, file_format: "Format", casing: "Casing | None", settings: "PrintSettings", flags: ExportFlags
 ) -> Mapping[str, bytes]:
-    """Return the files of covers, flanges and the parts that are joined to them: name -> content.
+    """Return the files of the parts of a drive with covers and flanges, by name; empty without a `casing`.
 
-    `file_format` is their format, `settings` are those of printing. The clearances are increased by ``--offset-um``
-    among the `flags`. Without a `casing` the result is empty.
+    `file_format` is their format, `settings` are those of printing. ``--offset-um`` among the `flags` increases the
+    clearances.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 

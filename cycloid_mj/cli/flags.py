@@ -123,10 +123,10 @@ def whole_number(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise ValueError(f"{text!r} is not a whole number{_nearest(text)}") from None
+        raise ValueError(f"{text!r} is not a whole number{_suggest_integers(text)}") from None
 
 
-def _nearest(text: str) -> str:
+def _suggest_integers(text: str) -> str:
     """Return a hint with the nearest integers of a number; empty for other text."""
     try:
         below, above = math.floor(float(text)), math.ceil(float(text))
@@ -206,9 +206,9 @@ class DesignValue:
         """Raise ValueError with the limits if a value [file's unit] is out of range; None is accepted."""
         if value is None:
             return
-        si = self.unit.to_si(value)
-        in_range = all(getattr(operator, side)(si, bound) for side, bound in self._bounds.items())
-        if not (in_range and math.isfinite(si) and (si or not self.nonzero)):
+        si_value = self.unit.to_si(value)
+        in_range = all(getattr(operator, comparison)(si_value, bound) for comparison, bound in self._bounds.items())
+        if not (in_range and math.isfinite(si_value) and (si_value or not self.nonzero)):
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
     def flag(self, text: str, ending: str = "") -> Parameter:
@@ -338,10 +338,10 @@ class PresetOptions(DesignOptions):
 PRESET = PresetOptions()
 
 
-def out_flag(files: str, usual: str = "") -> Parameter:
-    """Declare ``--out``: the folder of `files`, by default `usual`, or none."""
-    default = f"Default: {usual}." if usual else "Default: no files are written."
-    return Parameter(metavar="DIR", help=f"Folder of {files}; it is created if it does not exist. {default}")
+def out_flag(files: str, default_folder: str = "") -> Parameter:
+    """Declare ``--out``: the folder of `files`, by default `default_folder`, or none."""
+    default_text = f"Default: {default_folder}." if default_folder else "Default: no files are written."
+    return Parameter(metavar="DIR", help=f"Folder of {files}; it is created if it does not exist. {default_text}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -86,7 +86,7 @@ def _compute_motion(
 
     reducer, law = reducer_of(design), CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
-    interval = _choose_step(design, interval)
+    interval = _choose_sample_interval(design, interval)
     t = interval * np.arange(_count_samples(until, interval))
     crank, speed, acceleration = map(
         reducer.member.crank_angle, (law.angle_at(t), law.speed_at(t), law.acceleration_at(t))
@@ -97,13 +97,13 @@ def _compute_motion(
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
 
 
-def _choose_step(design: Design, interval: float | None) -> float:
-    """Return the interval of samples [s]: that of the flag, or the time of one degree of crank at full speed.
+def _choose_sample_interval(design: Design, interval: float | None) -> float:
+    """Return the interval between samples [s]: ``--step-s``, or the time of one degree of crank at full speed.
 
     Raises
     ------
     UsageError
-        The flag is not set, and the speed is 0.
+        ``--step-s`` is not set, and the speed is 0.
     """
     if interval is not None:
         return interval

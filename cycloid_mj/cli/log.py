@@ -56,8 +56,8 @@ SceneFlag = Annotated[
 
 def commands(sort_key: int) -> App:
     """Build the group of commands `log`; `sort_key` is its position in the help."""
-    about = "Inspect, convert and repair logs."
-    app = CompletingApp(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    help_text = "Inspect, convert and repair logs."
+    app = CompletingApp(name="log", help=help_text, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
     for order, command in enumerate(subcommands):
         app.command(command, sort_key=order)

@@ -363,7 +363,9 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
         "output_flags": MeasureDelivery,
     }
     flat_types = {
-        word: Annotated[kind, flags.FLAT] for word, kind in option_types.items() if word in command.__annotations__
+        argument: Annotated[argument_type, flags.FLAT]
+        for argument, argument_type in option_types.items()
+        if argument in command.__annotations__
     }
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat_types

@@ -354,19 +354,24 @@ def new(
     requirement = size.requirement(set_)
     destination = _claim_files(stem, output_flags)
     with show_activity("searching for a drive", output_flags.quiet):
-        answer = _search(requirement, lambda drives: None if output_flags.quiet else tell(_best_so_far(drives)))
+        answer = _size_drive(requirement, lambda drives: None if output_flags.quiet else tell(_best_so_far(drives)))
     if answer.drives:
         return _deliver_drives(stem, answer, destination, output_flags)
     if output_flags.json:
-        refusal = _refusal_json(answer, requirement, bool(size.ratio_range))
-        outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
+        refusal_json = _refusal_json(answer, requirement, bool(size.ratio_range))
+        outcome = Outcome(
+            title=f"no drive: {stem}", failures=[answer.refusal], result=refusal_json, filed=False, code=1
+        )
         return deliver(outcome, destination, output_flags)
-    best = f"of the ratios {size.ratio_range}, {requirement.ratio} allows the highest torque: "
-    raise DesignError((best if size.ratio_range else "") + answer.refusal)
+    ratio_text = f"of the ratios {size.ratio_range}, {requirement.ratio} allows the highest torque: "
+    raise DesignError((ratio_text if size.ratio_range else "") + answer.refusal)
 
 
-def _search(requirement: "Requirement", on_progress: "Callable[[Answer], None]") -> "Answer":
-    """Search for drives that meet a requirement, in its layout; `on_progress` receives each intermediate answer."""
+def _size_drive(requirement: "Requirement", on_progress: "Callable[[Answer], None]") -> "Answer":
+    """Search for drives of the required layout that meet a requirement; return them, or feasible alternatives.
+
+    `on_progress` is called with each intermediate result.
+    """
     from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.rv import RvRequirement, size_rv
 
@@ -506,9 +511,9 @@ def _refusal_json(answer: "Answer", requirement: "Requirement", is_range: bool) 
 
 
 def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: bool) -> list[str]:
-    """Return the words of a command line that change the `original` requirement to a feasible one, the `remedy`.
+    """Return the flags that change the `original` requirement to a feasible requirement, the `remedy`.
 
-    Each flag whose value differs is followed by its new value. If the ratio was chosen from a range (`is_range`),
+    Each flag is followed by its new value. If the ratio was chosen from a range (`is_range`),
     ``--ratio-range`` with the chosen ratio alone is added.
     """
     from cycloid_mj.sizing.requirement import QUANTITIES
@@ -567,10 +572,13 @@ def _motor_speed(motor: str, torque: float) -> float:
             f"--motor {motor}: {problem}. Choose one of {frames}, or a CSV file with the columns speed_rpm and "
             "torque_nm"
         ) from error
-    speeds = [speed for speed, available in curve if available >= torque and speed > 0.0]
-    for (speed, before), (next_speed, next_torque) in itertools.pairwise(curve):
-        if next_torque < torque <= before:
-            speeds.append(speed + (next_speed - speed) * (before - torque) / (before - next_torque))
+    speeds = [previous_speed for previous_speed, available in curve if available >= torque and previous_speed > 0.0]
+    for (previous_speed, previous_torque), (next_speed, next_torque) in itertools.pairwise(curve):
+        if next_torque < torque <= previous_torque:
+            speeds.append(
+                previous_speed
+                + (next_speed - previous_speed) * (previous_torque - torque) / (previous_torque - next_torque)
+            )
     if not speeds:
         largest = max((available for _, available in curve), default=0.0)
         raise UsageError(

@@ -130,8 +130,8 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
         if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and finished < total):
             return
         last[0] = time
-        left = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
-        tell(f"{activity}: {finished} of {total}{left}")
+        time_left = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
+        tell(f"{activity}: {finished} of {total}{time_left}")
 
     return progress
 

@@ -146,12 +146,14 @@ def reduce(
     destination = claim_destination(output_flags, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
     joint = identify(design, level, count_progress("reduce", output_flags.quiet))
     drives = draw_population(reducer, samples, seed, count_progress("spread", output_flags.quiet)) if spread else None
-    free = without_slip(joint)
-    comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
+    slip_free_joint = without_slip(joint)
+    comparison, steps = compare_with_full_model(reducer, slip_free_joint), study_time_steps(slip_free_joint)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms
     scene, lossy = choose_scenes(joint, load_inertia_kgm2, timestep, integrator)
-    differing = [f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds]
-    warn(design.name, [*describe_inaccuracy(scene, timestep_ms, integrator), *differing])
+    deviation_warnings = [
+        f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds
+    ]
+    warn(design.name, [*describe_inaccuracy(scene, timestep_ms, integrator), *deviation_warnings])
     files = _encode_files(reducer, joint, format_, (scene, lossy), drives)
     return deliver(_outcome(joint, comparison, steps, scene, lossy, drives, files), destination, output_flags)
 
@@ -176,7 +178,7 @@ def _encode_files(
     """Return the contents of the files that describe a joint in a format, by file name.
 
     With `drives`, the joints of randomly drawn drives, files for domain randomization are included. `scenes` are the
-    trial runs with the time steps of scene.xml and lossy_scene.xml, which only the format ``mjcf`` has.
+    test simulations that determine time step and load of scene.xml and lossy_scene.xml (format ``mjcf`` only).
     """
     from cycloid_mj.robot.description import write_descriptions
     from cycloid_mj.robot.files import joint_files

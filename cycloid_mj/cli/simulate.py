@@ -142,7 +142,7 @@ def simulate(
     findings = logged_run.require_findings()
     warn(findings.design, findings.warnings)
     page = page or (review_of(logged_run.log) if has_page else None)
-    outcome = _with_explanations(outcome_of(findings), findings, logged_run, page, design_options, output_flags.quiet)
+    outcome = _add_explanations(outcome_of(findings), findings, logged_run, page, design_options, output_flags.quiet)
     if not output_flags.all and page:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), output_flags)
@@ -153,7 +153,7 @@ def review_of(log: Path) -> Path:
     return log.with_name(f"{log.stem}-review.html")
 
 
-def _with_explanations(
+def _add_explanations(
     outcome: Outcome,
     findings: "Findings",
     logged_run: "LoggedRun",
@@ -161,15 +161,15 @@ def _with_explanations(
     design_options: DesignOptions,
     quiet: bool,
 ) -> Outcome:
-    """Return a copy of the printable results of a run with sentences that explain them, in place of the headline.
+    """Return a copy of the printable results of a run, without headline, whose summary explains the results.
 
-    The summary has these sentences, the names of the files, and commands to continue with. The number of steps and the
+    The summary also has the names of the files, and commands to continue with. The number of steps and the
     wall time are appended to the run conditions. The review page is drawn when the results are delivered.
 
     Parameters
     ----------
     outcome, findings
-        Results to change, and the results of the run's analysis.
+        Printable results, and the results of the run's analysis.
     logged_run
         The run with its log.
     page
@@ -229,18 +229,18 @@ def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> It
     actuator, designs reducers or, except for RV reducers, simulates robots.
     """
     design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
-    resolved = design_options.resolve()
+    resolved_design = design_options.resolve()
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        hold = "0.05" if resolved.layout == "central" else "0.2"
-        load_flags = ["--load-nm", f"{resolved.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
+        hold = "0.05" if resolved_design.layout == "central" else "0.2"
+        load_flags = ["--load-nm", f"{resolved_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
         yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
     yield _command(
         ["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive that meets requirements"
     )
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
-    if resolved.layout == "central":
+    if resolved_design.layout == "central":
         yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
 
 
@@ -384,22 +384,24 @@ def run_into_log(
     compiled = model_for(solver, reducer, contact)
     plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
-    identity = provenance(reducer, contact, plan.timestep, solver)
-    open_log = _log_opener(compiled, reducer, identity | {"steps": str(plan.steps)}, force, viewable)
-    progress.tell(f"time step {identity['timestep']}; accuracy of the results: {identity['timestep_for']}")
+    run_provenance = provenance(reducer, contact, plan.timestep, solver)
+    open_log = _log_opener(compiled, reducer, run_provenance | {"steps": str(plan.steps)}, force, viewable)
+    progress.tell(f"time step {run_provenance['timestep']}; accuracy of the results: {run_provenance['timestep_for']}")
     start = time.perf_counter()
     with _open_unused_log(design.name, names, open_log) as log:
         note = "; ".join(_record_samples(blocks(compiled, reducer), log, progress))
-        wall = time.perf_counter() - start
+        wall_time = time.perf_counter() - start
         progress.judging()
         not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
-        findings, run = _evaluate(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
+        findings, run = (
+            _evaluate_open_log(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
+        )
         findings_file = {}
         if not isinstance(findings, CycloidError):
             findings_file = {"findings.json": dumps(findings.as_json(), indent=2).encode()}
         log.close(note, attachments=findings_file)
     kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
-    return LoggedRun(log.path, plan.steps, wall, findings, kept_run)
+    return LoggedRun(log.path, plan.steps, wall_time, findings, kept_run)
 
 
 def _log_opener(
@@ -442,7 +444,7 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
     raise last_error
 
 
-def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
+def _evaluate_open_log(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
     """Evaluate the run in a log that is still open for writing; return the results and the run.
 
     `note` has the warnings that were known only at the end of the run; it becomes `Run.note`. `with_forces` is whether
@@ -512,5 +514,5 @@ def _close_incomplete_log(log: "LogWriter", reason: str) -> RunError:
     """Close the log of a run that did not reach its end, and return an error that states where its samples are."""
     log.close(note=reason, complete=False)
     samples_text = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
-    old = f"; the previous log {log.name} is unchanged" if log.path != log.name else ""
-    return RunError(f"{reason}; {samples_text}{old}")
+    previous_log_text = f"; the previous log {log.name} is unchanged" if log.path != log.name else ""
+    return RunError(f"{reason}; {samples_text}{previous_log_text}")

@@ -180,7 +180,7 @@ def stress(
 
     stress.json, a VTU file of each part for ParaView, and the figures are written to --out. Requires the extra `fem`.
     """
-    names, angle = (*designs, *design), None if angle_deg is None else math.radians(angle_deg)
+    names, map_angle = (*designs, *design), None if angle_deg is None else math.radians(angle_deg)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))
     from cycloid_mj.base.memory import keep_freed_memory
     from cycloid_mj.stress.packages import import_package
@@ -189,13 +189,17 @@ def stress(
     for module in ("gmsh", "skfem"):
         import_package(module)
     keep_freed_memory()
-    loaded = (flags.load_design(name, set_, (), at_c) for name in names)
+    selected_designs = (flags.load_design(name, set_, (), at_c) for name in names)
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        return _write_springs(list(loaded), load_nm, mounts, output_flags)
-    settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
-    what = (part, settings, output_flags)
-    job = _read_logs(log, names, *what) if log else _simulate(list(loaded), load_nm, *what)
+        return _write_springs(list(selected_designs), load_nm, mounts, output_flags)
+    settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=map_angle)
+    study_arguments = (part, settings, output_flags)
+    job = (
+        _read_logs(log, names, *study_arguments)
+        if log
+        else _simulate(list(selected_designs), load_nm, *study_arguments)
+    )
     studies = _study_parts(job.runs, job.grids, settings, output_flags.quiet)
     outcome = outcome_of(studies, job.destination, _choose_figures(figure, job.destination))
     return deliver(outcome, job.destination, output_flags)
@@ -220,8 +224,8 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes
 def _require_springs(springs: bool, has_selection: bool) -> None:
     """Raise UsageError if ``--mounts`` is used without ``--springs``, or ``--springs`` with flags that select results.
 
-    Call it only if at least one of ``--springs`` and ``--mounts`` is set; `springs` is whether ``--springs`` is.
-    `has_selection` is whether a flag selects parts, logs, figures, solids or an angle.
+    At least one of both flags is set; `springs` is whether ``--springs`` is. `has_selection` is whether another flag
+    selects parts, logs, figures, solids or an angle.
     """
     if not springs:
         raise UsageError("--mounts applies only with --springs: add --springs, or remove --mounts")

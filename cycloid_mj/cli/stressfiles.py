@@ -44,40 +44,44 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
     findings = [study.findings for study in studies]
     verdicts = stress_claims(studies)
     pictures, maps = _figure_encoders(studies, figures), _maps(studies)
-    picture_files = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
+    picture_files = [f"{name}.{file_format}" for name in pictures for file_format in Outcome.formats]
     return Outcome(
         title="largest von Mises stress of a crank turn",
-        condition=", ".join(f"{item.design} under {item.load:g} N m" for item in findings),
-        headline=_headline(findings),
-        failures=list(_failures(findings)),
+        condition=", ".join(f"{stresses.design} under {stresses.load:g} N m" for stresses in findings),
+        headline=_weakest_parts(findings),
+        failures=list(_describe_failures(findings)),
         warnings=[
             (
-                f"{item.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
+                f"{stresses.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
                 f"safety {part.shakedown:.3g} against shakedown: the surface yields in every pass; `cycloid-mj "
                 "rate` computes the pitting life"
             )
-            for item in findings
-            for part in item.parts
+            for stresses in findings
+            for part in stresses.parts
             if part.shakedown < 1.0
         ]
         + [
             (
-                f"{item.design} {part.part}: not converged to {100 * MAX_CHANGE:g} % in one more refinement; run it "
-                "without --quick, or use --solid"
+                f"{stresses.design} {part.part}: not converged to {100 * MAX_CHANGE:g} % in one more refinement; run "
+                "it without --quick, or use --solid"
             )
-            for item in findings
-            for part in item.parts
+            for stresses in findings
+            for part in stresses.parts
             if not part.refinement.is_converged
         ],
-        tables=[*_tables(findings), *_claim_tables(verdicts)],
-        notes=[*_notes(findings), *_claim_notes(verdicts, any(item.references for item in findings))],
-        summary=["logs: " + " ".join(logs)] if (logs := [item.log for item in findings if item.log]) else [],
-        frame=make_frame(list(_rows(findings)), COLUMNS, {}),
+        tables=[*_stress_tables(findings), *_claim_tables(verdicts)],
+        notes=[*_describe_tables(findings), *_claim_notes(verdicts, any(stresses.references for stresses in findings))],
+        summary=["logs: " + " ".join(logs)]
+        if (logs := [stresses.log for stresses in findings if stresses.log])
+        else [],
+        frame=make_frame(list(_csv_rows(findings)), COLUMNS, {}),
         pictures=pictures,
         files=maps,
         result=with_warnings(
             {
-                "designs": [item.as_json() | {"figures": values_json(study_quantities(item))} for item in findings],
+                "designs": [
+                    stresses.as_json() | {"figures": values_json(study_quantities(stresses))} for stresses in findings
+                ],
                 "paper": [_claim_json(claim) for claims in verdicts.values() for claim in claims],
                 "files": destination.paths([*picture_files, *maps]),
             }
@@ -85,21 +89,21 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
     )
 
 
-def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
+def _describe_failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
     """Yield a sentence for each part whose stress exceeds its yield strength.
 
     `findings` are the stresses of the parts. Parts with stress by finite elements come first, then sections of an RV
     reducer with nominal stress (cranks, teeth).
     """
-    for item in findings:
-        for part in item.parts:
+    for stresses in findings:
+        for part in stresses.parts:
             if part.safety < 1.0:
-                yield f"{item.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
-    for item in findings:
-        if item.strength:
-            for name, stress in item.strength.largest.items():
-                if stress > item.strength.yield_strength:
-                    yield f"{item.design} {name}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+                yield f"{stresses.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+    for stresses in findings:
+        if stresses.strength:
+            for name, stress in stresses.strength.largest.items():
+                if stress > stresses.strength.yield_strength:
+                    yield f"{stresses.design} {name}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
 
 
 def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
@@ -117,11 +121,11 @@ def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn])
         name, condition = study.design.name, f"{study.design.name}, {study.findings.load:g} N m"
         if "grid" in figures:
             figures_by_name[f"fig10_grid_{name}"] = grid_figure(
-                {item.findings.part: item.grid for item in study.parts}, name
+                {part_study.findings.part: part_study.grid for part_study in study.parts}, name
             )
         if "map" in figures:
             figures_by_name[f"fig11_map_{name}"] = map_figure(
-                {item.findings.part: item.map for item in study.parts}, condition
+                {part_study.findings.part: part_study.map for part_study in study.parts}, condition
             )
     return {name: partial(encode_figure, figure) for name, figure in figures_by_name.items()}
 
@@ -134,17 +138,21 @@ def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
     }
 
 
-def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
+def _weakest_parts(findings: "Iterable[StressFindings]") -> dict[str, str]:
     """Return stress and safety factor of the parts with the smallest safety factors, as text by "design part".
 
     There are at most `MOST_FIGURES` parts.
     """
-    parts = [(part.safety, f"{item.design} {part.part}", part.governing) for item in findings for part in item.parts]
+    parts = [
+        (part.safety, f"{stresses.design} {part.part}", part.governing)
+        for stresses in findings
+        for part in stresses.parts
+    ]
     parts += [
-        (item.strength.yield_strength / stress, f"{item.design} {part}", stress)
-        for item in findings
-        if item.strength
-        for part, stress in item.strength.largest.items()
+        (stresses.strength.yield_strength / stress, f"{stresses.design} {part}", stress)
+        for stresses in findings
+        if stresses.strength
+        for part, stress in stresses.strength.largest.items()
     ]
     return {
         name: f"{stress / MEGAPASCAL:.3g} MPa, safety {safety:.3g}"
@@ -152,18 +160,18 @@ def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
     }
 
 
-def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
+def _csv_rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
     """Yield a row of the CSV file for each part of each stress computation: the keys of `COLUMNS` and values.
 
     `findings` are the stresses of the parts.
     """
-    for item in findings:
-        for part in item.parts:
+    for stresses in findings:
+        for part in stresses.parts:
             content = part.as_json()
             bulk, contact = content["bulk_peak"], content["contact_peak"]
             yield {
                 **{key: content[key] for key in ("part", "governing_mpa", *COLUMNS[-3:-1])},
-                "design": item.design,
+                "design": stresses.design,
                 "bulk_mpa": bulk["stress_mpa"],
                 "bulk_angle_deg": bulk["angle_deg"],
                 "contact_mpa": contact["stress_mpa"],
@@ -172,7 +180,7 @@ def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | s
             }
 
 
-def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
+def _stress_tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
     """Yield the tables of each design: the stress of its parts away from contacts, and below contacts.
 
     `findings` are the stresses of the parts. An RV reducer has a table of its cranks and gears, too.
@@ -186,27 +194,29 @@ def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
         strength_table,
     )
 
-    for item in findings:
-        title = f"{item.design}, {item.load:g} N m"
-        yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(item))))
-        yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(item))))
-        if item.strength:
-            yield Table(f"{title}, cranks and gears", STRENGTH_HEADER, tuple(strength_table(item.strength)))
+    for stresses in findings:
+        title = f"{stresses.design}, {stresses.load:g} N m"
+        yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(stresses))))
+        yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(stresses))))
+        if stresses.strength:
+            yield Table(f"{title}, cranks and gears", STRENGTH_HEADER, tuple(strength_table(stresses.strength)))
 
 
-def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
+def _describe_tables(findings: "Sequence[StressFindings]") -> Iterator[str]:
     """Yield notes on the tables of a stress study: definitions, remarks on parts, force balance and assumptions."""
     from cycloid_mj.stress.table import part_notes
 
     yield (
         "bulk: where the largest stress is on its plateau, at the distance d from narrow contacts; to 2d: its decrease"
     )
-    for item in findings:
-        for part in item.parts:
+    for stresses in findings:
+        for part in stresses.parts:
             yield from part_notes(part)
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in item.parts)
-        yield f"{item.design}, force imbalance relative to the largest force: {balance}"
-    yield from (f"assumed: {text}" for text in dict.fromkeys(text for item in findings for text in item.assumptions))
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in stresses.parts)
+        yield f"{stresses.design}, force imbalance relative to the largest force: {balance}"
+    yield from (
+        f"assumed: {text}" for text in dict.fromkeys(text for stresses in findings for text in stresses.assumptions)
+    )
 
 
 def _claim_tables(verdicts: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
@@ -216,10 +226,10 @@ def _claim_tables(verdicts: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
             yield Table(f"compared with the paper ({source})", CLAIM_HEADER, rows)
 
 
-def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
+def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", has_references: bool) -> Iterator[str]:
     """Yield notes on the claims of papers: what decides each, or why a paper is not compared with these designs."""
     for source, claims in verdicts.items():
-        if not claims and referred:
+        if not claims and has_references:
             yield f"not compared with the paper ({source}): its stresses are without load; use --load-nm 0"
         yield from (f"{claim.figure}, {claim.claim}: {claim.decided_by}" for claim in claims)
 

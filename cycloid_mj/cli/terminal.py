@@ -147,11 +147,11 @@ def collect_warnings(show: Callable[[str], None] | None) -> Iterator[None]:
                     show(f"warning: {text}")
 
         warnings.showwarning = collect
-        token = _seen.set(unique_warnings)
+        previous_state = _seen.set(unique_warnings)
         try:
             yield
         finally:
-            _seen.reset(token)
+            _seen.reset(previous_state)
 
 
 def with_warnings(content: dict[str, Any]) -> dict[str, Any]:

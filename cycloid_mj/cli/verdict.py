@@ -55,14 +55,14 @@ def _available(keys: Sequence[str], by_design: Mapping[str, Mapping[str, Quantit
 
 def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
     """List the headings of the ratios to the first design: "ratio" for two designs, else "second / first"."""
-    first, *further = designs
-    return ("ratio",) if len(further) == 1 else tuple(f"{name} / {first}" for name in further)
+    first_design, *other_designs = designs
+    return ("ratio",) if len(other_designs) == 1 else tuple(f"{name} / {first_design}" for name in other_designs)
 
 
 def ratios(values: Sequence[float]) -> list[str]:
     """Return the ratio of each further value to the first as text with four digits; "-" if it is undefined."""
-    first, *further = values
-    return [_number(value / first if first else math.nan) for value in further]
+    first_value, *other_values = values
+    return [_number(value / first_value if first_value else math.nan) for value in other_values]
 
 
 def outcome_of(
@@ -70,7 +70,7 @@ def outcome_of(
 ) -> Outcome:
     """Convert a comparison to printable results, and issue the warnings of all runs.
 
-    `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each diagram, by its
+    `verdicts` are the conclusions from the runs on claims of a paper. `pictures` has for each diagram, by its
     name, the function that encodes it in a file format. `destination` has the paths of the output files.
     """
     from cycloid_mj.comparison.table import figure_frame
@@ -104,7 +104,7 @@ def outcome_of(
         | {
             "by_statics": statics,
             "exceeded": overload_warnings,
-            "figures": destination.paths(f"{name}.{form}" for name in pictures for form in FORMATS),
+            "figures": destination.paths(f"{name}.{file_format}" for name in pictures for file_format in FORMATS),
         },
     )
 
@@ -156,7 +156,7 @@ def _headline(
     A row has the value of each design, the ratio of each further design to the first, and the unit. `trials` are the
     runs of each design, `by_statics` are the static quantities by design and key.
     """
-    from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
+    from cycloid_mj.comparison.table import HEADLINE as RUN_QUANTITIES
 
     first_quantities = next(iter(by_statics.values()))
     rows = [
@@ -167,7 +167,7 @@ def _headline(
         )
         for key in _available(HEADLINE[:6], by_statics)
     ]
-    for figure in OF_RUNS:
+    for figure in RUN_QUANTITIES:
         spreads = [trial.over_starts(figure.read) for trial in trials]
         values = [math.nan if spread is None else spread.mean for spread in spreads]
         if not all(map(math.isnan, values)):
@@ -181,8 +181,8 @@ def _number(value: float) -> str:
 
 def _differences(comparison: "Comparison") -> str:
     """Return the keys in which the designs differ."""
-    differing = (f"{key} ({', '.join(map(_value, values))})" for key, values in comparison.differences.items())
-    return f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
+    key_texts = (f"{key} ({', '.join(map(_value, values))})" for key, values in comparison.differences.items())
+    return f"{', '.join(comparison.designs)} differ in: {'; '.join(key_texts) or 'nothing'}"
 
 
 def _value(value: object) -> str:

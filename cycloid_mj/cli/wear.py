@@ -82,8 +82,11 @@ def _outcome(result: "WearLife", destination: Destination) -> Outcome:
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure
 
-    typical, name = result.courses["typical"], f"{result.design}-wear"
-    initial_lost_motion, final_lost_motion = typical.lost_motion[0] / ARCMINUTE, typical.lost_motion[-1] / ARCMINUTE
+    typical_course, name = result.courses["typical"], f"{result.design}-wear"
+    initial_lost_motion, final_lost_motion = (
+        typical_course.lost_motion[0] / ARCMINUTE,
+        typical_course.lost_motion[-1] / ARCMINUTE,
+    )
     return Outcome(
         title=f"wear: {result.design}",
         condition=result.condition,
@@ -91,7 +94,7 @@ def _outcome(result: "WearLife", destination: Destination) -> Outcome:
             f"accuracy life (lost motion {result.growth:+.0%})": result.life_text(),
             "its 5 to 95 % interval": result.interval_text,
             "lost motion, new": f"{initial_lost_motion:.4g} arcmin",
-            f"lost motion after {typical.hours[-1]:.4g} h": f"{final_lost_motion:.4g} arcmin",
+            f"lost motion after {typical_course.hours[-1]:.4g} h": f"{final_lost_motion:.4g} arcmin",
             "worn volume by run-in": f"{result.run_in_share:.0%}",
         },
         warnings=["stopped before all courses were finished"] if result.interrupted else [],
