@@ -102,6 +102,6 @@ def _deviation(piece: Arc | LineSegment, points: Array) -> Array:
     """Compute the distances of points from an arc's circle, or from a line [m]."""
     if isinstance(piece, Arc):
         return np.asarray(np.abs(np.linalg.norm(points - np.array(piece.centre), axis=1) - piece.radius))
-    start, along = np.array(piece.start), np.subtract(piece.end, piece.start)
+    start, chord = np.array(piece.start), np.subtract(piece.end, piece.start)
     x, y = (points - start).T
-    return np.asarray(np.abs(x * along[1] - y * along[0]) / np.linalg.norm(along))
+    return np.asarray(np.abs(x * chord[1] - y * chord[0]) / np.linalg.norm(chord))

@@ -57,9 +57,9 @@ def turning_inertia(reducer: Reducer) -> float:
 @once
 def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
-    along = [masses[body.part] for body in mechanism.turning_along]
-    own = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *along))
-    return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
+    rotating = [masses[body.part] for body in mechanism.turning_along]
+    rotation_inertia = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *rotating))
+    return rotation_inertia + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
 
 
 def play_inertia(reducer: Reducer) -> float:

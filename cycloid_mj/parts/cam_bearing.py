@@ -67,5 +67,5 @@ def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
     seat. Without a stock bearing, the cam is as large as the seat, because the bore of the disc includes the clearance.
     """
     design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
-    flush = design.gear.eccentricity + design.shaft.radius
-    return max(seat - design.clearance.cam, min(seat, flush)) if cam_bearing(reducer) else seat
+    min_radius = design.gear.eccentricity + design.shaft.radius
+    return max(seat - design.clearance.cam, min(seat, min_radius)) if cam_bearing(reducer) else seat

@@ -88,7 +88,10 @@ Curve = Circle | Arc | LineSegment | Spline
 
 
 def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
-    """Fit `pieces` consecutive cubic splines to a flank from parameter `low` to `high`, within ``SPLINE_ERROR``.
+    """Fit `pieces` consecutive cubic splines to a flank from parameter `low` to `high`, within ``SPLINE_ERROR`` [m].
+
+    The splines have equal numbers of spans, and join with a common tangent. `low` and `high` are in the unit of the
+    parameter of `flank`.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 
 
 def _spline_knots(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Compute parameters [rad] of `spans` + 1 spline knots on a flank that spread the interpolation error evenly.
+    """Compute the flank parameters of `spans` + 1 spline knots that spread the interpolation error evenly.
 
     The first is `low`, the last `high`.
     """
@@ -136,9 +139,9 @@ def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":
 
 def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
     """Compute the largest distance of a spline from its flank, normal to the tangent [m]."""
-    t = np.interp(np.arange(FIT.checks * (len(nodes) - 1)) / FIT.checks, np.arange(len(nodes)), nodes)
-    away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
-    return float(np.abs(away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]).max())
+    parameters = np.interp(np.arange(FIT.checks * (len(nodes) - 1)) / FIT.checks, np.arange(len(nodes)), nodes)
+    deviations, tangents = spline(flank.arc_length(parameters)) - flank.points(parameters), flank.tangents(parameters)
+    return float(np.abs(deviations[:, 0] * tangents[:, 1] - deviations[:, 1] * tangents[:, 0]).max())
 
 
 def rotate_curve(curve: Curve, angle: float) -> Curve:

@@ -24,7 +24,7 @@ def _rings(prism: Prism) -> tuple[Array, ...]:
 
 def _crossings(ring: Array) -> Array:
     """Compute y where the edges of a closed polygon (n, 2) cross x = 0."""
-    begin, end = ring, np.roll(ring, -1, axis=0)
-    across = (begin[:, 0] < 0.0) != (end[:, 0] < 0.0)
-    (x0, y0), (x1, y1) = begin[across].T, end[across].T
-    return np.asarray(y0 - x0 * (y1 - y0) / (x1 - x0))
+    start, end = ring, np.roll(ring, -1, axis=0)
+    crosses = (start[:, 0] < 0.0) != (end[:, 0] < 0.0)
+    (start_x, start_y), (end_x, end_y) = start[crosses].T, end[crosses].T
+    return np.asarray(start_y - start_x * (end_y - start_y) / (end_x - start_x))

@@ -167,10 +167,10 @@ class PinwheelContour:
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return sockets and lands in turn, as arcs; `splines` is not used."""
-        half, up, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
+        half, y_axis_angle, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
         edge = math.atan2(self.radius * math.sin(half), self.centre + self.radius * math.cos(half))
-        socket = Arc((0.0, self.centre), self.radius, up - half, up + half)
-        land = Arc((0.0, 0.0), self.wall, up + edge, up + pitch - edge)
+        socket = Arc((0.0, self.centre), self.radius, y_axis_angle - half, y_axis_angle + half)
+        land = Arc((0.0, 0.0), self.wall, y_axis_angle + edge, y_axis_angle + pitch - edge)
         return tuple(rotate_curve(curve, -i * pitch) for i in range(self.teeth) for curve in (socket, land))
 
 

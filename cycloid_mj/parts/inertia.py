@@ -22,7 +22,7 @@ class MassProperties:
 
 @lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mass_properties(solid: Solid) -> MassProperties:
-    """Compute mass, volume, centroid and inertia of a solid, rounded to significant digits.
+    """Compute mass, volume, centroid and inertia of a solid, rounded to `DIGITS` digits.
 
     V, s and S are the integrals of 1, r and r r^T over the volume. The centroid is s/V. The inertia about the centroid
     is density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).

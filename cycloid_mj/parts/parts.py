@@ -94,8 +94,8 @@ def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str,
 
     `chord_error` [m] is the largest distance of a chord from its curve, by default that for mass properties.
     """
-    fine = checked_chord_error(reducer, chord_error)
-    return {name: part.solid(fine) for name, part in rv_body_parts(reducer).items()}
+    max_error = checked_chord_error(reducer, chord_error)
+    return {name: part.solid(max_error) for name, part in rv_body_parts(reducer).items()}
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
@@ -186,8 +186,8 @@ def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
 
 @once
 def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
-    fine = checked_chord_error(reducer, chord_error)
-    return {name: part.solid(fine) for name, part in _all_parts(reducer, chord_error).items()}
+    max_error = checked_chord_error(reducer, chord_error)
+    return {name: part.solid(max_error) for name, part in _all_parts(reducer, chord_error).items()}
 
 
 def tint(colour: Colour, part: str) -> Colour:

@@ -33,8 +33,8 @@ class Prism:
     z1: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outline", _read_only(self.outline))
-        object.__setattr__(self, "holes", tuple(_read_only(hole) for hole in self.holes))
+        object.__setattr__(self, "outline", _checked_copy(self.outline))
+        object.__setattr__(self, "holes", tuple(_checked_copy(hole) for hole in self.holes))
         if not self.z0 < self.z1:
             raise DesignError(
                 f"a prism from z0 = {self.z0} m to z1 = {self.z1} m has no height: make z1 greater than z0"
@@ -55,7 +55,7 @@ class Solid:
     density: float
 
 
-def _read_only(polygon: Array) -> Array:
+def _checked_copy(polygon: Array) -> Array:
     """Return a read-only copy of a polygon of n points (n, 2) [m]; raise DesignError unless it is counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:

@@ -73,5 +73,5 @@ def _count_chords(span: float, acceleration: float, chord_error: float) -> int:
 def _fillet_acceleration(gear: InvoluteGear) -> float:
     """Return the largest normal acceleration [1/m] of a fillet by corner position of the rack; see `_count_chords`."""
     corner = np.array([0.0, gear.last_corner])
-    turn = 1.0 / gear.reference_radius + gear.corner_depth / (corner**2 + gear.corner_depth**2)
-    return float((turn**2 / gear.fillet_curvature(corner)).max())
+    turning_rate = 1.0 / gear.reference_radius + gear.corner_depth / (corner**2 + gear.corner_depth**2)
+    return float((turning_rate**2 / gear.fillet_curvature(corner)).max())

@@ -48,9 +48,9 @@ __all__ = [
 def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
     """Approximate all contact surfaces of a design by convex slices for MuJoCo: teeth, bore and holes of discs, ring.
 
-    `settings` are those of the slices. The surfaces of the ring are the lobes of an internal gear or the sockets of
-    free pins; fixed pins have none. A disc whose radius deviates from that of the first disc has its own teeth. All
-    discs share the bore and the holes of the first disc. Discs of an RV reducer have teeth only.
+    `settings` set the accuracy and the number of the slices. The surfaces of the ring are the lobes of an internal
+    gear or the sockets of free pins; fixed pins have none. A disc whose radius deviates from that of the first disc has
+    its own teeth. All discs share the bore and the holes of the first disc. Discs of an RV reducer have teeth only.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     """Approximate the output holes of a disc by flat convex slices with the clearances of the design.
 
     The slices are in the frame of the disc, and `disc` is its index. They are placed hole by hole: hole 1 is on +y, the
-    others follow clockwise. `settings` are those of the convex slices.
+    others follow clockwise. `settings` set the accuracy and the number of the slices.
     """
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
@@ -59,7 +59,7 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Approximate the sockets of free ring pins by flat convex slices with the clearances of the design.
 
     The slices are in the frame of the reducer. They are placed pin by pin: pin 1 is on +y, the others follow clockwise.
-    `settings` are those of the convex slices.
+    `settings` set the accuracy and the number of the slices.
     """
     design = reducer.design
     ring = design.ring
@@ -73,8 +73,8 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:
     """Return the number of facets per turn that keeps the error of the play within the settings."""
     play = hole.radius - hole.inner_radius
-    needed = math.pi / math.acos(1.0 / (1.0 + 2.0 * settings.play_error / play))
-    return max(settings.fewest_facets, math.ceil(needed))
+    min_count = math.pi / math.acos(1.0 / (1.0 + 2.0 * settings.play_error / play))
+    return max(settings.fewest_facets, math.ceil(min_count))
 
 
 def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
@@ -82,7 +82,7 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
 
     `hole` has the radius and the positions of the holes. The result has one slice, and its position on each facet of
     each hole. The slices are `depth` [m] thick. The middle and the corners of a facet deviate equally from the circle.
-    `settings` are those of the convex slices.
+    `settings` set the accuracy and the number of the slices.
     """
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)

@@ -12,7 +12,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
     """Decompose a watertight mesh `shape` into convex hulls by CoACD, in the order of their centroids.
 
     CoACD keeps vertices in single precision and rounds them to about 1e-4 of the extent of the mesh. `settings` are
-    those of CoACD.
+    the parameters of CoACD.
     """
     import coacd
 
@@ -34,7 +34,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
 def require_convex_slices(surface: ConvexSurface, settings: CoacdSettings) -> None:
     """Raise DesignError unless CoACD keeps each slice of a surface as one convex body.
 
-    `settings` are those of CoACD.
+    `settings` are the parameters of CoACD.
     """
     for number in range(len(surface.slices)):
         parts = len(coacd_pieces(mesh(prism(surface, number)), settings))

@@ -23,19 +23,19 @@ class Plain:
 
 def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Decompose the entire cycloid disc by CoACD; takes about a minute."""
-    seen = profile.sample(reducer.gear_profile, METHOD.samples, reducer.profile_offset)
+    wall = profile.sample(reducer.gear_profile, METHOD.samples, reducer.profile_offset)
     if isinstance(reducer, RvReducer):
-        return _plain(rv_parts(reducer)[reducer.gears[0]].solid(VISUAL_CHORD_ERROR), seen, settings)
-    return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
+        return _decompose_part(rv_parts(reducer)[reducer.gears[0]].solid(VISUAL_CHORD_ERROR), wall, settings)
+    return _decompose_part(gear_solid(reducer, VISUAL_CHORD_ERROR), wall, settings)
 
 
 def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Decompose the entire internal gear of a nonpin design by CoACD; takes about a minute."""
-    seen = envelope.sample_ring(reducer.tooth_profile, METHOD.samples)
-    return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
+    wall = envelope.sample_ring(reducer.tooth_profile, METHOD.samples)
+    return _decompose_part(housing_solid(reducer, VISUAL_CHORD_ERROR), wall, settings)
 
 
-def _plain(part: Solid, seen: profile.Outline | envelope.RingOutline, settings: CoacdSettings) -> Plain:
+def _decompose_part(part: Solid, wall: profile.Outline | envelope.RingOutline, settings: CoacdSettings) -> Plain:
     (region,) = part.prisms
     pieces = coacd_pieces(mesh(part), settings)
-    return Plain(part.name, pieces, pieces_quality(region, pieces, seen.points, seen.normals))
+    return Plain(part.name, pieces, pieces_quality(region, pieces, wall.points, wall.normals))

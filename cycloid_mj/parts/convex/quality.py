@@ -153,10 +153,10 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
         ("extend beyond its outline", quality.max_overfill, overfill),
         ("fall short of its outline", quality.max_underfill, underfill),
     )
-    for fault, value, bound in sides:
+    for verb, value, bound in sides:
         if not value <= bound:
             raise DesignError(
-                f"convex pieces of the {name} {fault} by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} um are "
+                f"convex pieces of the {name} {verb} by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} um are "
                 "allowed: reduce chord_error or depth of ConvexSettings"
             )
 

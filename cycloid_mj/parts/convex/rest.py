@@ -46,11 +46,11 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return sectors of disc, housing, shaft and output that fill the parts if they are repeated around the axis.
+    """Return sectors of disc, housing, shaft and output that represent the material behind their contact surfaces.
 
-    `settings` are those of the convex slices. They adjoin the convex slices of the working surfaces (`surfaces`), which
-    are not part of them. Spacers and output pins are not included. A bore through the shaft is filled, because nothing
-    touches it.
+    A sector, repeated around the axis, fills a part up to the convex slices of its contact surfaces (`surfaces`).
+    `settings` are those of these slices. Spacers and output pins have no sectors. A bore through the shaft is filled,
+    because nothing touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
@@ -71,7 +71,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     """Decompose a sector of a part into convex pieces by CoACD; return the pieces and their deviations.
 
     CoACD's threshold is halved as long as the pieces protrude by more than the bound of the sector, at most
-    `METHOD.decompositions` - 1 times. `settings` are those of the convex slices.
+    `METHOD.decompositions` - 1 times. `settings` include the parameters of CoACD.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
     """Return two sectors that fill a disc between the slices of its surfaces if they are repeated around the axis.
 
-    `settings` are those of the convex slices.
+    `settings` set the accuracy and the number of the slices.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
 def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
     """Return the sector of the housing that is behind the convex slices of one lobe, or around one pin.
 
-    `settings` are those of the convex slices.
+    `settings` set the accuracy and the number of the slices.
     """
     design = reducer.design
     ring, error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0

@@ -22,10 +22,10 @@ from cycloid_mj.reducer import Reducer
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Slice the flanks of a disc, with its clearances, into convex pieces in its frame, valley 1 on +y.
+    """Slice the flanks of a disc, with its clearances, into convex pieces, in the frame of the disc, valley 1 on +y.
 
     `SlicePlacement.member` is the number of the pitch to which a slice belongs. Pitch i extends from one lobe tip to
-    the next, with valley i in the middle. `settings` are those of the convex slices.
+    the next, with valley i in the middle. `settings` set the accuracy and the number of the slices.
 
     Raises
     ------
@@ -70,13 +70,13 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Slice the flanks of the internal gear into convex pieces in its frame, lobe 1 on +y.
+    """Slice the flanks of the internal gear into convex pieces, in the frame of the gear, lobe 1 on +y.
 
-    `SlicePlacement.member` is the number of the lobe. `settings` are those of the convex slices.
+    `SlicePlacement.member` is the number of the lobe. `settings` set the accuracy and the number of the slices.
     """
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
-    face, base_points = (_sigma(gear, B, inset) for inset in (settings.chord_error, depth))
+    face, base_points = (_envelope_points(gear, B, inset) for inset in (settings.chord_error, depth))
     mid_phases = (B[:-1] + B[1:]) / 2.0
     gear_curvatures = profile.curvature(gear, -mid_phases / gear.lobes, reducer.profile_offset)
     curvatures = gear_curvatures - 1.0 / envelope.Sigma(gear, mid_phases).radius
@@ -116,7 +116,7 @@ def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_
     the flank.
     """
     gear = reducer.tooth_profile
-    left_points = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
+    left_points = _envelope_points(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
     return np.concatenate([left_points[::-1], left_points * [-1.0, 1.0]])
 
 
@@ -141,10 +141,10 @@ def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chor
     return profile.sagitta_nodes(flank, low, high, chord_error)
 
 
-def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
-    """Compute points (n, 2) [m] at the depth `into` [m] below Sigma."""
+def _envelope_points(gear: CycloidGear, B: Array, depth: float) -> Array:
+    """Compute points (n, 2) [m] at a `depth` [m] below the second envelope (`envelope.Sigma`) at n phases `B` [rad]."""
     flank = envelope.Sigma(gear, B)
-    return flank.points + into * profile.unit(flank.normal_angle)
+    return flank.points + depth * profile.unit(flank.normal_angle)
 
 
 def _quadrilateral_slices(
@@ -175,8 +175,8 @@ def _quadrilateral_slices(
 def _extend_ends(points: Array, overlap: float) -> Array:
     """Move the ends of an open polygon outwards along its first and last edge, by half the overlap [m]."""
     extended = points.copy()
-    for end, next_to in ((0, 1), (-1, -2)):
-        edge = points[end] - points[next_to]
+    for end, neighbour in ((0, 1), (-1, -2)):
+        edge = points[end] - points[neighbour]
         extended[end] += 0.5 * overlap * edge / np.linalg.norm(edge)
     return extended
 
@@ -223,8 +223,8 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
     """Return half of the arc of lobe 1 of the internal gear as one convex slice, `depth` [m] thick.
 
-    It only represents the shape of the lobe: contacts use a cylinder instead. `settings` are those of the convex
-    slices.
+    It only represents the shape of the lobe: contacts use a cylinder instead. `settings` set the accuracy
+    and the number of the slices.
     """
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
@@ -237,7 +237,7 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
 
 
 def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
-    """Return the positions of the slices of half a pitch: each and its mirror image, for all pitches."""
+    """Return the positions of the slices of half a pitch, and of their mirror images, in all pitches."""
     pitch = 2.0 * math.pi / pitches
     return tuple(
         SlicePlacement(number, lobe + 1, lobe * pitch, mirrored=mirrored)
@@ -245,9 +245,9 @@ def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
     )
 
 
-def _symmetric(right: Array) -> Array:
+def _symmetric(right_half: Array) -> Array:
     """Return the reversed mirror image of points that start at x = 0, followed by the points."""
-    return np.concatenate([right[:0:-1] * [-1.0, 1.0], right])
+    return np.concatenate([right_half[:0:-1] * [-1.0, 1.0], right_half])
 
 
 def _all_round(pitch: Array, count: int) -> Array:

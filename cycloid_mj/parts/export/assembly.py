@@ -114,8 +114,12 @@ def _place_roller_bearings(reducer: Reducer, carrier_angle: float) -> Iterator[P
         return
     bearing, count = stock_bearing
     offsets = [bearing.width * (number - 0.5 * (count - 1)) for number in range(count)]
-    places = [np.array([0.0, 0.0, z]) + place for _, place in roller_positions(reducer).values() for z in offsets]
-    for number, position in enumerate(places, start=1):
+    positions = [
+        np.array([0.0, 0.0, z]) + roller_position
+        for _, roller_position in roller_positions(reducer).values()
+        for z in offsets
+    ]
+    for number, position in enumerate(positions, start=1):
         name = names.numbered_name(names.ROLLER_BEARING, number)
         yield place_rotated(name, names.ROLLER_BEARING, position, carrier_angle, names.ROLLER)
 

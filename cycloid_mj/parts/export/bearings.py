@@ -70,10 +70,10 @@ def roller_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
         for cup in stock.needle_bearings()
         if abs(cup.bore - 2.0 * output.root_radius) < stock.ROUNDING and cup.outside < largest + stock.ROUNDING
     ]
-    stated = design.bearing.output_dynamic_capacity
+    required_rating = design.bearing.output_dynamic_capacity
     choices = [choice for cup in cups if (choice := stock.side_by_side([cup], width))]
-    as_stated = [choice for choice in choices if stated and _has_rating(choice, stated)]
-    return as_stated[0] if as_stated else stock.side_by_side(cups, width)
+    with_rating = [choice for choice in choices if required_rating and _has_rating(choice, required_rating)]
+    return with_rating[0] if with_rating else stock.side_by_side(cups, width)
 
 
 def _has_rating(choice: tuple[stock.StockBearing, int], rating: float) -> bool:

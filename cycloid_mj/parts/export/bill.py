@@ -176,13 +176,13 @@ def describe_consumable(line: BillLine) -> str:
     return f"{line.item}, {line.material} {line.designation}: {line.size}; {line.fit}"
 
 
-def _consumable(item: str, volume: float, material: str, designation: str, use: str) -> BillLine:
+def _consumable(item: str, volume: float, material: str, designation: str, application: str) -> BillLine:
     size, mass = f"{1e6 * volume:.2g} cm3", CONSUMABLES.density * volume
-    return BillLine(item, 1, size, material, "consumable", designation, use, mass)
+    return BillLine(item, 1, size, material, "consumable", designation, application, mass)
 
 
 def _inner_volume(part: Part, z: float, casing: Casing) -> float:
-    """Compute the volume [m3] that a part occupies in the space of the grease.
+    """Compute the volume [m3] that a part occupies in the space inside the drive that is filled with grease.
 
     The space extends along z from the floor of the cavity in the motor cover to the first output bearing. `z` [m] is
     the height of the origin of the part in the drive.
@@ -316,8 +316,8 @@ def _round_bar_lines(reducer: Reducer, casing: Casing | None) -> Iterator[BillLi
             sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
-            cut_to = sleeve_pin_length(reducer) if casing else gear.stack_width
-            yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core, cut_to, material)
+            cut_length = sleeve_pin_length(reducer) if casing else gear.stack_width
+            yield _pressed_pin_line(names.PRESSED_PIN, ring.teeth, core, cut_length, material)
         else:
             yield _ring_pin_line(reducer, material)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
@@ -350,7 +350,7 @@ def _shaft_line(reducer: Reducer, casing: Casing | None) -> BillLine:
 
 
 def _format_bore(reducer: Reducer, casing: Casing | None) -> str:
-    """Format diameter and depth of the bore for the motor shaft, or of that in a hollow shaft; "" without a bore.
+    """Describe the bore of the crank as a clause: for the motor shaft, or through a hollow shaft; "" without a bore.
 
     `casing` None: the mechanism only.
     """
@@ -452,9 +452,9 @@ def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     """
     gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":
-        in_stock = cam_bearing(reducer)
-        if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
-            bearing, count = in_stock
+        cam_bearings = cam_bearing(reducer)
+        if cam_bearings and cam_seat in (0.0, round(0.5 * cam_bearings[0].bore, 9)):
+            bearing, count = cam_bearings
             yield _stock_bearing_line(
                 names.CAM_BEARING, gear.discs * count, bearing, bearing_fit(reducer, bearing, names.GEAR)
             )
@@ -499,7 +499,7 @@ def _round_line(
     length
         Length [m].
     material
-        Material; None: steel, and the mass of a bearing is reduced by the factor `filling`.
+        Material; None: steel, and the mass of a bearing is that of a solid ring times its share of steel (`filling`).
     cut_length
         Length to which the parts are shortened [m]; 0: not shortened.
     """

@@ -115,7 +115,7 @@ def cam_clamp(reducer: Reducer) -> CamClamp | None:
     design = reducer.design
     if design.cam_joint != "clamp":
         return None
-    problem = _find_problem(reducer)
+    problem = _describe_clamp_problem(reducer)
     clamps = [] if problem else [clamp for bolt in stock.bolts() if (clamp := _fit_screws(reducer, bolt))]
     if not clamps:
         problem = problem or (
@@ -143,7 +143,7 @@ def cam_screws(reducer: Reducer, clamp: CamClamp) -> BoughtPart:
             origins.append((clamp.head_face, y, plane + height))
     return BoughtPart(
         names.CAM_SCREW,
-        _lying_screw(clamp),
+        _crosswise_screw(clamp),
         names.SHAFT,
         tuple(origins),
         (("thread", clamp.bolt.thread), ("length", clamp.length)),
@@ -169,7 +169,7 @@ def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossH
             yield name, CrossHole(slot, (-1.0, 0.0, 0.0), core, clamp.thread_depth)
 
 
-def _find_problem(reducer: Reducer) -> str:
+def _describe_clamp_problem(reducer: Reducer) -> str:
     """Return why cams cannot be clamped on the shaft by any screws, with the remedy; empty if they can."""
     design, bearing = reducer.design, cam_bearing(reducer)
     if design.gear.discs != CLAMPED_DISCS:
@@ -212,7 +212,7 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     return CamClamp(bolt, length, count, distance, head_face, hub)
 
 
-def _lying_screw(clamp: CamClamp) -> RoundPart:
+def _crosswise_screw(clamp: CamClamp) -> RoundPart:
     """Return the shape of a clamping screw along x, as slices along the axis of the crank.
 
     Its head is on the side of +x, and the face under the head is at x = 0.

@@ -351,7 +351,7 @@ def _size_motor_side(
     bearing = stock_shaft_bearing(reducer, near_seat[1] - near_seat[0])
     ring_parts = choose_crank_end(reducer, bearing, seat, floor - near_seat[1])
     max_face = min(floor, screw_tip) - floor_thickness
-    face, journal = _input_side(reducer, flange, bearing_start, ring_parts, wall, max_face)
+    face, journal = _flange_and_crank_start(reducer, flange, bearing_start, ring_parts, wall, max_face)
     return MotorSide(
         motor=flange,
         face=face,
@@ -441,17 +441,17 @@ def _seat_second_disc(reducer: Reducer, hub: stock.StockBearing, wall: float) ->
     DesignError
         There is no second disc, it is too thin for the bearing, or the bearings are no deep groove bearings.
     """
-    output, needed = reducer.design.output, 2.0 * wall + hub.width
+    output, min_thickness = reducer.design.output, 2.0 * wall + hub.width
     if output.support != "both_ends" or output.main_bearings != "deep_groove":
         raise DesignError(
             "bearings around both discs of the output need a second disc, and are deep groove bearings, because "
             'angular contact bearings would be face to face: set output.support = "both_ends" and output.main_bearings '
             '= "deep_groove", or output.main_bearing_seat = "disc"'
         )
-    if output.disc_thickness < needed - stock.ROUNDING:
+    if output.disc_thickness < min_thickness - stock.ROUNDING:
         raise DesignError(
             f"the discs of the output are too thin for the bearings of {MILLIMETRES * hub.width:g} mm around them: set "
-            f"output.disc_thickness_mm to at least {MILLIMETRES * needed:.4g}"
+            f"output.disc_thickness_mm to at least {MILLIMETRES * min_thickness:.4g}"
         )
     end = -reducer.design.gear.stack_width / 2.0 - AXIAL_GAP - 2.0 * wall
     return end - hub.width, end
@@ -487,7 +487,7 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
     return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
 
 
-def _input_side(
+def _flange_and_crank_start(
     reducer: Reducer, motor: MotorFlange, bearing_start: float, crank_end: CrankEnd, wall: float, max_face: float
 ) -> tuple[float, float]:
     """Return the positions of the motor's flange face and of the motor-side end of the crank along z [m].
@@ -654,14 +654,14 @@ def _retaining_radius(reducer: Reducer) -> float:
 def output_cover_step(casing: Casing) -> float | None:
     """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
     step = casing.end + casing.grip + casing.screws.bolt.head_height
-    fits = casing.output_neck < casing.screws.circle - counterbore(casing.screws.bolt) and step < casing.hub_floor
-    return step if fits else None
+    has_step = casing.output_neck < casing.screws.circle - counterbore(casing.screws.bolt) and step < casing.hub_floor
+    return step if has_step else None
 
 
 def _bore_end(reducer: Reducer) -> float:
     """Compute the end along z [m] of the longest bore for the motor shaft: the cam if the crank is one piece."""
     prisms = crank_segments(reducer)
-    return prisms[names.CAM].z0 if names.CAM in prisms else max(one.z1 for one in prisms.values())
+    return prisms[names.CAM].z0 if names.CAM in prisms else max(prism.z1 for prism in prisms.values())
 
 
 def _choose_hub_bearing(

@@ -81,8 +81,8 @@ def axial_play(reducer: Reducer) -> float:
 
 def least_wall(reducer: Reducer) -> float:
     """Compute the minimum wall around holes of a drive [m]."""
-    least = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall
-    return max(least, RULES.wall_share * reducer.design.housing.outer_radius)
+    min_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall
+    return max(min_wall, RULES.wall_share * reducer.design.housing.outer_radius)
 
 
 def thickest_bolt(thread: float, *, inserted: bool = False) -> stock.Bolt:

@@ -91,17 +91,17 @@ def _land_angles(teeth: int) -> tuple[float, ...]:
     return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
 
 
-def _min_cover_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
+def _min_cover_screw_length(bolt: stock.Bolt, wall: float, ring_width: float) -> float:
     """Compute the minimum length of a screw through a cover and a ring, wide as the discs, into the other cover [m]."""
-    return min_grip(bolt, wall) + through + RULES.engagement * bolt.thread
+    return min_grip(bolt, wall) + ring_width + RULES.engagement * bolt.thread
 
 
 def _screws_of_length(
-    bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float
+    bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, ring_width: float
 ) -> Screws:
-    """Return screws on a circle of a radius [m], with the shortest length in stock for a ring `through` [m] wide."""
-    length = stock_screw_length(bolt, _min_cover_screw_length(bolt, wall, through))
-    return Screws(bolt, length, circle, angles, outside=not through)
+    """Return screws on a circle of a radius [m], with the shortest length in stock for a ring `ring_width` [m] wide."""
+    length = stock_screw_length(bolt, _min_cover_screw_length(bolt, wall, ring_width))
+    return Screws(bolt, length, circle, angles, outside=not ring_width)
 
 
 def _thickest_dowel(max_diameter: float, max_length: float) -> stock.Dowel | None:

@@ -160,8 +160,8 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
         yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
         return
     bought_parts = key.bought
-    foot = radius - bought_parts.in_shaft
-    contour = KeyContour(foot, foot + bought_parts.height, bought_parts.width, key.angle)
+    key_bottom = radius - bought_parts.in_shaft
+    contour = KeyContour(key_bottom, key_bottom + bought_parts.height, bought_parts.width, key.angle)
     dimensions = (
         *(("width", bought_parts.width), ("height", bought_parts.height)),
         *(("depth", bought_parts.in_shaft), ("length", bought_parts.length)),
@@ -205,8 +205,7 @@ def _ring_pin_joints(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
 def _sleeve_pin_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the press-fit joint of the fixed pins, on which the ring's sleeves turn, with motor and output cover.
 
-    In each cover it has a hole for each pin. The hole has the radius and the fit of the pin, and is as deep as
-    `sleeve_pin_depth`.
+    Each cover has a hole for each pin, with the radius of the pin. The holes are as deep as `sleeve_pin_depth`.
     """
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
@@ -229,11 +228,11 @@ def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
     seats = output.pins * discs, diameter, output.disc_thickness
     yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seats)
     if output.rollers:
-        rolling = output.pins * gear.discs, diameter, gear.face_width
+        roller_seats = output.pins * gear.discs, diameter, gear.face_width
         parts = names.ROLLER, names.OUTPUT_PIN
         if cup := roller_bearing(reducer):
-            seat = rolling[0] * cup[1], cup[0].outside, cup[0].width
+            seat = roller_seats[0] * cup[1], cup[0].outside, cup[0].width
             name, parts = "needle bearings in the rollers", (names.ROLLER, names.ROLLER_BEARING)
             yield Joint(name, JointKind.PRESSED, parts, (), (), cup_fit(reducer, names.OUTPUT), *seat)
             return
-        yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *rolling)
+        yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *roller_seats)

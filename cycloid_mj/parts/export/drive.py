@@ -40,7 +40,7 @@ def assembly_mass(reducer: Reducer, casing: Casing) -> float:
     """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
     parts = assembly_parts(reducer, casing)
     mass = {name: filling(name) * part.mass(EXPORT_CHORD_ERROR) for name, part in parts.items()}
-    return sum(mass[place.part] for place in place_parts(reducer, 0.0, casing))
+    return sum(mass[placement.part] for placement in place_parts(reducer, 0.0, casing))
 
 
 def filling(part: str) -> float:

@@ -87,7 +87,7 @@ def _seat_radii(reducer: Reducer, casing: Casing, part: Part) -> Array:
 def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenEdge]:
     """Yield a chamfer for each convex edge of a seat, and a fillet for each shoulder of a shaft, if there is room.
 
-    `part` is the part, and `radii` (n,) [m] are those of its n seats.
+    `radii` (n,) [m] are the radii of the n seats of the `part`.
     """
     for segment in part.segments:
         for contour, side in ((segment.outline, 1.0), *((hole, -1.0) for hole in segment.holes)):
@@ -95,7 +95,9 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
             if circle is None or np.abs(radii - circle.radius).min() > SAME_LENGTH:
                 continue
             for z in (segment.z0, segment.z1):
-                adjacent_segments = [other for other in part.segments if other is not segment and _touches(other, z)]
+                adjacent_segments = [
+                    neighbour for neighbour in part.segments if neighbour is not segment and _touches(neighbour, z)
+                ]
                 edge = _Edge(circle.centre, circle.radius, side, segment, adjacent_segments)
                 fillet = reducer.design.shaft.shoulder_fillet
                 chamfer = min(EDGES.chamfer, EDGES.share * circle.radius)
@@ -121,7 +123,10 @@ class _Edge:
     beyond: Sequence[Segment]
 
     def is_convex(self, size: float) -> bool:
-        """Return whether a chamfer of a `size` [m] fits: only the edge's own segment has material next to it."""
+        """Return whether the edge is convex and has room for a chamfer of a `size` [m].
+
+        Close to the edge, only the segment to which the edge belongs may have material, none of the adjacent segments.
+        """
         width = EDGES.room * size
         if (
             self.own.z1 - self.own.z0 < 2.0 * width

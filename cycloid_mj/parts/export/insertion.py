@@ -71,8 +71,8 @@ def blockages(reducer: Reducer, casing: Casing) -> tuple[Blockage, ...]:
     @cache
     def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
         placement = placement_by_name[name]
-        drawn = tuple(_section(placement, prism) for prism in prisms[placement.part])
-        return _flex_ring(reducer, casing, placement.part, drawn)
+        part_sections = tuple(_section(placement, prism) for prism in prisms[placement.part])
+        return _flex_ring(reducer, casing, placement.part, part_sections)
 
     blocked_pairs = []
     for move in assembly_moves(reducer, casing):
@@ -168,12 +168,12 @@ def _list_moves(reducer: Reducer, casing: Casing, placements: tuple[PlacedPart, 
     yield Move(_names_of_family(placements, names.SHAFT_RING), DRIVE, UP)
 
 
-def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0) -> tuple[str, ...]:
+def _names_of_family(placements: tuple[PlacedPart, ...], family: str, side: int = 0) -> tuple[str, ...]:
     """Return the names of the parts of a family, all or those on one side of the middle of the discs."""
     return tuple(
-        place.name
-        for place in placed
-        if names.family(place.part) == family and (not side or (place.origin[2] >= 0.0) == (side == UP))
+        placement.name
+        for placement in placements
+        if names.family(placement.part) == family and (not side or (placement.origin[2] >= 0.0) == (side == UP))
     )
 
 

@@ -229,7 +229,7 @@ def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) 
 
 
 def _cavity_joints(casing: Casing) -> Iterator[Joint]:
-    """Yield the cavities of the casing in which crank and output turn."""
+    """Yield the clearances of crank and output in the cavities of the covers, as joints with a hole each."""
     crank = (AXIS, casing.cavity, casing.floor, casing.motor_bearing[0] if casing.motor_bearing else -casing.end)
     parts = names.SHAFT, names.MOTOR_COVER
     yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
@@ -270,7 +270,10 @@ def _second_disc_joint(casing: Casing) -> Iterator[Joint]:
 
 
 def _output_bearings(casing: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
-    """Return bearings of the output with their ends along z [m]; those in the output cover are numbered last."""
+    """Return the bearings of the output at the `ends` (start, end) along z [m] as bought parts.
+
+    Bearings in the output cover have the highest numbers.
+    """
     hub = casing.hub
     return BoughtPart(
         names.OUTPUT_BEARING,

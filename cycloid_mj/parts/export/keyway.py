@@ -27,7 +27,7 @@ class KeywayContour:
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return the arc from one edge of the keyway to the other, and the three faces of the keyway."""
         corners = self._corners().tolist()
-        edges = [LineSegment((*one,), (*other,)) for one, other in pairwise(corners)]
+        edges = [LineSegment((*start,), (*end,)) for start, end in pairwise(corners)]
         return Arc((0.0, 0.0), self.radius, *self._arc_ends), *edges
 
     def polygon(self, chord_error: float) -> Array:
@@ -65,7 +65,7 @@ class KeyContour:
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return the four edges of a key; `splines` has no effect."""
         corners = self.polygon(0.0).tolist()
-        return tuple(LineSegment((*one,), (*other,)) for one, other in pairwise([*corners, corners[0]]))
+        return tuple(LineSegment((*start,), (*end,)) for start, end in pairwise([*corners, corners[0]]))
 
     def polygon(self, chord_error: float) -> Array:
         """Return the four corners of a key (4, 2) [m], counter-clockwise; `chord_error` has no effect."""
@@ -110,12 +110,12 @@ class SplineContour:
 
     def _joint_arcs(self) -> Iterator[tuple[float, float, float]]:
         """Yield radius [m], start and end [rad] of all arcs of the spline joint: tops of splines, and arcs between."""
-        half_foot, half_top = (math.asin(0.5 * self.width / radius) for radius in (self.minor, self.major))
-        step = 2.0 * math.pi / self.count
+        half_root, half_top = (math.asin(0.5 * self.width / radius) for radius in (self.minor, self.major))
+        pitch = 2.0 * math.pi / self.count
         for number in range(self.count):
             middle = self.angle + 2.0 * math.pi * number / self.count
             yield self.major, middle - half_top, middle + half_top
-            yield self.minor, middle + half_foot, middle + step - half_foot
+            yield self.minor, middle + half_root, middle + pitch - half_root
 
 
 @dataclass(frozen=True)

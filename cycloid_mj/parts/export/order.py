@@ -236,10 +236,10 @@ def _describe_crank(reducer: Reducer, casing: Casing) -> str:
         start = f"Put {' and '.join(ring_notes)}; push" if ring_notes else "Push"
         return f"{start} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
     rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
-    last = f"; put {ring_notes[0]}" if first_ring in rings else ""
+    ring_clause = f"; put {ring_notes[0]}" if first_ring in rings else ""
     far_ring_note = f"{second_ring} on, " if second_ring in rings else ""
     disc = _describe_second_disc(reducer)
-    return f"{rollers} the crank, {far_ring_note}with its gears over the output pins into the ring{disc}{last}."
+    return f"{rollers} the crank, {far_ring_note}with its gears over the output pins into the ring{disc}{ring_clause}."
 
 
 def _describe_second_disc(reducer: Reducer) -> str:

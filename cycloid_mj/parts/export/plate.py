@@ -81,7 +81,7 @@ class PrintPlate:
     @property
     def counts(self) -> dict[str, int]:
         """Number of copies by part."""
-        parts = [place.part for place in self.places]
+        parts = [placement.part for placement in self.places]
         return {part: parts.count(part) for part in dict.fromkeys(parts)}
 
 
@@ -298,10 +298,7 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
-    """Return a part as it lies on the print bed with its larger end face, and whether it is turned over for that.
-
-    `solid` is the part.
-    """
+    """Return a part as it lies on the print bed with its larger end face, and whether it is turned over for that."""
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
     bottom_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
     top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)

@@ -57,8 +57,8 @@ class PrintSettings:
 
 def stock_cam_seat(reducer: Reducer) -> float:
     """Return half the bore of the stock bearing on the cams [m]; 0 without one."""
-    in_stock = cam_bearing(reducer)
-    return round(0.5 * in_stock[0].bore, 9) if in_stock else 0.0
+    bearings = cam_bearing(reducer)
+    return round(0.5 * bearings[0].bore, 9) if bearings else 0.0
 
 
 def print_files(

@@ -103,4 +103,4 @@ def thinnest_wall(prism: Prism) -> float:
     from scipy.spatial import cKDTree
 
     pairs = combinations((prism.outline, *prism.holes), 2)
-    return min((float(np.min(cKDTree(first).query(second)[0])) for first, second in pairs), default=np.inf)
+    return min((float(np.min(cKDTree(loop).query(other_loop)[0])) for loop, other_loop in pairs), default=np.inf)

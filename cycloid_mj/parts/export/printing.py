@@ -215,15 +215,18 @@ def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
     """Return the radius [m] of a cam for a bearing of the bore radius `seat` [m]; raise DesignError if none fits."""
     design = reducer.design
     gear = design.gear
-    flush = gear.eccentricity + design.shaft.radius
+    minimum = gear.eccentricity + design.shaft.radius
     if gear.bearing != "rolling":
         raise DesignError(
             "--cam-bearing-bore-mm needs a cam with a rolling bearing, but this cam slides in the disc (gear.bearing = "
             '"plain"): remove the flag, or set gear.bearing = "rolling"'
         )
-    if not (flush < seat or (design.has_one_piece_crank and seat == round(flush, 9))) or not seat < gear.bore_radius:
+    if (
+        not (minimum < seat or (design.has_one_piece_crank and seat == round(minimum, 9)))
+        or not seat < gear.bore_radius
+    ):
         raise DesignError(
-            f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than {2e3 * flush:g} "
+            f"--cam-bearing-bore-mm is {2e3 * seat:g}, which does not fit: choose a bore larger than {2e3 * minimum:g} "
             f"mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the outside diameter of the "
             "bearing (twice gear.bore_radius_mm)"
         )

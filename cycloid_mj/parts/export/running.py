@@ -155,8 +155,8 @@ def _swept_ring(placement: PlacedPart, segment: Segment) -> Annulus:
 def _radii(contour: Contour, centre: Array) -> tuple[float, float]:
     """Return the smallest and largest distance [m] from the axis of a contour with its origin at `centre` (2,) [m]."""
     if circle := circle_of(contour):
-        away = math.dist(circle.centre, (-centre).tolist())
-        return abs(away - circle.radius), away + circle.radius
+        distance = math.dist(circle.centre, (-centre).tolist())
+        return abs(distance - circle.radius), distance + circle.radius
     radii = np.linalg.norm(contour.polygon(VISUAL_CHORD_ERROR) + centre, axis=1)
     return float(radii.min()), float(radii.max())
 

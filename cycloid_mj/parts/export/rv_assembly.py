@@ -55,7 +55,7 @@ def rv_mass(reducer: RvReducer) -> float:
 
 def rv_masses(reducer: RvReducer) -> dict[str, float]:
     """Compute the mass of each part of `rv_assembly_parts` in its number [kg], by name; raises the same errors."""
-    counts = Counter(place.part for place in place_rv_parts(reducer))
+    counts = Counter(placement.part for placement in place_rv_parts(reducer))
     parts = rv_assembly_parts(reducer)
     return {name: count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items()}
 

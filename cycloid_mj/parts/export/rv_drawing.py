@@ -58,7 +58,7 @@ def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:
     material = reducer.design.material_of(MATERIAL_OF.get(part.name, names.family(part.name)))
     diameters = section_diameters(part, names.ECCENTRIC, lambda radius, inner: _zone(reducer, part.name, radius, inner))
     datum = "datum B: the face at the lower end of the lengths"
-    notes = (*_describe_part(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
+    notes = (*_drawing_notes(reducer, part.name), datum, *describe_surface(part.name, material, material.is_plastic))
     return lay_out_drawing(part, part.name, title_block(reducer, part.name, count, material), diameters, notes)
 
 
@@ -70,19 +70,25 @@ def _zone(reducer: RvReducer, name: str, radius: float, inner: bool) -> str:
     return NEEDLE_SHAFT if on_eccentric else INNER_RING
 
 
-def _describe_part(reducer: RvReducer, name: str) -> Iterator[str]:
+def _drawing_notes(reducer: RvReducer, name: str) -> Iterator[str]:
     """Yield the notes on the drawing of an RV reducer's part: datums, teeth, holes and their tolerances."""
     design, cranks = reducer.design, reducer.cranks
     if name == names.HOUSING:
         yield describe_ring_teeth(design, "the axis (datum A)")
     elif names.family(name) == names.GEAR:
         yield describe_lobes(design, "A, the axis of the crank bores' circle")
-        yield _holes(crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION)
-        yield _holes(post_centres(reducer), reducer.window_radius, "", "windows for the posts", LOOSE_POSITION)
+        yield _describe_hole_pattern(
+            crank_centres(reducer), reducer.bore_radius, NEEDLE_BORE, "raceways of the needles", POSITION
+        )
+        yield _describe_hole_pattern(
+            post_centres(reducer), reducer.window_radius, "", "windows for the posts", LOOSE_POSITION
+        )
     elif name in FLANGES:
-        yield _holes(crank_centres(reducer), cranks.taper_radius, OUTER_RING, "seats of the tapered bearings", POSITION)
+        yield _describe_hole_pattern(
+            crank_centres(reducer), cranks.taper_radius, OUTER_RING, "seats of the tapered bearings", POSITION
+        )
         if name == FLANGES[1]:
-            yield _holes(post_centres(reducer), cranks.post_radius, "", "posts", LOOSE_POSITION)
+            yield _describe_hole_pattern(post_centres(reducer), cranks.post_radius, "", "posts", LOOSE_POSITION)
         yield "bore both flanges together; datum A: axis of the circle of the seats; screws and main bearings not drawn"
     elif name == CRANK:
         angles = ", ".join(f"{math.degrees(phase) % 360.0:.4g}°" for phase in reducer.phases)
@@ -106,9 +112,9 @@ def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
     yield f"span over {count} teeth W{count} = {MILLIMETRES * span:.4f}; flank tolerance class 6, ISO 1328-1 (assumed)"
 
 
-def _holes(centres: Array, radius: float, zone: str, use: str, position: float) -> str:
+def _describe_hole_pattern(centres: Array, radius: float, zone: str, purpose: str, position: float) -> str:
     """Return the note of equal holes or posts on a circle: number, diameter, zone, circle and first angle."""
     circle = 2.0 * float(np.hypot(*centres.T).mean())
     angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
     size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{in_mm(circle)}"
-    return f"{size}, the first at {angle:.4g}°, position ⌀{position:g} to A ({use})"
+    return f"{size}, the first at {angle:.4g}°, position ⌀{position:g} to A ({purpose})"

@@ -283,7 +283,7 @@ def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
         done_edges: list[Any] = []
         while explorer.More():
             edge = occ.TopoDS.Edge(explorer.Current())
-            size = _size_of(edge, edges_of_kind)
+            size = _edge_break_size(edge, edges_of_kind)
             if size and not any(edge.IsSame(done_edge) for done_edge in done_edges):
                 builder.Add(MILLIMETRES * size, edge)
                 done_edges.append(edge)
@@ -295,7 +295,7 @@ def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
     return shape
 
 
-def _size_of(edge: Any, edges: Sequence[BrokenEdge]) -> float:
+def _edge_break_size(edge: Any, edges: Sequence[BrokenEdge]) -> float:
     """Return the size [m] of the chamfer or fillet at an edge of OpenCASCADE, from `edges`; 0 if it has none."""
     curve = occ.BRepAdaptor_Curve(edge)
     if curve.GetType() != occ.GeomAbs_CurveType.GeomAbs_Circle or not curve.IsClosed():
@@ -362,8 +362,11 @@ def _curve_edge(curve: Curve, z: float) -> Any:
         case Spline():
             knots, counts = np.unique(curve.knots * MILLIMETRES, return_counts=True)
             poles = _array(occ.Array1_gp_Pnt, [point(control) for control in curve.controls])
-            marks, times = _array(occ.Array1_double, knots.tolist()), _array(occ.Array1_int, counts.tolist())
-            shape = (occ.Geom_BSplineCurve(poles, marks, times, 3),)
+            knot_array, multiplicities = (
+                _array(occ.Array1_double, knots.tolist()),
+                _array(occ.Array1_int, counts.tolist()),
+            )
+            shape = (occ.Geom_BSplineCurve(poles, knot_array, multiplicities, 3),)
     return occ.BRepBuilderAPI_MakeEdge(*shape).Edge()
 
 

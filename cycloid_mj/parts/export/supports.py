@@ -81,7 +81,7 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     outer = _circle_of(overhang.outline)
     if not outer:
         return None
-    (centre, radius), inner = outer, _largest(overhang.holes)
+    (centre, radius), inner = outer, _largest_hole(overhang.holes)
     width = radius - (inner[1] if inner else 0.0)
     gap = min(SUPPORTS.gap_aside, 0.25 * width)
     outline = circle(radius - gap, chord_error, centre)
@@ -105,16 +105,16 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
 
 def _is_bridged(face: Overhang) -> bool:
     """Return whether a face is printed without support: the end of a small hole, or a narrow ledge."""
-    outer, inner = _circle_of(face.outline), _largest(face.holes)
+    outer, inner = _circle_of(face.outline), _largest_hole(face.holes)
     if not outer:
         return False
     return outer[1] - inner[1] <= SUPPORTS.max_ledge if inner else 2.0 * outer[1] <= SUPPORTS.max_bridge
 
 
-def _largest(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:
+def _largest_hole(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:
     """Return centre and radius of the largest round hole of a face [m]; supports continue under smaller holes."""
-    circles = [one for hole in holes if (one := _circle_of(hole))]
-    return max(circles, key=lambda one: one[1], default=None)
+    circles = [circle for hole in holes if (circle := _circle_of(hole))]
+    return max(circles, key=lambda circle: circle[1], default=None)
 
 
 def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:

@@ -83,9 +83,9 @@ def _object(number: int, name: str, content: str, property_: str = "") -> str:
 
 def _names(plate: PrintPlate) -> Iterator[str]:
     counts, numbers = plate.counts, Counter[str]()
-    for place in plate.places:
-        numbers[place.part] += 1
-        yield f"{place.part}_{numbers[place.part]}" if counts[place.part] > 1 else place.part
+    for placement in plate.places:
+        numbers[placement.part] += 1
+        yield f"{placement.part}_{numbers[placement.part]}" if counts[placement.part] > 1 else placement.part
 
 
 def _mesh(mesh: Mesh) -> str:
