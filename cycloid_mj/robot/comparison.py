@@ -53,7 +53,10 @@ class ComparisonSettings:
     min_harmonic: float = 0.1
     """Smallest harmonic that is compared, relative to the largest."""
     steps_per_cycle: int = 20
-    """Time steps in a cycle of the highest harmonic that is compared."""
+    """Time steps in a cycle of the highest harmonic that is compared, at least."""
+    max_error_change: float = 0.25
+    """Largest change of the transmission error in a time step, relative to the wind-up at the nominal torque: at a
+    larger one the stop recedes from the output in a time step, and the torque then throws the output through it."""
     max_frequency: float = 0.2
     """Highest frequency of a harmonic over that of the resonance: the gain 1/(1 - x^2) is then 4 % above 1."""
 
@@ -341,7 +344,9 @@ def _compare_transmission_error(
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = compute_amplitudes(errors)
     harmonics = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
-    count = COMPARISON.steps_per_cycle * int(harmonics.max())
+    wind_up = reduced.wind_up(reduced.rated_torque)
+    steps_of_error = len(errors) * np.abs(np.diff(errors)).max() / (COMPARISON.max_error_change * wind_up)
+    count = max(COMPARISON.steps_per_cycle * int(harmonics.max()), math.ceil(steps_of_error))
     speed = direction * 2.0 * np.pi * reduced.ratio / (count * COMPARISON.slow_step)
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
