@@ -139,10 +139,10 @@ def select_samples(
         check_magnification(motion.reducer, magnification, largest_rv_magnification(motion.reducer))
     else:
         drawn_radii(motion.reducer, magnification)
-    start = motion.one_turn.start
-    swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
-    turns_at = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
-    return Take(motion, start + np.unique(np.searchsorted(swept, turns_at)), magnification)
+    first_row = motion.one_turn.start
+    swept_turns = np.abs(motion.crank_angle[first_row:] - motion.crank_angle[first_row]) / (2 * np.pi)
+    frame_turns = np.linspace(0.0, min(turns, float(swept_turns[-1])), frames, endpoint=False)
+    return Take(motion, first_row + np.unique(np.searchsorted(swept_turns, frame_turns)), magnification)
 
 
 @with_style
@@ -158,11 +158,11 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
     DesignError
         A part cannot be drawn.
     """
-    narrowest, widest = ANIMATION.widths
-    if not narrowest <= width <= widest:
+    min_width, max_width = ANIMATION.widths
+    if not min_width <= width <= max_width:
         raise UsageError(
-            f"the width of the animation is {width} pixels, which is out of range: choose a width from {narrowest} to "
-            f"{widest} pixels"
+            f"the width of the animation is {width} pixels, which is out of range: choose a width from {min_width} to "
+            f"{max_width} pixels"
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}

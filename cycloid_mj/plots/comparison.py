@@ -91,7 +91,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 
 @style.with_style
 def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
-    """Draw a signal of every run over one crank turn: a row of axes for each design, a column for each load.
+    """Draw a signal, such as the disc speed, of every run over one crank turn: a row per design, a column per load.
 
     `grid` has a sequence of runs for each design, one per load. `title` is the title of the figure. All axes in a
     column have the same scale. The mean of a transmission error is subtracted and stated in the heading, because
@@ -128,15 +128,15 @@ def _draw_spectra(grid: Grid) -> Figure:
     """
     loads = len(grid[0])
     figure, axes = _empty_figure(
-        2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row=1.9
+        2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row_height=1.9
     )
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             spectra = spectrum(motion)
-            for panel, density in zip(
+            for panel, spectral_density in zip(
                 (axes[0][column], axes[1][column]), (spectra.centre, spectra.output), strict=True
             ):
-                panel.loglog(spectra.frequency[1:], np.sqrt(density[1:]), color=_color(row), linewidth=0.9)
+                panel.loglog(spectra.frequency[1:], np.sqrt(spectral_density[1:]), color=_color(row), linewidth=0.9)
             if row == 0:
                 _mark_mesh(axes[0][column], motion, spectra.frequency)
                 _mark_mesh(axes[1][column], motion, spectra.frequency)
@@ -146,24 +146,28 @@ def _draw_spectra(grid: Grid) -> Figure:
     axes[0][0].set_ylabel("disc centre\n[m/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     axes[1][0].set_ylabel("output\n[rad/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     entries = [(runs[0].design.name, {"color": _color(row)}) for row, runs in enumerate(grid)]
-    mesh = ("multiples of the mesh frequency", {"color": style.GREY, "linestyle": ":"})
-    figure.legend(handles=style.legend_handles(*entries, mesh), loc="outside lower center", ncols=len(entries) + 1)
+    mesh_entry = ("multiples of the mesh frequency", {"color": style.GREY, "linestyle": ":"})
+    figure.legend(
+        handles=style.legend_handles(*entries, mesh_entry), loc="outside lower center", ncols=len(entries) + 1
+    )
     return figure
 
 
 def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
     """Mark the mesh frequency and its first two multiples in a panel, where within the range of `frequency` [Hz]."""
-    mesh = motion.reducer.mesh_periods * abs(motion.reducer.orbit_speed) / (2 * np.pi)
-    for multiple in np.arange(1, 4) * mesh:
-        if frequency[1] < multiple < frequency[-1]:
-            panel.axvline(multiple, color=style.GREY, linewidth=0.7, linestyle=":", zorder=0)
+    mesh_frequency = motion.reducer.mesh_periods * abs(motion.reducer.orbit_speed) / (2 * np.pi)
+    for frequency_multiple in np.arange(1, 4) * mesh_frequency:
+        if frequency[1] < frequency_multiple < frequency[-1]:
+            panel.axvline(frequency_multiple, color=style.GREY, linewidth=0.7, linestyle=":", zorder=0)
 
 
-def _empty_figure(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
-    """Return a figure with a title and a grid of axes; `row` is the height of each row [in]."""
-    figure = style.NotebookFigure(figsize=(style.WIDTH, row * rows + HEAD), layout="constrained")
+def _empty_figure(
+    rows: int, columns: int, title: str, row_height: float = ROW, **subplot_options: Any
+) -> tuple[Figure, Any]:
+    """Return a figure with a title and a grid of axes; `row_height` is the height of each row [in]."""
+    figure = style.NotebookFigure(figsize=(style.WIDTH, row_height * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
-    return figure, figure.subplots(rows, columns, squeeze=False, **shared)
+    return figure, figure.subplots(rows, columns, squeeze=False, **subplot_options)
 
 
 def _speed(grid: Grid) -> str:

@@ -39,15 +39,17 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     """
     figure = create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    for number, design in enumerate(designs):
+    for index, design in enumerate(designs):
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
-        line_style = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
+        line_style = {"color": COLORS[index % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - index / len(designs))}
         _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, line_style)
         _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, reducer_of(design)), line_style)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
-    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(reducer_of(design)) for design in designs))
+    forces = ", ".join(
+        f"{force:.4g}" for force in dict.fromkeys(_working_force(reducer_of(design)) for design in designs)
+    )
     bottom.set_title(f"Hertz pressure of a single contact line under {forces} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
@@ -57,30 +59,34 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         panel.xaxis.set_major_locator(MultipleLocator(30))
     top.set_xlabel("")
     bottom.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of a lobe of the disc")
-    looks: list[tuple[str, dict[str, Any]]] = [
-        (design.name, {"color": COLORS[n % len(COLORS)]}) for n, design in enumerate(designs)
+    design_entries: list[tuple[str, dict[str, Any]]] = [
+        (design.name, {"color": COLORS[design_index % len(COLORS)]}) for design_index, design in enumerate(designs)
     ]
-    kinds: list[tuple[str, dict[str, Any]]] = [
+    flank_entries: list[tuple[str, dict[str, Any]]] = [
         ("pin or arc", {"color": GREY, **ON_TEETH}),
         ("flank Sigma", {"color": GREY, **ON_SIGMA}),
     ]
-    figure.legend(handles=legend_handles(*looks, *kinds), loc="outside lower center", ncols=len(looks) + 2)
+    figure.legend(
+        handles=legend_handles(*design_entries, *flank_entries),
+        loc="outside lower center",
+        ncols=len(design_entries) + 2,
+    )
     return figure
 
 
-def _draw_flanks(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) -> None:
+def _draw_flanks(axes: Axes, lines: ContactLines, values: Any, line_style: dict[str, Any]) -> None:
     """Draw values of contact lines, shape (n,), over their phase, with a style for each kind of flank."""
-    for parts, style in PARTS:
+    for parts, flank_style in PARTS:
         rows = np.flatnonzero(np.isin(lines.part, parts))
         rows = rows[np.argsort(lines.phase[rows])]
         if rows.size:
-            axes.plot(np.degrees(lines.phase[rows]), values[rows], **look, **style)
+            axes.plot(np.degrees(lines.phase[rows]), values[rows], **line_style, **flank_style)
 
 
-def _force(reducer: Reducer) -> float:
+def _working_force(reducer: Reducer) -> float:
     return reducer.at_rated_load.contacts[reducer.design.tooth_pair].force
 
 
 def _pressure(lines: ContactLines, reducer: Reducer) -> Any:
     modulus = reducer.contacts[reducer.design.tooth_pair].modulus
-    return peak_pressure(lines, _force(reducer), reducer.design.gear.face_width, modulus)
+    return peak_pressure(lines, _working_force(reducer), reducer.design.gear.face_width, modulus)

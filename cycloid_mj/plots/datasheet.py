@@ -73,9 +73,11 @@ def _performance_page(sheet: Datasheet) -> Figure:
     for heading in [heading for heading in sheet.groups if heading not in (*MOUNTING, *OPERATION)]:
         top = _draw_table(figure, heading, sheet.groups[heading], top)
     panels = _curves_by_panel(sheet)
-    slot = (LAYOUT.right - LAYOUT.left) / len(panels)
+    column_width = (LAYOUT.right - LAYOUT.left) / len(panels)
     for column, panel in enumerate(panels):
-        _draw_panel(figure.add_axes((LAYOUT.left + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), panel)
+        _draw_panel(
+            figure.add_axes((LAYOUT.left + column * column_width + 0.045, 0.085, column_width - 0.06, 0.165)), panel
+        )
     return figure
 
 

@@ -47,13 +47,13 @@ def draw_dimension(
     overshoot = OVERSHOOT * abs(high - low)
     for end, start in zip(ends, starts, strict=True):
         end_of_line = level + (overshoot if level >= start else -overshoot)
-        axes.plot(*_xy((end, end), (start, end_of_line), upright), **LINE)
-    (x0, x1), (y0, y1) = _xy(ends, (level, level), upright)
+        axes.plot(*_to_xy((end, end), (start, end_of_line), upright), **LINE)
+    (x0, x1), (y0, y1) = _to_xy(ends, (level, level), upright)
     is_short = abs(ends[1] - ends[0]) < 6.0 * overshoot
     arrow = {**ARROW, "arrowstyle": "-"} if is_short else ARROW
     axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow)
     if is_short:
-        _ticks(axes, ends, level, overshoot, upright)
+        _draw_ticks(axes, ends, level, overshoot, upright)
     midpoint = 0.5 * (ends[0] + ends[1])
     x, y = (level, midpoint) if upright else (midpoint, level)
     axes.text(x, y, text, rotation=90 if upright else 0, bbox=PAPER, zorder=9, **TEXT)
@@ -61,7 +61,7 @@ def draw_dimension(
 
 def draw_leader(axes: Axes, point: tuple[float, float], text_position: tuple[float, float], text: str) -> None:
     """Draw a leader line from a text at `text_position` to an arrow head at `point`, both (x, y) [mm]."""
-    side = "left" if text_position[0] >= point[0] else "right"
+    alignment = "left" if text_position[0] >= point[0] else "right"
     axes.annotate(
         text,
         point,
@@ -69,18 +69,21 @@ def draw_leader(axes: Axes, point: tuple[float, float], text_position: tuple[flo
         arrowprops={**ARROW, "arrowstyle": "-|>,head_length=0.28,head_width=0.09"},
         bbox=PAPER,
         zorder=9,
-        **{**TEXT, "ha": side},
+        **{**TEXT, "ha": alignment},
     )
 
 
-def _ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upright: bool) -> None:
+def _draw_ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upright: bool) -> None:
     """Mark the ends of a dimension that is too short for arrows by oblique ticks."""
-    half = 0.5 * size
+    half_size = 0.5 * size
     for end in ends:
-        axes.plot(*_xy((end - half, end + half), (level - half, level + half), upright), **{**LINE, "linewidth": 0.8})
+        axes.plot(
+            *_to_xy((end - half_size, end + half_size), (level - half_size, level + half_size), upright),
+            **{**LINE, "linewidth": 0.8},
+        )
 
 
-def _xy(
+def _to_xy(
     along: tuple[float, float], across: tuple[float, float], upright: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return two points by their coordinates along and across a dimension as x and y; swapped if it is upright."""

@@ -208,22 +208,34 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     figure = style.NotebookFigure(figsize=(max(style.WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlations = rank_correlations(sweep, tuple(quantities))
-    stride = math.ceil(len(sweep) / SWEEP.max_points) or 1
+    point_stride = math.ceil(len(sweep) / SWEEP.max_points) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
-            values = sweep.frame.numbers[name][::stride]
-            rho = correlations.rho[row, correlations.inputs.index(key)] if key in correlations.inputs else math.nan
-            strength = 0.0 if math.isnan(rho) else abs(rho)
+            values = sweep.frame.numbers[name][::point_stride]
+            correlation = (
+                correlations.rho[row, correlations.inputs.index(key)] if key in correlations.inputs else math.nan
+            )
+            strength = 0.0 if math.isnan(correlation) else abs(correlation)
             colour = style.VERMILION if strength > 0.5 else style.BLUE
             axes.plot(
-                _input_positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
+                _input_positions(axes, sweep, key)[::point_stride],
+                values,
+                ".",
+                color=colour,
+                markersize=2.0,
+                rasterized=True,
             )
             axes.margins(x=0.05)
             axes.set_xlabel(
                 style.wrap_label(_title(sweep, key), SWEEP.label_width) if row == rows - 1 else "", fontsize=7.0
             )
-            axes.set_title("" if math.isnan(rho) else style.typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
+            axes.set_title(
+                "" if math.isnan(correlation) else style.typeset(f"{correlation:+.2f}"),
+                fontsize=7.0,
+                pad=2.0,
+                loc="right",
+            )
             if column == 0:
                 axes.set_ylabel(style.wrap_label(_title(sweep, name), SWEEP.label_width), fontsize=6.5)
     _add_heading(figure, sweep)
@@ -239,7 +251,11 @@ def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys
     correlations = rank_correlations(sweep, tuple(quantities))
-    rho = np.nan_to_num(np.abs(correlations.rho))
-    largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlations.inputs))
-    main_inputs = {correlations.inputs[column] for column in np.argsort(-largest, kind="stable")[: SWEEP.max_inputs]}
+    correlation_sizes = np.nan_to_num(np.abs(correlations.rho))
+    largest_correlations = (
+        correlation_sizes.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlations.inputs))
+    )
+    main_inputs = {
+        correlations.inputs[index] for index in np.argsort(-largest_correlations, kind="stable")[: SWEEP.max_inputs]
+    }
     return tuple(key for key in sweep.task.keys if key in main_inputs) or sweep.task.keys[: SWEEP.max_inputs]

@@ -96,16 +96,18 @@ def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
         axes.plot([], [], label=name, **{**THEORY, "color": GREY, "alpha": 0.4})
     for curve in curves:
         if curve.style == "theory":
-            tint: dict[str, Any] = {"color": by_name[curve.of], "alpha": 0.35} if curve.of else {"label": curve.name}
-            axes.plot(curve.x, curve.y, **{**THEORY, **tint})
+            reference_style: dict[str, Any] = (
+                {"color": by_name[curve.of], "alpha": 0.35} if curve.of else {"label": curve.name}
+            )
+            axes.plot(curve.x, curve.y, **{**THEORY, **reference_style})
         elif curve.style == "rings":
-            ring: dict[str, Any] = {
+            ring_style: dict[str, Any] = {
                 "markersize": PANEL.marker_size + 3.0,
                 "markerfacecolor": "none",
                 "markeredgewidth": 2.0,
                 "clip_on": False,
             }
-            axes.plot(curve.x, curve.y, "o", label=curve.name, markeredgecolor=THEORY["color"], **ring)
+            axes.plot(curve.x, curve.y, "o", label=curve.name, markeredgecolor=THEORY["color"], **ring_style)
         elif curve.style == "bars":
             _draw_bars(axes, curve, bars, colours[id(curve)])
         elif curve.style == "points":
@@ -121,9 +123,9 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
     """Draw the bars of a curve next to those of the other curves of the panel."""
     count = len(bars) * max(len(bar.x) for bar in bars)
     width = float(np.clip(0.7 * PANEL.bars_width / count, PANEL.min_bar_width, PANEL.bar_width))
-    aside = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
-    shifted = axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
-    axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted)
+    offset = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
+    shifted_transform = axes.transData + ScaledTranslation(offset, 0.0, axes.figure.dpi_scale_trans)
+    axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted_transform)
 
 
 def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
@@ -132,16 +134,16 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
     A curve with at most `PanelStyle.max_markers` points is drawn as markers, other curves as lines.
     """
     for number, curve in enumerate(curves):
-        about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
+        angle, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
         if len(curve.x) > PANEL.max_markers:
-            axes.plot(about, curve.y, label=curve.name, color=colour, linewidth=0.9)
+            axes.plot(angle, curve.y, label=curve.name, color=colour, linewidth=0.9)
             continue
         # no line from contact to contact: there are no forces in between
         if number == 0:
-            axes.vlines(about, 0.0, curve.y, color=colour, linewidth=1.2)
+            axes.vlines(angle, 0.0, curve.y, color=colour, linewidth=1.2)
         face = colour if number == 0 else "none"
         marker_style: dict[str, Any] = {"markersize": 3.5, "markerfacecolor": face, "markeredgecolor": colour}
-        axes.plot(about, curve.y, "o", label=curve.name, **marker_style)
+        axes.plot(angle, curve.y, "o", label=curve.name, **marker_style)
     axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
     polar: Any = axes
     polar.set_theta_zero_location("N")

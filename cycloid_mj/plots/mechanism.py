@@ -73,9 +73,9 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     axis_limit = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-axis_limit, axis_limit), ylim=(-axis_limit, axis_limit), aspect="equal")
     axes.axis("off")
-    shows_forces = run is not None and reducer.design.gear.discs > 1
+    has_force_colours = run is not None and reducer.design.gear.discs > 1
     figure.legend(
-        handles=_list_legend(reducer, shows_forces),
+        handles=_list_legend(reducer, has_force_colours),
         loc="outside lower center",
         ncols=6,
         handlelength=1.2,
@@ -167,20 +167,20 @@ def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> Non
     )
 
 
-def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
+def _draw_forces(axes: Axes, reducer: Reducer, contacts: ContactForces) -> None:
     """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc.
 
-    Only the first sample of `acting` is drawn. Contacts without force have no arrow. The length of the longest arrow is
+    Only the first sample of `contacts` is drawn. Contacts without force have no arrow. The longest arrow has the length
     `MAX_ARROW` times the housing's radius; a reference arrow states the scale [N].
     """
-    has_force = acting.size[0] > 0.0
+    has_force = contacts.size[0] > 0.0
     if not has_force.any():
         return
-    largest, discs = float(acting.size.max()), np.array(acting.discs)
+    largest, discs = float(contacts.size.max()), np.array(contacts.discs)
     scale = largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
     for disc in range(reducer.design.gear.discs):
-        rows, colour = has_force & (discs == disc), DISC_COLOURS[disc]
-        points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
+        is_drawn, colour = has_force & (discs == disc), DISC_COLOURS[disc]
+        points, forces = 1e3 * contacts.point[0, is_drawn].T, contacts.force[0, is_drawn].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
     power = 10.0 ** math.floor(math.log10(largest))
     reference = power * max(factor for factor in (1.0, 2.0, 5.0) if factor * power <= largest)
@@ -194,7 +194,7 @@ def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float
     """
     rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
-    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_style_of(part, opacity)))
+    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_part_style(part, opacity)))
 
 
 def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
@@ -202,11 +202,11 @@ def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: floa
 
     `part` is the key of the part's style in `PART_STYLES`, and `opacity` is the opacity of the fill, 0 to 1.
     """
-    patch_style = _style_of(part, opacity)
+    patch_style = _part_style(part, opacity)
     axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **patch_style))
 
 
-def _style_of(part: str, opacity: float) -> dict[str, Any]:
+def _part_style(part: str, opacity: float) -> dict[str, Any]:
     """Return the style of a part with an opacity of its fill."""
     patch_style = PART_STYLES[part]
     return patch_style if opacity == 1.0 else patch_style | {"facecolor": (patch_style["facecolor"], opacity)}

@@ -46,15 +46,15 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     if len(objectives) > 1:
         x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
         _scatter_points(main_axes, optimum, x, y)
-        front = list(optimum.front)
-        main_axes.step(x[front], y[front], where="post", color=style.BLUE, linewidth=0.9)
+        front_rows = list(optimum.front)
+        main_axes.step(x[front_rows], y[front_rows], where="post", color=style.BLUE, linewidth=0.9)
         main_axes.set(xlabel=_axis_label(optimum, objectives[0].key), ylabel=_axis_label(optimum, objectives[1].key))
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter_points(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
     has_infeasible = len(optimum.feasible) < np.isfinite(y).sum()
-    style.legend_above(main_axes, *(item for item in MARKERS.items() if has_infeasible or item[0] != INFEASIBLE))
+    style.legend_above(main_axes, *(marker for marker in MARKERS.items() if has_infeasible or marker[0] != INFEASIBLE))
     for number, key_range in enumerate(varied_ranges):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
         _scatter_points(

@@ -25,33 +25,36 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     """
     figure = style.create_figure(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
-    distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
+    distance_axes, spin_axes, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
     degrees = style.turn_degrees(motion)
     part = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
-    position, radial, speed = (
+    position, radial_distance, spin_speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _draw_path(axes["p"], position, _limit_of_centre(motion.reducer, clearance, float(np.abs(position).max())), part)
-    for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
+    _draw_path(axes["p"], position, _reachable_limit(motion.reducer, clearance, float(np.abs(position).max())), part)
+    for panel, values, title in (
+        (distance_axes, radial_distance, "Distance from the centre"),
+        (spin_axes, spin_speed, "Spin"),
+    ):
         panel.plot(degrees, values, color=style.BLUE, linewidth=0.9)
         panel.set_title(title)
         style.crank_axis(panel, degrees)
-    distance.axhline(clearance, **CLEARANCE)
-    distance.set_ylim(0.0, 1.15 * max(clearance, float(radial.max())))
-    distance.set_ylabel(f"distance [{MICROMETRE}]")
-    style.legend_above(distance, ("clearance", CLEARANCE))
-    distance.tick_params(labelbottom=False)
-    distance.set_xlabel("")
-    spin.axhline(0.0, color=style.BLACK, linewidth=0.5)
-    spin.margins(y=0.1)
-    style.add_degree_axis(spin)
-    spin.set_ylabel(SIGNALS["pin_spin"].label)
-    figure.align_ylabels([distance, spin])
+    distance_axes.axhline(clearance, **CLEARANCE)
+    distance_axes.set_ylim(0.0, 1.15 * max(clearance, float(radial_distance.max())))
+    distance_axes.set_ylabel(f"distance [{MICROMETRE}]")
+    style.legend_above(distance_axes, ("clearance", CLEARANCE))
+    distance_axes.tick_params(labelbottom=False)
+    distance_axes.set_xlabel("")
+    spin_axes.axhline(0.0, color=style.BLACK, linewidth=0.5)
+    spin_axes.margins(y=0.1)
+    style.add_degree_axis(spin_axes)
+    spin_axes.set_ylabel(SIGNALS["pin_spin"].label)
+    figure.align_ylabels([distance_axes, spin_axes])
     return figure
 
 
-def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) -> Array:
-    """Compute the curve that the centre of a pin can reach in its seat, as n points (2, n) [um]: x, then y.
+def _reachable_limit(reducer: Reducer, clearance: float, max_distance: float) -> Array:
+    """Compute the limit of the positions that the centre of a pin can reach in its seat, (2, n) [um]: x and y.
 
     The origin is the centre of the seat, and y points away from the reducer's axis. Where the pin touches the arc of
     the seat, the curve is a circle with the radius `clearance` [um]. At either end of the arc of an open socket, the

@@ -39,20 +39,20 @@ def velocity_figure(motion: Series) -> Figure:
     figure = style.create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
     degrees, velocity = style.turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
-    x, y = (Compared(velocity.simulated[:, i], velocity.theory[:, i]) for i in range(2))
-    parts = (("$v_x$", x, style.BLUE), ("$v_y$", y, style.ORANGE), ("$|v|$", velocity.size, style.GREEN))
-    for _, part, color in parts:
-        top.plot(degrees, 1e3 * part.theory, color=_LIGHT[color], linewidth=3.2)
-        top.plot(degrees, 1e3 * part.simulated, color=color, linewidth=0.9)
-        bottom.plot(degrees, 1e3 * part.error, color=color, linewidth=0.8)
+    x, y = (Compared(velocity.simulated[:, axis], velocity.theory[:, axis]) for axis in range(2))
+    components = (("$v_x$", x, style.BLUE), ("$v_y$", y, style.ORANGE), ("$|v|$", velocity.size, style.GREEN))
+    for _, component, color in components:
+        top.plot(degrees, 1e3 * component.theory, color=_LIGHT[color], linewidth=3.2)
+        top.plot(degrees, 1e3 * component.simulated, color=color, linewidth=0.9)
+        bottom.plot(degrees, 1e3 * component.error, color=color, linewidth=0.8)
     top.set_ylabel("velocity of q [mm/s]")
     top.set_title("Velocity of q")
-    entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in parts]
+    entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in components]
     closed_form_style = {"color": "#C9C9C9", "linewidth": 3.2}
     style.legend_above(
         top, *entries, ("closed form", closed_form_style), ("simulation", {"color": style.BLACK, "linewidth": 0.9})
     )
-    style.centre_on_zero(bottom, *(1e3 * part.error for _, part, _ in parts))
+    style.centre_on_zero(bottom, *(1e3 * component.error for _, component, _ in components))
     bottom.set_ylabel("error [mm/s]")
     style.crank_axis(bottom, degrees)
     figure.align_ylabels()
@@ -79,22 +79,22 @@ def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
 
     `position` has both paths in m, and `worst` is a sample's index. Lines connect the two points of each sample.
     """
-    centre = position.theory[worst]
-    theory, simulated_path = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
-    steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
-    pitch = float(steps[max(0, worst - 1) : worst + 1].mean()) if steps.size else 1.0
-    half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
-    axes.plot(*theory, marker="o", markersize=5, **style.THEORY)
+    origin = position.theory[worst]
+    closed_form_path, simulated_path = (1e6 * (path - origin).T for path in (position.theory, position.simulated))
+    sample_distances = np.linalg.norm(np.diff(closed_form_path.T, axis=0), axis=1)
+    spacing = float(sample_distances[max(0, worst - 1) : worst + 1].mean()) if sample_distances.size else 1.0
+    half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * spacing, 1e-3)
+    axes.plot(*closed_form_path, marker="o", markersize=5, **style.THEORY)
     axes.plot(*simulated_path, marker="o", markersize=2.5, **style.SIMULATED)
-    is_inside = np.abs(theory).max(axis=0) < 3 * half_span
-    for start, end in zip(theory.T[is_inside], simulated_path.T[is_inside], strict=True):
+    is_inside = np.abs(closed_form_path).max(axis=0) < 3 * half_span
+    for start, end in zip(closed_form_path.T[is_inside], simulated_path.T[is_inside], strict=True):
         axes.plot(*zip(start, end, strict=True), **style.ERROR)
     style.set_square_limits(axes, half_span)
     axes.set_title("largest difference")
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
-    for spine in axes.spines.values():
-        spine.set(visible=True, color=style.VERMILION)
+    for frame_line in axes.spines.values():
+        frame_line.set(visible=True, color=style.VERMILION)
 
 
 def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
@@ -137,5 +137,5 @@ def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> N
     axes.margins(y=0.12)
     axes.set_ylabel(f"error [{MICROMETRE}]")
     style.crank_axis(axes, degrees)
-    parts = (("x", style.BLUE), ("y", style.ORANGE), ("distance", style.VERMILION))
-    style.legend_above(axes, *((name, {"color": color, "linewidth": 1.2}) for name, color in parts))
+    labels = (("x", style.BLUE), ("y", style.ORANGE), ("distance", style.VERMILION))
+    style.legend_above(axes, *((name, {"color": color, "linewidth": 1.2}) for name, color in labels))

@@ -116,7 +116,7 @@ figures_of.register(WearLife, lambda result: {"wear": wear_figure(result)})
 
 @figures_of.register
 def _draw_comparison(comparison: Comparison) -> Figures:
-    """Draw the signals of all compared runs, their spectra, and the relative curvature of the designs."""
+    """Draw the signals and spectra of all compared runs, and the relative curvature of the designs, by figure name."""
     if not comparison.motions:
         raise UsageError(
             "this comparison has no simulations to draw: compare designs with simulations, or use .to_frame() for its "
@@ -129,10 +129,7 @@ def _draw_comparison(comparison: Comparison) -> Figures:
 @figures_of.register
 @with_style
 def _draw_prediction(prediction: Prediction) -> Figures:
-    """Draw measured loops next to those of the model, a panel for each loop.
-
-    `prediction` has the loops of both.
-    """
+    """Draw measured loops next to those that the model predicts, a panel for each loop, as the figure ``loops``."""
     figure = create_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
     for axes, loop, model_angles in zip(panels, prediction.loops, prediction.turns, strict=True):
@@ -163,9 +160,9 @@ def _draw_clearances(exported: Export) -> Figures:
 
 @figures_of.register
 def _draw_joint(joint: ReducedJoint) -> Figures:
-    """Draw the output angle of a reduced joint against the torque on the output, with a locked crank.
+    """Draw the output angle of a reduced joint against the torque on the output, as the figure ``wind_up``.
 
-    The step at zero torque is the backlash.
+    The crank is locked. The step at zero torque is the backlash.
     """
     torque = joint.rated_torque * np.linspace(0.0, 1.0, RESULT.points)
     wind_up = np.array([joint.wind_up(load) for load in torque])
@@ -187,13 +184,15 @@ def _draw_losses(findings: Findings) -> Figures:
 
 @figures_of.register
 def _draw_rating(rating: Rating) -> Figures:
-    """Draw the smallest margins of a rating as bars: safety factors, and lives divided by the required life."""
+    """Draw the smallest safety factors, or lives over the required life, of a rating as the figure ``margins``."""
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     finite_margins = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
-    tightest = dict(sorted(finite_margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
+    smallest_margins = dict(sorted(finite_margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
     condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
     return {
-        "margins": _draw_bars(tightest, "safety factor, or life / required life [1]", condition, fails_below_1=True)
+        "margins": _draw_bars(
+            smallest_margins, "safety factor, or life / required life [1]", condition, fails_below_1=True
+        )
     }
 
 
@@ -208,9 +207,9 @@ def _draw_sheet(sheet: Sheet) -> Figures:
 @figures_of.register
 @with_style
 def _draw_sizing(answer: Answer) -> Figures:
-    """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive of a search.
+    """Draw a bar chart for each quantity in `SIZING_FIGURES`, with a bar for each drive, as the figure ``drives``.
 
-    `answer` has the drives.
+    `answer` is the result of a search, which has the drives.
     """
     if not answer.drives:
         raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")

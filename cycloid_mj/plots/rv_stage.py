@@ -30,8 +30,8 @@ def draw_rv_parts(axes: Axes, reducer: RvReducer, poses: RvDrawing) -> dict[str,
     cranks, solids = reducer.cranks, rv_parts(reducer)
     sun, planet = (solids[name].solid(SCREEN_CHORD_ERROR).prisms[0].outline for name in (SUN, PLANET))
     planet = rotate(planet, planet_angle(reducer))
-    edge = PART_STYLES["shaft"]["edgecolor"]
-    mark = (0.0, 0.7 * reducer.journal_radius, 0.12 * reducer.journal_radius)
+    edge_colour = PART_STYLES["shaft"]["edgecolor"]
+    crank_dot = (0.0, 0.7 * reducer.journal_radius, 0.12 * reducer.journal_radius)
     return {
         POST: [
             [draw_circle(axes, (0.0, 0.0, cranks.post_radius), PART_STYLES["output"], 3.0)] for _ in range(cranks.count)
@@ -46,21 +46,21 @@ def draw_rv_parts(axes: Axes, reducer: RvReducer, poses: RvDrawing) -> dict[str,
         CRANK: [
             [
                 draw_circle(axes, (0.0, 0.0, reducer.journal_radius), PART_STYLES["shaft"], 3.2),
-                draw_circle(axes, mark, {"color": edge}, 3.3),
-                draw_dashed(axes, planet, edge, 3.4),
+                draw_circle(axes, crank_dot, {"color": edge_colour}, 3.3),
+                draw_dashed(axes, planet, edge_colour, 3.4),
             ]
             for _ in range(cranks.count)
         ],
-        SUN: [[draw_dashed(axes, sun, edge, 3.4)]],
+        SUN: [[draw_dashed(axes, sun, edge_colour, 3.4)]],
     }
 
 
-def move_rv_parts(move: Callable[[str, Any], None], poses: RvDrawing, row: int) -> None:
-    """Move the parts of `draw_rv_parts` to the picture `row`; `move` moves the copies of a part, by name, to poses."""
-    move(POST, poses.posts[row])
-    move(ECCENTRIC, poses.eccentrics[row])
-    move(CRANK, poses.cranks[row])
-    move(SUN, [poses.sun[row]])
+def move_rv_parts(move_part: Callable[[str, Any], None], poses: RvDrawing, row: int) -> None:
+    """Move the parts of `draw_rv_parts` to picture `row`; `move_part` moves the copies of a part, by name, to poses."""
+    move_part(POST, poses.posts[row])
+    move_part(ECCENTRIC, poses.eccentrics[row])
+    move_part(CRANK, poses.cranks[row])
+    move_part(SUN, [poses.sun[row]])
 
 
 def draw_dashed(axes: Axes, outline: Array, colour: str, order: float = 1.6) -> Any:

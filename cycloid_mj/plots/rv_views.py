@@ -57,8 +57,8 @@ def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, 
 
     `frame` has the axes and the scale of the views; `solids` are the solids of the parts by name.
     """
-    cranks, axes, places = reducer.cranks, frame.axes, list(place_rv_parts(reducer))
-    disc = next(place for place in places if place.part == reducer.gears[-1])
+    cranks, axes, placed_parts = reducer.cranks, frame.axes, list(place_rv_parts(reducer))
+    disc = next(placed_part for placed_part in placed_parts if placed_part.part == reducer.gears[-1])
     offset = np.array(disc.origin[:2])
     draw_region(axes, solids[names.HOUSING].prisms[0], "ring", np.zeros(3))
     draw_ring_pins(axes, reducer)
@@ -68,9 +68,9 @@ def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, 
     for centre in crank_centres(reducer):
         draw_disc(axes, centre + offset, cranks.eccentric_radius, "cam")
         draw_disc(axes, centre, reducer.journal_radius, "shaft")
-    for place in places:
-        if place.part == NEEDLE and place.origin[2] == disc.origin[2]:
-            draw_disc(axes, np.array(place.origin[:2]), cranks.needle_radius, "pins")
+    for placed_part in placed_parts:
+        if placed_part.part == NEEDLE and placed_part.origin[2] == disc.origin[2]:
+            draw_disc(axes, np.array(placed_part.origin[:2]), cranks.needle_radius, "pins")
     eccentrics = f"{cranks.count} cranks, eccentrics Ø{2 * MILLIMETRES * cranks.eccentric_radius:.4g}"
     text = f"{eccentrics}\non Ø{2 * MILLIMETRES * reducer.crank_radius:.5g}"
     frame.label_front_view("front view, without the near flange", reducer.crank_radius, crank_centres(reducer)[1], text)
@@ -78,9 +78,9 @@ def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, 
 
 def _placed_prisms(reducer: RvReducer, solids: Mapping[str, Solid]) -> Iterator[tuple[str, Prism]]:
     """Yield the prisms of all parts in the frame of the reducer, each with the name of its part."""
-    for place in place_rv_parts(reducer):
-        for prism in solids[place.part].prisms:
-            yield place.part, place_prism(prism, place.origin, place.angle)
+    for placed_part in place_rv_parts(reducer):
+        for prism in solids[placed_part.part].prisms:
+            yield placed_part.part, place_prism(prism, placed_part.origin, placed_part.angle)
 
 
 def _family(part: str) -> str:
@@ -90,8 +90,8 @@ def _family(part: str) -> str:
 
 def _draw_dimensions(frame: ViewFrame, reducer: RvReducer) -> None:
     """Draw the dimensions of the section: stack of discs, total length, diameters of carrier and housing."""
-    near, far = (end - frame.shift for end in frame.ends)
+    lower_end, upper_end = (end - frame.shift for end in frame.ends)
     flange = MILLIMETRES * reducer.flange_radius
     frame.draw_length((-frame.half_width, frame.half_width), 1, (-frame.outer, -frame.outer))
-    frame.draw_length((near, far), 2, (-flange, -flange))
-    frame.draw_outer_diameters(flange, far)
+    frame.draw_length((lower_end, upper_end), 2, (-flange, -flange))
+    frame.draw_outer_diameters(flange, upper_end)

@@ -137,8 +137,8 @@ def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
     else:
         _move_part(stage, SHAFT, [poses.shaft[row]])
         _move_part(stage, OUTPUT, poses.output_pins[row])
-    outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
-    _move_part(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
+    socket_angles = np.arctan2(*ring_places(script.reducer).T[::-1])
+    _move_part(stage, SOCKET, np.column_stack([poses.sockets[row], socket_angles]))
     _move_part(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
     if script.reducer.design.ring.kind != "pin":
         _update_ring(stage.housing, script, row)
@@ -164,8 +164,8 @@ def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
         is_unloaded = forces.size[row] <= 0.0
         arrows.set_UVC(*(np.ma.masked_array(component, is_unloaded) for component in forces.force[row].T))
     if stage.bars is not None:
-        for bar, size in zip(stage.bars, script.acting.of(*RING).size[row], strict=True):
-            bar.set_height(size)
+        for bar, force_size in zip(stage.bars, script.acting.of(*RING).size[row], strict=True):
+            bar.set_height(force_size)
     if stage.ideal_steps is not None and script.ideal is not None:
         stage.ideal_steps.set_data(script.ideal[row])
 
@@ -193,10 +193,10 @@ def _other_disc_poses(script: Script, row: int) -> list[Array]:
     `script` has the motion of all parts. The other discs are all but the disc that is shown with its forces. A pose has
     shape (3,): x [m], y [m] and angle [rad].
     """
-    gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
+    gaps, profile, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
-        np.array([*gear_centre(mesh, crank + phases[other]), angle])
+        np.array([*gear_centre(profile, crank + phases[other]), angle])
         for other in _other_discs(script.reducer, gaps.disc)
     ]
 
@@ -229,8 +229,8 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
     ring, radii, disc = design.ring, poses.radii, poses.gaps.disc
     has_pins = design.ring.kind == "pin"
     prism = _disc_prism(reducer, disc)
-    mark_on_disc = (0.0, *_rotation_dot(reducer))
-    common: dict[str, list[Any]] = {
+    disc_dot = (0.0, *_rotation_dot(reducer))
+    shared_parts: dict[str, list[Any]] = {
         SOCKET: [
             [_draw_socket(axes, radii.socket, socket_half_angle(design))]
             for _ in range(ring.has_sockets * ring.mate_count)
@@ -239,14 +239,14 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
         GEAR: [
             [
                 _draw_region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),
-                draw_circle(axes, mark_on_disc, DARK, 3),
+                draw_circle(axes, disc_dot, DARK, 3),
             ]
         ],
         OTHER_DISCS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
     }
     if isinstance(poses, RvDrawing):
-        return common | draw_rv_parts(axes, cast(RvReducer, reducer), poses)
-    return common | _draw_central_parts(axes, reducer, poses.radii, disc)
+        return shared_parts | draw_rv_parts(axes, cast(RvReducer, reducer), poses)
+    return shared_parts | _draw_central_parts(axes, reducer, poses.radii, disc)
 
 
 def _draw_central_parts(axes: Axes, reducer: Reducer, radii: Radii, disc: int) -> dict[str, list[Any]]:
@@ -351,8 +351,10 @@ def _add_legend(figure: Figure, forces: ContactForces) -> None:
     ]
     if entries:
         title = "forces on the disc (separate scale for each kind)"
-        anchor: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.262)}
-        figure.legend(handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **anchor)
+        legend_position: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.262)}
+        figure.legend(
+            handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **legend_position
+        )
 
 
 def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
@@ -369,17 +371,17 @@ def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) ->
     if not ring.names:
         return None, None
     axes = figure.add_axes((0.095, 0.06, 0.88, 0.125))
-    number = np.arange(1, len(ring.names) + 1)
-    bars = axes.bar(number, ring.size[0], width=0.8, color=VERMILION)
+    numbers = np.arange(1, len(ring.names) + 1)
+    bars = axes.bar(numbers, ring.size[0], width=0.8, color=VERMILION)
     top = max(float(ring.size.max()), 1e-9)
     line = None
     if ideal is not None and ideal.any():
-        line = axes.stairs(ideal[0], np.arange(number.size + 1) + 0.5, color=BLACK, linewidth=1.0, baseline=None)
+        line = axes.stairs(ideal[0], np.arange(numbers.size + 1) + 0.5, color=BLACK, linewidth=1.0, baseline=None)
         line.set_label("closed form, no clearance, no friction")
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), borderaxespad=0.0)
         top = max(top, float(ideal.max()))
-    kind = "pin" if ring.kinds[0] == "pin_gear" else "lobe of the internal gear"
-    axes.set(xlim=(0.4, number.size + 0.6), ylim=(0.0, 1.08 * top), ylabel="force [N]")
+    contact_name = "pin" if ring.kinds[0] == "pin_gear" else "lobe of the internal gear"
+    axes.set(xlim=(0.4, numbers.size + 0.6), ylim=(0.0, 1.08 * top), ylabel="force [N]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel(f"{kind} (1 on +y, clockwise)", labelpad=1.0)
+    axes.set_xlabel(f"{contact_name} (1 on +y, clockwise)", labelpad=1.0)
     return bars, line

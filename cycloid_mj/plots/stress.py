@@ -132,14 +132,14 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     """
     figure = create_figure(3.4)
     axes = figure.subplots()
-    marks = dict(zip(TITLES, "osspPXD^v", strict=True))
+    markers = dict(zip(TITLES, "osspPXD^v", strict=True))
     for index, findings_of_design in enumerate(findings):
         for maxima in findings_of_design.parts:
             largest = maxima.refinement.stress.max(axis=1)
             axes.plot(
                 maxima.refinement.unknowns,
                 100 * (largest / largest[-1] - 1.0),
-                marker=marks[maxima.part],
+                marker=markers[maxima.part],
                 markersize=4.0,
                 **_line_style(index),
             )
@@ -154,14 +154,14 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     entries: Entries = [
         (findings_of_design.design, {"color": _color(index)}) for index, findings_of_design in enumerate(findings)
     ]
-    entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
+    entries += [(TITLES[part], {"color": GREY, "marker": markers[part], **MARK}) for part in parts]
     figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=4)
     return figure
 
 
 def maxima_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
     """Return `maxima_figure` of each part by the name of the figure."""
-    parts = [part for part in TITLES if any(part in each for each in findings)]
+    parts = [part for part in TITLES if any(part in findings_of_design for findings_of_design in findings)]
     return {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
 
 
@@ -266,18 +266,18 @@ def _project_surface(points: Array, cells: Integers, part: str) -> tuple[Array, 
         Positions of all nodes in the view [mm], shape (n, 2); node indices of the f visible faces from far to near,
         shape (f, 6); and coordinates of the faces along the line of sight [m], shape (f,), larger if nearer.
     """
-    view = VIEWS.get(part, FRONT)
-    right_axis = view[0] / np.linalg.norm(view[0])
-    up_axis = view[1] - (view[1] @ right_axis) * right_axis
+    view_axes = VIEWS.get(part, FRONT)
+    right_axis = view_axes[0] / np.linalg.norm(view_axes[0])
+    up_axis = view_axes[1] - (view_axes[1] @ right_axis) * right_axis
     up_axis = up_axis / np.linalg.norm(up_axis)
-    towards = np.cross(right_axis, up_axis)
+    view_direction = np.cross(right_axis, up_axis)
     faces, opposite_corner = _outer_faces(cells)
     corners = points[faces[:, :3]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    outward = np.sign(np.sum(normal * (corners.mean(axis=1) - points[opposite_corner]), axis=1))
-    visible = outward * (normal @ towards) > 0.0
-    depth = corners.mean(axis=1) @ towards
-    order = np.flatnonzero(visible)[np.argsort(depth[visible])]
+    face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outward_signs = np.sign(np.sum(face_normals * (corners.mean(axis=1) - points[opposite_corner]), axis=1))
+    is_visible = outward_signs * (face_normals @ view_direction) > 0.0
+    depth = corners.mean(axis=1) @ view_direction
+    order = np.flatnonzero(is_visible)[np.argsort(depth[is_visible])]
     return points @ np.stack([right_axis, up_axis], axis=1) / MILLIMETRE, faces[order], depth[order]
 
 

@@ -137,19 +137,19 @@ class FigureCanvasTaggedPdf(FigureCanvasPdf):
         `bbox_inches_restore` and `metadata` are arguments of Matplotlib without effect here. `Figure.savefig` calls
         this method, after it has applied its arguments `_others` to the figure.
         """
-        appended = isinstance(filename, TaggedPdfFile)
-        file = filename if appended else TaggedPdfFile(filename, metadata=metadata)
+        is_appended = isinstance(filename, TaggedPdfFile)
+        file = filename if is_appended else TaggedPdfFile(filename, metadata=metadata)
         resolution, self.figure.dpi = self.figure.dpi, 72  # points per inch
         width, height = self.figure.get_size_inches()
         file.newPage(width, height)
         renderer = TaggedRenderer(file, resolution, height, width)
-        mixed: Any = MixedModeRenderer(
+        figure_renderer: Any = MixedModeRenderer(
             self.figure, width, height, resolution, renderer, bbox_inches_restore=bbox_inches_restore
         )
-        self.figure.draw(mixed)
-        mixed.finalize()
+        self.figure.draw(figure_renderer)
+        figure_renderer.finalize()
         file.endPage()
-        if not appended:
+        if not is_appended:
             file.finalize()
             file.close()
 

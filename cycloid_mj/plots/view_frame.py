@@ -62,9 +62,11 @@ class ViewFrame:
         size = f"pins Ø{2 * MILLIMETRES * ring.pin_radius:.4g}" if ring.kind == "pin" else "lobes"
         ring_text = f"{ring.teeth} {size}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
         pin = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
-        for end, label, side in ((pin, ring_text, -1.0), (point, text, 1.0)):
-            place = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))
-            draw_leader(axes, (MILLIMETRES * float(end[0]), MILLIMETRES * float(end[1])), place, label)
+        for label_point, label, side in ((pin, ring_text, -1.0), (point, text, 1.0)):
+            text_position = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))
+            draw_leader(
+                axes, (MILLIMETRES * float(label_point[0]), MILLIMETRES * float(label_point[1])), text_position, label
+            )
         draw_dimension(axes, (-outer, outer), self.level(1.6), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
 
     def draw_section(self, parts: Iterable[tuple[tuple[str, str], Prism]]) -> None:
@@ -73,26 +75,26 @@ class ViewFrame:
         `parts` has for each prism a pair, the key of a style in `PART_STYLES` and a hatching of Matplotlib, and the
         prism.
         """
-        for (style, hatch), prism in parts:
-            patch_style = {**PART_STYLES[style], "linewidth": 0.6, "hatch": hatch}
+        for (style_key, hatch), prism in parts:
+            patch_style = {**PART_STYLES[style_key], "linewidth": 0.6, "hatch": hatch}
             for low, high in cut_prism(prism):
                 corner = (MILLIMETRES * prism.z0 + self.shift, MILLIMETRES * low)
                 height = MILLIMETRES * (high - low)
                 self.axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, height, **patch_style))
-        near, far = self.ends
-        overhang = 0.08 * (far - near)
-        self.axes.plot((near - overhang, far + overhang), (0.0, 0.0), **AXIS)
-        self._write_title(0.5 * (near + far), "section")
+        left_end, right_end = self.ends
+        overhang = 0.08 * (right_end - left_end)
+        self.axes.plot((left_end - overhang, right_end + overhang), (0.0, 0.0), **AXIS)
+        self._write_title(0.5 * (left_end + right_end), "section")
 
     def draw_length(self, ends: tuple[float, float], row: int, starts: tuple[float, float]) -> None:
         """Draw the dimension of an axial length in a row below the section.
 
         `ends` are the ends of the length on the z axis of the reducer [mm], and `row` counts from the housing
-        downwards. Extension lines begin at y = `starts` [mm].
+        downwards. The extension lines begin at the y coordinates `starts` [mm].
         """
         low, high = ends
-        shifted = (low + self.shift, high + self.shift)
-        draw_dimension(self.axes, shifted, self.level(row), starts, f"{high - low:.4g}", upright=False)
+        shifted_ends = (low + self.shift, high + self.shift)
+        draw_dimension(self.axes, shifted_ends, self.level(row), starts, f"{high - low:.4g}", upright=False)
 
     def draw_outer_diameters(self, radius: float, end: float) -> None:
         """Draw the diameters to the right of the section: the output disc or flange, and the housing.
@@ -100,9 +102,11 @@ class ViewFrame:
         `radius` is that of the output disc or flange [mm], and `end` the position of its outer face on the z axis of
         the reducer [mm].
         """
-        for size, start, spacings in ((radius, end, 1.3), (self.outer, self.half_width, 2.8)):
-            level, x = self.ends[1] + spacings * LINE_SPACING * self.outer, start + self.shift
-            draw_dimension(self.axes, (-size, size), level, (x, x), f"Ø{2 * size:.4g}", upright=True)
+        for drawn_radius, face, spacings in ((radius, end, 1.3), (self.outer, self.half_width, 2.8)):
+            level, x = self.ends[1] + spacings * LINE_SPACING * self.outer, face + self.shift
+            draw_dimension(
+                self.axes, (-drawn_radius, drawn_radius), level, (x, x), f"Ø{2 * drawn_radius:.4g}", upright=True
+            )
 
     def _write_title(self, x: float, title: str) -> None:
         """Write the title of a view above its middle `x` [mm]."""
@@ -129,10 +133,10 @@ def frame_views(axes: Axes, reducer: Reducer, ends: tuple[float, float], gap: fl
     ViewFrame
         Frame of both views [mm], with methods to draw them.
     """
-    near, far = (MILLIMETRES * end for end in ends)
+    lower_end, upper_end = (MILLIMETRES * end for end in ends)
     outer = MILLIMETRES * reducer.design.housing.outer_radius
-    shift = outer * (1.0 + gap * LINE_SPACING) - near
-    frame = ViewFrame(axes, reducer, (near + shift, far + shift), shift)
+    shift = outer * (1.0 + gap * LINE_SPACING) - lower_end
+    frame = ViewFrame(axes, reducer, (lower_end + shift, upper_end + shift), shift)
     axes.set(
         xlim=(-outer * (1.0 + 2.0 * LINE_SPACING), frame.ends[1] + 4.2 * LINE_SPACING * outer),
         ylim=(frame.level(4.2), outer * (1.0 + 2.6 * LINE_SPACING)),

@@ -40,11 +40,11 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
     if isinstance(reducer, RvReducer):
         draw_rv_views(axes, reducer)
         return
-    placed = list(_placed_prisms(reducer))
-    z = [end for _, prism in placed for end in (prism.z0, prism.z1)]
+    placed_prisms = list(_placed_prisms(reducer))
+    z = [end for _, prism in placed_prisms for end in (prism.z0, prism.z1)]
     frame = frame_views(axes, reducer, (min(z), max(z)), gap=4.0)
     _draw_front_view(frame, reducer)
-    frame.draw_section((PARTS[family(name)], prism) for name, prism in placed)
+    frame.draw_section((PARTS[family(name)], prism) for name, prism in placed_prisms)
     _draw_dimensions(frame, reducer)
 
 
@@ -77,14 +77,14 @@ def _pin_angle(reducer: Reducer) -> float:
 
 def _pins_label(reducer: Reducer) -> str:
     output, mm = reducer.design.output, MILLIMETRES
-    core = f"Ø{2 * mm * output.core_radius:.4g}, rollers " if output.has_roller_parts else ""
-    round_ = f"{core}Ø{2 * mm * output.pin_radius:.4g}"
-    return f"{output.pins} output pins {round_}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
+    core_text = f"Ø{2 * mm * output.core_radius:.4g}, rollers " if output.has_roller_parts else ""
+    size_text = f"{core_text}Ø{2 * mm * output.pin_radius:.4g}"
+    return f"{output.pins} output pins {size_text}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
 
 
 def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism]]:
     """Yield the prisms of all parts in the frame of the reducer, each with the name of its part."""
-    discs = {place.part: place.origin for place in place_discs(reducer, 0.0, 0.0)}
+    discs = {placed_disc.part: placed_disc.origin for placed_disc in place_discs(reducer, 0.0, 0.0)}
     for name, solid in body_solids(reducer).items():
         origins = [discs.get(name, (0.0, 0.0, 0.0))]
         if name == PIN:

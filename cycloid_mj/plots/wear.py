@@ -46,8 +46,8 @@ def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
     if {"low", "high"} <= courses.keys():
         hours, high = courses["high"]
         axes.fill_between(hours, np.interp(hours, *courses["low"]), high, color=BLUE, alpha=0.12, linewidth=0.0)
-    looks = {"low": ("5 %", GREY, 0.9), "typical": ("typical", BLUE, 1.4), "high": ("95 %", BLACK, 0.9)}
-    for case, (name, colour, width) in looks.items():
+    case_styles = {"low": ("5 %", GREY, 0.9), "typical": ("typical", BLUE, 1.4), "high": ("95 %", BLACK, 0.9)}
+    for case, (label, colour, width) in case_styles.items():
         if case in courses:
-            axes.plot(*courses[case], label=name, color=colour, linewidth=width)
+            axes.plot(*courses[case], label=label, color=colour, linewidth=width)
     axes.axhline(result.limit / ARCMINUTE, color=VERMILION, linewidth=0.9, linestyle="--", label="limit")
