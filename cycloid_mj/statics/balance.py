@@ -269,7 +269,9 @@ def _solve_carrier_output(
 def _solve_contacts(
     reducer: Reducer, springs: Springs, load: Array, z: Array, warm_start: bool
 ) -> tuple[Array, Array, float]:
-    """Solve for equilibrium (`_solve_with_cams`), repeatedly if output rollers have separate needles.
+    """Solve for the contact forces in equilibrium; linearise output rollers on separate needles repeatedly.
+
+    Arguments and results are those of `_solve_with_cams`.
 
     Raises
     ------

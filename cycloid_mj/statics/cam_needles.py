@@ -62,8 +62,8 @@ class CamNeedles:
             slope[:, disc, :, 3 * disc : 3 * disc + 2] = self.directions
             if contacts.friction_per_force.size:
                 friction[:, disc, :, 3 * disc + 2] = contacts.cam_friction_per_force * self.shares[:, disc, np.newaxis]
-        flat = dict.fromkeys(("shift", "curvature", "curvature_rate", "phase"), np.zeros(shape))
-        added: Mapping[str, Any] = {
+        zero_values = dict.fromkeys(("shift", "curvature", "curvature_rate", "phase"), np.zeros(shape))
+        needle_values: Mapping[str, Any] = {
             "disc": np.repeat(np.arange(discs), count),
             "rotates": np.zeros(shape[1], bool),
             "clearance": np.full(shape[1], contacts.cam_clearance),
@@ -72,10 +72,10 @@ class CamNeedles:
             "shift_slope": np.zeros((*shape, unknowns)),
             "stiffness": np.full(shape, self.stiffness),
             "friction_per_force": friction.reshape(len(friction), shape[1], unknowns),
-            **flat,
+            **zero_values,
         }
         extended: dict[str, Any] = {
-            name: _insert(getattr(contacts, name), values, teeth) for name, values in added.items()
+            name: _insert(getattr(contacts, name), values, teeth) for name, values in needle_values.items()
         }
         return contacts._replace(**extended, cam_clearance=self.reach)
 
@@ -122,8 +122,8 @@ def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
     )
 
 
-def _insert(values: Array, added: Array, position: int) -> Array:
+def _insert(values: Array, inserted: Array, position: int) -> Array:
     """Insert contacts at a position of the axis of contacts: the first of a vector, else the second."""
     axis = 0 if values.ndim == 1 else 1
     before, after = np.split(values, [position], axis=axis)
-    return np.concatenate([before, added, after], axis=axis)
+    return np.concatenate([before, inserted, after], axis=axis)

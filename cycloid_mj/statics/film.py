@@ -222,9 +222,11 @@ class FilmSurfaces:
             radius = 1.0 / contact.relative_curvature
             return line_friction(law, force, speeds.entrainment, speeds.sliding, radius, length, contact.modulus)
         scale = output.root_radius / output.pin_radius
-        core = SurfaceSpeeds(scale * speeds.moving, scale * speeds.fixed)
+        core_speeds = SurfaceSpeeds(scale * speeds.moving, scale * speeds.fixed)
         play = ASSUMED.roller_play * output.root_radius
-        core_friction = journal_friction(law, force, core.entrainment, core.sliding, output.root_radius, play, length)
+        core_friction = journal_friction(
+            law, force, core_speeds.entrainment, core_speeds.sliding, output.root_radius, play, length
+        )
         return core_friction.scaled(scale)
 
     def cam_friction(self, force: Array) -> Array:
@@ -288,8 +290,8 @@ class FilmContacts:
             Displacements from the ideal pose [m], shape (m, 3 D + 1) at m crank angles: x, y and rotation of each of D
             discs, then rotation of the output. Rotations are arc lengths at the radius of the circle of output pins.
         """
-        moved = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
-        (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved, -1, 0)
+        moved_centres = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
+        (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved_centres, -1, 0)
         turn = np.arctan2(x * moved_y - y * moved_x, x * moved_x + y * moved_y)
         surfaces = build_film_surfaces(self.surfaces.reducer, self.phases + turn[:, self.disc], self.curvature)
         return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
@@ -374,8 +376,8 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
 def lubricant_temperature(reducer: Reducer, pair: str) -> float:
     """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of both parts."""
     thermal = reducer.design.thermal
-    first, second = PART_OF_PAIR.get(pair, ("disc", "ring"))
-    return 0.5 * float(getattr(thermal, first) + getattr(thermal, second))
+    part, other_part = PART_OF_PAIR.get(pair, ("disc", "ring"))
+    return 0.5 * float(getattr(thermal, part) + getattr(thermal, other_part))
 
 
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
@@ -446,9 +448,15 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         crank, output = _seals_on_shafts(reducer)
     crank, output = inputs.seals * crank, inputs.seals * output
     if isinstance(reducer, RvReducer):
-        needles, tapers, main = (idle_power(reducer, item, inputs) for item in roller_bearings(reducer))
+        needle_power, taper_power, main_power = (
+            idle_power(reducer, bearings, inputs) for bearings in roller_bearings(reducer)
+        )
         sun_speed, output_speed = abs(design.drive.speed), abs(reducer.output_speed)
-        return (crank + (needles + tapers) / sun_speed, output + main / output_speed) if sun_speed else (crank, output)
+        return (
+            (crank + (needle_power + taper_power) / sun_speed, output + main_power / output_speed)
+            if sun_speed
+            else (crank, output)
+        )
     if design.gear.bearing == "rolling":
         cam_speed = abs(reducer.speed_against_ring) * design.ring.teeth / design.lobes
         speed_ratio = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0

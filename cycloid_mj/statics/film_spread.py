@@ -55,14 +55,17 @@ def boundary_range(reducer: Reducer) -> InputRange:
 
     For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
     """
-    partners = reducer.design.partners(reducer.design.tooth_pair)
-    softer = min(partners, key=lambda material: material.youngs_modulus)
-    if not softer.is_plastic:
+    materials = reducer.design.partners(reducer.design.tooth_pair)
+    softer_material = min(materials, key=lambda material: material.youngs_modulus)
+    if not softer_material.is_plastic:
         return RANGES["boundary"]
-    low, high = greased_friction(softer.name)
-    mean = 0.5 * (low + high)
+    low, high = greased_friction(softer_material.name)
+    mean_friction = 0.5 * (low + high)
     return replace(
-        RANGES["boundary"], low=low / mean, high=high / mean, reason=f"{low:g} to {high:g}: greased {softer.name}"
+        RANGES["boundary"],
+        low=low / mean_friction,
+        high=high / mean_friction,
+        reason=f"{low:g} to {high:g}: greased {softer_material.name}",
     )
 
 
@@ -308,6 +311,6 @@ def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
         There is no equilibrium, for example because friction jams the reducer.
     """
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost, outcomes = lost_powers(reducer, -torque)
+    lost_power, outcomes = lost_powers(reducer, -torque)
     share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)
-    return compute_spread(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs()[1])
+    return compute_spread(100.0 * max(1.0 - lost_power / supplied, 0.0), share, sample_inputs()[1])

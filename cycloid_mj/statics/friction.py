@@ -82,12 +82,12 @@ def _creep_speed_factor(reducer: Reducer) -> float:
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair
-    outer, inner = design.friction_of(design.tooth_pair), design.friction_of(seat) if seat else 0.0
-    if not ring.has_pin_bodies or not min(outer, inner) > 0.0:
+    flank_friction, seat_friction = design.friction_of(design.tooth_pair), design.friction_of(seat) if seat else 0.0
+    if not ring.has_pin_bodies or not min(flank_friction, seat_friction) > 0.0:
         return 1.0
     radius_ratio = ring.sleeve_bore_radius / ring.pin_radius if ring.has_sleeves else 1.0
-    smaller_limit = min(outer, radius_ratio * inner)
-    return smaller_limit / outer + smaller_limit / (radius_ratio**2 * inner)
+    smaller_limit = min(flank_friction, radius_ratio * seat_friction)
+    return smaller_limit / flank_friction + smaller_limit / (radius_ratio**2 * seat_friction)
 
 
 def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: float) -> Array:

@@ -130,11 +130,11 @@ def follow_torque_path(
         residual, positions, turns = _solve_path(springs, friction_elements, point_torque, max_rotation)
         if not residual:
             break
-        failed = int(positions[-1]) + 1 if len(positions) else 0
-        if failed == 0 or points[failed] - points[failed - 1] <= _SETTINGS.min_step:
-            step = f"step {math.ceil(points[failed]) + 1} of {len(torque)}"
-            raise _no_equilibrium(float(point_torque[failed]), locked_shaft, step, residual)
-        points = np.insert(points, failed, 0.5 * (points[failed - 1] + points[failed]))
+        failed_step = int(positions[-1]) + 1 if len(positions) else 0
+        if failed_step == 0 or points[failed_step] - points[failed_step - 1] <= _SETTINGS.min_step:
+            step_text = f"step {math.ceil(points[failed_step]) + 1} of {len(torque)}"
+            raise _equilibrium_error(float(point_torque[failed_step]), locked_shaft, step_text, residual)
+        points = np.insert(points, failed_step, 0.5 * (points[failed_step - 1] + points[failed_step]))
     positions = np.interp(positions, np.arange(len(points)), points)
     if math.isinf(max_rotation):
         positions, turns = (values[positions == np.floor(positions)] for values in (positions, turns))
@@ -173,15 +173,15 @@ def _solve_path(
     return residual.force, positions[:rows], displacements[:rows, -1] / radius
 
 
-def _no_equilibrium(torque: float, locked_shaft: Held, where: str, residual: float) -> RunError:
+def _equilibrium_error(torque: float, locked_shaft: Held, step_text: str, residual: float) -> RunError:
     """Return the error to raise if the path of loads with friction has no equilibrium at a torque [N m].
 
-    `locked_shaft` is the name of the locked shaft, `where` names the step of the path, and `residual` the residual
+    `locked_shaft` is the name of the locked shaft, `step_text` names the step of the path, and `residual` the residual
     force over the largest load [1].
     """
     shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
     return RunError(
-        f"no static equilibrium at {torque:.4g} N m on the {shaft}, {where} of the torque loop: the residual is "
+        f"no static equilibrium at {torque:.4g} N m on the {shaft}, {step_text} of the torque loop: the residual is "
         f"{residual:.3g} of the largest load, but at most {PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at "
         "more points, or reduce its torque"
     )

@@ -90,8 +90,8 @@ def _cam_force(reducer: Reducer, crank: Array, phase: float) -> Array:
 
     `crank` (m,) [rad] are the crank angles, and `phase` [rad] is the phase of the disc on the crank.
     """
-    ring, pins, turned = _share_load(reducer, crank, phase)
-    force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
+    ring, pins, crank_in_ring = _share_load(reducer, crank, phase)
+    force = ideal_loads.cam_force(ring, pins, crank_in_ring + phase, body_force(reducer, crank, phase))
     return np.asarray(np.hypot(*force.T))
 
 

@@ -8,16 +8,14 @@ from cycloid_mj.base.compiling import cacheable, njit
 
 @njit(cache=cacheable(), error_model="numpy")
 def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float, torque: Array) -> tuple[Array, Array]:
-    """Compute the forces of m contact springs with clearance that share a torque by a common rotation.
-
-    This is done for n candidate drives.
+    """Compute the forces of m contact springs with clearance that share a torque by a common rotation, for n drives.
 
     Parameters
     ----------
     arms
         Lever arms of the springs [m], shape (n, m).
     weights
-        Number of springs that each of them represents, shape (n,).
+        Number of equal springs that each spring of a drive represents, shape (n,).
     stiffness
         Stiffness of a spring [N/m], shape (n,).
     clearance

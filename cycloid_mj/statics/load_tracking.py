@@ -24,10 +24,11 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque,
 
 
 def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
-    """Compute the rms inertia torque of the load divided by its torque [1], if it follows the transmission error.
+    """Compute the rms inertia torque of an output that follows the transmission error, over the load torque [1].
 
     `rotation` (n,) is the rotation of the output from its ideal angle [rad] at n evenly spaced crank angles of a turn.
-    Its second derivative is computed by FFT. `load` is the torque on the output [N m].
+    Its second derivative is computed by FFT. The inertia is `turning_inertia`; `load` is the torque on the output
+    [N m].
     """
     orders = np.fft.rfftfreq(rotation.size, 1.0 / rotation.size)
     second_derivative = np.fft.irfft(-(orders**2) * np.fft.rfft(rotation), rotation.size)

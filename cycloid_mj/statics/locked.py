@@ -146,10 +146,10 @@ def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
     """
     shares = np.array(SHARES)
     # the line through the two smallest torques extrapolates to the point where the contacts close
-    stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
+    stop_rotations = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     # a small torque across the backlash, so that the torque is unique at every rotation
     torque = max_torque * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
-    rotation = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
+    rotation = np.concatenate([sides[0][::-1], [stop_rotations[0], stop_rotations[1]], sides[1]])
     return LockedCurve(torque, np.maximum.accumulate(rotation))
 
 

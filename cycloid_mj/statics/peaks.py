@@ -141,11 +141,11 @@ def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: 
     """
     contact = reducer.contacts[kind]
     force, curvature = line_loads(reducer, springs, contact_loads, kind)
-    worst = np.argmax(contact.pressure(force, curvature))
-    return bool(force.flat[worst] > 0.0 and contact.hertz_holds(force, curvature).flat[worst])
+    highest_index = np.argmax(contact.pressure(force, curvature))
+    return bool(force.flat[highest_index] > 0.0 and contact.hertz_holds(force, curvature).flat[highest_index])
 
 
 def forces(contact_loads: Loads, kind: str) -> Array:
     """Return the forces of all contacts of a kind [N], shape (m, contacts); for "cam" the magnitudes, shape (m, D)."""
-    other = {"cam": np.linalg.norm(contact_loads.cam, axis=-1), "output": contact_loads.output}
-    return other.get(kind, contact_loads.teeth)
+    forces_by_kind = {"cam": np.linalg.norm(contact_loads.cam, axis=-1), "output": contact_loads.output}
+    return forces_by_kind.get(kind, contact_loads.teeth)

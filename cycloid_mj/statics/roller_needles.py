@@ -56,9 +56,10 @@ class RollerSprings:
 
 
 def roller_springs(reducer: Reducer, springs: Springs) -> RollerSprings | None:
-    """Return the springs of output rollers without load at the crank angles of `springs`; None without needles.
+    """Return the output rollers on separate needles as linear springs between hole and core pin; None without needles.
 
-    A needle is on +y at the crank angle 0.
+    They are linearised without load, at the crank angles of the contact springs `springs`. At the crank angle 0, a
+    needle is on +y.
     """
     needles = reducer.at_rated_load.roller_needles
     if not needles.needles:

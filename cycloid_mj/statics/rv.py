@@ -250,7 +250,7 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     offset, offset_slope = _crank_offsets(reducer, crank)
     unknowns = offset_slope.shape[-1]
     stiffness = tooth_stiffness(reducer, teeth.relative_curvature)
-    contact, own = np.arange(teeth.disc.size)[:, np.newaxis], 3 * teeth.disc[:, np.newaxis] + np.arange(3)
+    contact, disc_unknowns = np.arange(teeth.disc.size)[:, np.newaxis], 3 * teeth.disc[:, np.newaxis] + np.arange(3)
     return RvSprings(
         crank=crank,
         gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
@@ -259,8 +259,8 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         pins=stiffness.shape[1],
         disc=teeth.disc,
         shift=teeth.shift,
-        tooth_slope=teeth.slope[:, contact, own],
-        shift_slope=teeth.shift_slope[:, contact, own],
+        tooth_slope=teeth.slope[:, contact, disc_unknowns],
+        shift_slope=teeth.shift_slope[:, contact, disc_unknowns],
         bend=teeth.curvature,
         twist=teeth.curvature_rate,
         phase=teeth.phase,
@@ -351,9 +351,9 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     turns the crank back by o divided by the pitch radius of the planet. `crank` are crank angles against the ring
     [rad], shape (m,). The result is an argument of `closed_form_error`.
     """
-    forward = quarter_turned(reducer.stage.crank_positions(crank)) / reducer.lever
-    displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
-    return np.asarray((displaced + _mesh_error(reducer, crank)) / _planet_radius(reducer))
+    tangent = quarter_turned(reducer.stage.crank_positions(crank)) / reducer.lever
+    tangential_offset = np.sum(planet_offsets(reducer, crank) * tangent, axis=-1)
+    return np.asarray((tangential_offset + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
 
 def _planet_radius(reducer: RvReducer) -> float:
@@ -385,19 +385,19 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
     outward = stage.crank_positions(crank) / lever
-    forward, carrier = quarter_turned(outward), 3 * len(stage.phases)
-    displaced = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
+    tangent, carrier = quarter_turned(outward), 3 * len(stage.phases)
+    offset = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * tangent
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
-        normal = sign * np.cos(planet.pressure_angle) * forward + np.sin(planet.pressure_angle) * outward
+        normal = sign * np.cos(planet.pressure_angle) * tangent + np.sin(planet.pressure_angle) * outward
         slope = np.zeros((*outward.shape[:2], _unknowns(reducer)))
-        forward_share = sign * np.cos(planet.pressure_angle)
-        slope[..., carrier] = forward_share
+        tangent_share = sign * np.cos(planet.pressure_angle)
+        slope[..., carrier] = tangent_share
         for number in range(stage.cranks):
-            slope[:, number, carrier + 1 + number] = -forward_share * _planet_radius(reducer) / lever
+            slope[:, number, carrier + 1 + number] = -tangent_share * _planet_radius(reducer) / lever
         if planet.sun_support == "floating":
             slope[..., -2:] = -normal
-        gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * displaced, axis=-1))
+        gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * offset, axis=-1))
         slopes.append(slope)
     return np.concatenate(gaps, axis=1), np.concatenate(slopes, axis=1)
 
@@ -463,17 +463,20 @@ def solve_rv_loads(
     load[:, springs.carrier] = torque / springs.lever
     displacements = _minimise_energy(springs, load, np.zeros(load.shape) if start is None else start)
     if friction is None:
-        return _loads_at(springs, displacements)
+        return _loads_from_displacements(springs, displacements)
     friction_load, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
     change, relaxation = np.full(len(load), np.inf), np.ones(len(load))
     for _ in range(FRICTION.max_steps):
-        residual, previous_change = friction.load(_loads_at(springs, displacements)) - friction_load, change
+        residual, previous_change = (
+            friction.load(_loads_from_displacements(springs, displacements)) - friction_load,
+            change,
+        )
         change = np.max(np.abs(residual), axis=1) / load_size
         relaxation = np.where(change > previous_change, 0.5 * relaxation, relaxation)
         friction_load = friction_load + relaxation[:, np.newaxis] * residual
         displacements = _minimise_energy(springs, load + friction_load, displacements)
         if change.max() <= FRICTION.rtol:
-            return _loads_at(springs, displacements)
+            return _loads_from_displacements(springs, displacements)
     raise RunError(
         f"no static equilibrium with friction found: the friction forces of the last two iterations differ by "
         f"{change.max():.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
@@ -481,7 +484,7 @@ def solve_rv_loads(
     )
 
 
-def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
+def _loads_from_displacements(springs: RvSprings, displacements: Array) -> RvLoads:
     """Return forces, rotation and compliance of an RV reducer from its u displacements in equilibrium (m, u) [m].
 
     `springs` are the contact springs at the m crank angles.
@@ -520,22 +523,23 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
     energy, residual = _assemble(springs, load, z)
     for _ in range(NEWTON.max_steps):
         force_rounding = NEWTON.rounding * largest_stiffness * np.max(np.abs(z), axis=1)
-        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size + force_rounding
-        if not active.any():
+        is_unsolved = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size + force_rounding
+        if not is_unsolved.any():
             return z
         step = (
-            np.linalg.solve(_tangent_stiffness(springs, z), residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
+            np.linalg.solve(_tangent_stiffness(springs, z), residual[..., np.newaxis])[..., 0]
+            * is_unsolved[:, np.newaxis]
         )
         predicted_decrease, step_length = np.sum(step * residual, axis=1), np.ones(len(z))
         # a change of the energy below the rounding of its terms cannot be compared
-        highest = energy + NEWTON.rounding * (np.abs(energy) + np.sum(np.abs(load * z), axis=1))
+        max_energy = energy + NEWTON.rounding * (np.abs(energy) + np.sum(np.abs(load * z), axis=1))
         for _ in range(NEWTON.max_halvings):
             trial = z + step_length[:, np.newaxis] * step
             trial_energy, residual = _assemble(springs, load, trial)
-            too_high = trial_energy > highest - NEWTON.armijo * step_length * predicted_decrease
-            if not too_high.any():
+            is_rejected = trial_energy > max_energy - NEWTON.armijo * step_length * predicted_decrease
+            if not is_rejected.any():
                 break
-            step_length = np.where(too_high, 0.5 * step_length, step_length)
+            step_length = np.where(is_rejected, 0.5 * step_length, step_length)
         z, energy = trial, trial_energy
     largest = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
     raise RunError(
@@ -563,15 +567,22 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     tuple
         Gaps of all c contacts, pins before planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
     """
-    own, pins = displacements[:, springs.disc_unknowns], springs.pins
+    disc_displacements, pins = displacements[:, springs.disc_unknowns], springs.pins
     gaps = springs.gap.copy()
     gaps[:, pins:] += (springs.slope[:, pins:] @ displacements[..., np.newaxis])[..., 0]
-    turn, by_turn = own[..., 2] / springs.lever, springs.shift_slope[..., 2] * own[..., 2]
-    along = springs.shift + np.einsum("mci,mci->mc", springs.shift_slope, own)
-    rise = along * (springs.bend + 0.5 * springs.twist * along)
-    curved = along**2 * (0.5 * springs.bend + springs.twist * along / 6.0)
-    gaps[:, :pins] += np.einsum("mci,mci->mc", springs.tooth_slope, own) + curved - turn * (along - 0.5 * by_turn)
-    return gaps, rise - turn, along - by_turn
+    rotation, shift_of_rotation = (
+        disc_displacements[..., 2] / springs.lever,
+        springs.shift_slope[..., 2] * disc_displacements[..., 2],
+    )
+    shift = springs.shift + np.einsum("mci,mci->mc", springs.shift_slope, disc_displacements)
+    rise = shift * (springs.bend + 0.5 * springs.twist * shift)
+    curvature_term = shift**2 * (0.5 * springs.bend + springs.twist * shift / 6.0)
+    gaps[:, :pins] += (
+        np.einsum("mci,mci->mc", springs.tooth_slope, disc_displacements)
+        + curvature_term
+        - rotation * (shift - 0.5 * shift_of_rotation)
+    )
+    return gaps, rise - rotation, shift - shift_of_rotation
 
 
 def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
@@ -617,16 +628,16 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
     if springs.needles.shape[1]:
         return _needle_forces(springs, offsets)
     distance = np.maximum(np.linalg.norm(offsets, axis=-1), np.finfo(float).tiny)
-    near, far = np.maximum(distance - clearance, 0.0), np.maximum(-distance - clearance, 0.0)
+    near_depth, far_depth = np.maximum(distance - clearance, 0.0), np.maximum(-distance - clearance, 0.0)
     directions = offsets / distance[..., np.newaxis]
-    magnitude = stiffness * (near - far)
+    magnitude = stiffness * (near_depth - far_depth)
     projection = directions[..., :, np.newaxis] * directions[..., np.newaxis, :]
-    radial_stiffness = stiffness * ((near > 0.0) + 1.0 * (far > 0.0))
+    radial_stiffness = stiffness * ((near_depth > 0.0) + 1.0 * (far_depth > 0.0))
     transverse_stiffness = np.where(distance > abs(clearance) * 1e-9 + 1e-18, magnitude / distance, radial_stiffness)
     tangent = radial_stiffness[..., np.newaxis, np.newaxis] * projection + transverse_stiffness[
         ..., np.newaxis, np.newaxis
     ] * (np.eye(2) - projection)
-    return magnitude[..., np.newaxis] * directions, 0.5 * stiffness * (near**2 + far**2), tangent
+    return magnitude[..., np.newaxis] * directions, 0.5 * stiffness * (near_depth**2 + far_depth**2), tangent
 
 
 def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Array]:
@@ -690,13 +701,15 @@ def _tangent_stiffness(springs: RvSprings, displacements: Array) -> Array:
     flanks = springs.slope[:, springs.pins :] * weights[:, springs.pins :]
     tangent = np.swapaxes(flanks, 1, 2) @ flanks
     teeth = (_tooth_gradients(springs, rise, arm) * weights[:, : springs.pins]).reshape(len(gaps), springs.discs, -1, 3)
-    blocks = np.swapaxes(teeth, 2, 3) @ teeth
+    disc_stiffness = np.swapaxes(teeth, 2, 3) @ teeth
     for disc in range(springs.discs):
-        own = slice(3 * disc, 3 * disc + 3)
-        tangent[:, own, own] += blocks[:, disc]
+        unknowns = slice(3 * disc, 3 * disc + 3)
+        tangent[:, unknowns, unknowns] += disc_stiffness[:, disc]
     count = displacements.shape[1]
     _, _, bearing_tangents = _bearing_forces(springs, displacements)
-    weighted = bearing_tangents @ springs.offset_slope
-    gradients, weighted = (item.reshape(len(displacements), -1, count) for item in (springs.offset_slope, weighted))
-    tangent += np.swapaxes(gradients, 1, 2) @ weighted
+    bearing_gradients = bearing_tangents @ springs.offset_slope
+    gradients, bearing_gradients = (
+        item.reshape(len(displacements), -1, count) for item in (springs.offset_slope, bearing_gradients)
+    )
+    tangent += np.swapaxes(gradients, 1, 2) @ bearing_gradients
     return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count))

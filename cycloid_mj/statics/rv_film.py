@@ -192,8 +192,8 @@ class RvFilmLosses:
     def drag_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute the powers [W] without load, lost by "crank bearings" and "seals"; main bearings count as seals."""
         reducer = self.reducer
-        in_cranks = sum(idle_power(reducer, item, inputs) for item in roller_bearings(reducer)[:2])
-        return {"crank bearings": in_cranks, "seals": drag_power(reducer, inputs) - in_cranks}
+        crank_bearing_drag = sum(idle_power(reducer, bearings, inputs) for bearings in roller_bearings(reducer)[:2])
+        return {"crank bearings": crank_bearing_drag, "seals": drag_power(reducer, inputs) - crank_bearing_drag}
 
     def powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute all mean powers lost [W] by source: "teeth", "crank bearings", "planets" and "seals"."""

@@ -67,4 +67,4 @@ def rv_backlash(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Arra
     `torque` is the smaller torque that presses the output against its stops [N m], see `stop_width`.
     """
     springs = rv_springs_at(reducer, crank)
-    return np.abs(stop_width(lambda pressing: static_rotations(reducer, springs, pressing)[:, 1], torque))
+    return np.abs(stop_width(lambda stop_torque: static_rotations(reducer, springs, stop_torque)[:, 1], torque))

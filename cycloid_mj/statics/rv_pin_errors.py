@@ -46,11 +46,11 @@ class PinErrorEquilibrium:
             The Newton method does not converge.
         """
         springs, gap = self.springs, self.springs.gap.copy()
-        by_contact = np.tile(displacements, (springs.discs, 1))
-        gap[:, : springs.pins] -= np.sum(springs.tooth_slope[..., :2] * by_contact, axis=-1)
-        shift = springs.shift - np.sum(springs.shift_slope[..., :2] * by_contact, axis=-1)
-        displaced = replace(springs, gap=gap, shift=shift)
-        loads = solve_rv_loads(displaced, self.torque, start=self.loads.displacements)
+        contact_displacements = np.tile(displacements, (springs.discs, 1))
+        gap[:, : springs.pins] -= np.sum(springs.tooth_slope[..., :2] * contact_displacements, axis=-1)
+        shift = springs.shift - np.sum(springs.shift_slope[..., :2] * contact_displacements, axis=-1)
+        displaced_springs = replace(springs, gap=gap, shift=shift)
+        loads = solve_rv_loads(displaced_springs, self.torque, start=self.loads.displacements)
         return self.reducer.share * (loads.carrier_turn - self.loads.carrier_turn)
 
     def interpolate(self, rotation: Array, crank: Array) -> Array:
@@ -65,7 +65,7 @@ def pin_error_equilibrium(reducer: RvReducer, torque: float) -> PinErrorEquilibr
     Friction is left out; so are errors of cranks, bores and planets, which do not repeat after a turn of the cranks.
     """
     count = reducer.design.ring.teeth
-    perfect = reducer.but(errors={"pin_x": (0.0,) * count, "pin_y": (0.0,) * count}, crank_errors=CrankErrors())
+    perfect_reducer = reducer.but(errors={"pin_x": (0.0,) * count, "pin_y": (0.0,) * count}, crank_errors=CrankErrors())
     crank = np.linspace(0.0, 2.0 * np.pi, ANGLES_PER_PIN * count, endpoint=False)
-    springs = compute_rv_springs(perfect, crank)
-    return PinErrorEquilibrium(perfect, torque, springs, solve_rv_loads(springs, torque))
+    springs = compute_rv_springs(perfect_reducer, crank)
+    return PinErrorEquilibrium(perfect_reducer, torque, springs, solve_rv_loads(springs, torque))

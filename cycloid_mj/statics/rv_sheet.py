@@ -236,8 +236,8 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
     low, high = STRAIGHT
     forward, backward = (np.abs(rotation(side * high * load) - rotation(side * low * load)) for side in (1, -1))
-    rise = forward + backward
-    stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
+    total_rotation = forward + backward
+    stiffness = 2.0 * (high - low) * load / total_rotation * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 
 
@@ -367,9 +367,9 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
     count = SETTINGS.rotation_angles
     losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)
     torque = load + drag_torques(reducer)[1]
-    raised = replace(film_over_turn(reducer, float(np.sign(torque)), count), factor=RAISED_FRICTION)
-    raised_loads = solve_rv_loads(springs, torque_on_carrier(reducer, torque), raised)
-    raised_losses = build_rv_losses(raised, springs, raised_loads)
+    raised_film = replace(film_over_turn(reducer, float(np.sign(torque)), count), factor=RAISED_FRICTION)
+    raised_loads = solve_rv_loads(springs, torque_on_carrier(reducer, torque), raised_film)
+    raised_losses = build_rv_losses(raised_film, springs, raised_loads)
     own_loss, raised_loss = (sum(item.contact_powers().values()) for item in (losses, raised_losses))
     growth = loss_growth(own_loss, RAISED_FRICTION * raised_loss)
 

@@ -214,26 +214,26 @@ def _solve_rows(
     load = np.array([springs.load(torque) for torque in torques])
     rows = np.zeros((len(torques), len(samples), FIGURES))
     # samples take different times, and a job can be stopped between chunks
-    bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
+    chunk_ends = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
 
     def solve_chunk(first_sample: int, end_sample: int) -> None:
         """Solve the equilibria of samples `first_sample` to `end_sample` - 1; repeat failures with continuation."""
         inputs = springs.contacts, effects, deviations, load
         workspace = allocate_workspace(springs.contacts)
-        solve = solve_few_samples if len(samples) <= MAX_UNCOMPILED else solve_many_samples
-        solve(*inputs, first_sample, end_sample, rows, None, workspace)
+        solve_kernel = solve_few_samples if len(samples) <= MAX_UNCOMPILED else solve_many_samples
+        solve_kernel(*inputs, first_sample, end_sample, rows, None, workspace)
         has_equilibrium = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
         for sample in (first_sample + np.flatnonzero(~has_equilibrium)).tolist():
             solve_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
 
     if threads == 1:
-        for first, last in pairwise(bounds):
+        for start, end in pairwise(chunk_ends):
             check_interrupt()
             with announce_compilation():
-                solve_chunk(first, last)
+                solve_chunk(start, end)
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
-            list(pool.map(solve_chunk, bounds[:-1], bounds[1:]))
+            list(pool.map(solve_chunk, chunk_ends[:-1], chunk_ends[1:]))
     return rows
 
 
@@ -310,10 +310,11 @@ def _wave_effects(reducer: Reducer, springs: Springs, orders: Integers, common_w
     contact springs at k crank angles. Gaps of output pins do not change.
     """
     phase, teeth = springs.contacts.phase, springs.teeth
-    foot = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
+    profile_angle = phase[:, :teeth, np.newaxis] / reducer.tooth_profile.lobes
     waves = np.zeros((*phase.shape, 1 + 2 * orders.size))
     waves[:, :teeth] = np.concatenate(
-        [profile_error(common_waves, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
+        [profile_error(common_waves, profile_angle), np.cos(profile_angle * orders), np.sin(profile_angle * orders)],
+        axis=2,
     )
     return waves
 

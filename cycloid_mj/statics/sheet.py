@@ -146,9 +146,9 @@ class Sheet(Presented):
     @property
     def line(self) -> str:
         """Design, condition, and the main quantities."""
-        first = [self.quantities[key] for key in SUMMARY_KEYS if key in self.quantities]
+        main_quantities = [self.quantities[key] for key in SUMMARY_KEYS if key in self.quantities]
         return f"{self.design}, {self.condition}; " + ", ".join(
-            f"{item.key} {item.value:.4g} {item.unit if item.unit != '1' else ''}".strip() for item in first
+            f"{item.key} {item.value:.4g} {item.unit if item.unit != '1' else ''}".strip() for item in main_quantities
         )
 
     def known_difference(self, quantity: Quantity) -> float | None:
@@ -534,8 +534,8 @@ def _efficiency_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
     With the law ``film``, the efficiency includes an interval.
     """
-    design, of_layout = reducer.design, SHEETS[reducer.LAYOUT]
-    mean_powers, sources = shaft_powers(reducer, load, of_layout.angles), of_layout.sources
+    design, sheet_layout = reducer.design, SHEETS[reducer.LAYOUT]
+    mean_powers, sources = shaft_powers(reducer, load, sheet_layout.angles), sheet_layout.sources
     if design.has_film:
         yield spread_quantity("efficiency", sampled_efficiency(reducer, load))
     else:

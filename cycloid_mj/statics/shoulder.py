@@ -51,7 +51,10 @@ class SeatNotch:
     min_strength: float = 0.4
 
     def tested_factors(self, tensile: float) -> tuple[float, float]:
-        """Return the notch factors in bending and torsion of a shaft of `diameter` with a tensile strength [Pa]."""
+        """Return the notch factors (bending, torsion) [1] of a shaft of the tested `diameter`.
+
+        `tensile` is the tensile strength of the shaft [Pa].
+        """
         strength = max(1e-9 * tensile, self.min_strength)
         if not self.factor:
             torsion = math.exp(0.42 * strength**2)

@@ -98,8 +98,8 @@ def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
 
     They are multiples of the golden ratio of the turn, `Reducer.mesh_turn`.
     """
-    golden = (math.sqrt(5.0) - 1.0) / 2.0
-    return np.asarray(reducer.mesh_turn * np.sort(np.mod(golden * np.arange(poses), 1.0)))
+    golden_ratio = (math.sqrt(5.0) - 1.0) / 2.0
+    return np.asarray(reducer.mesh_turn * np.sort(np.mod(golden_ratio * np.arange(poses), 1.0)))
 
 
 def at_rest(reducer: Reducer) -> Reducer:
@@ -171,7 +171,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
     output = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
     stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
-    shared = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
+    gap_attributes = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
     return kernel.KernelSprings(
         radius=design.output.pin_circle_radius,
         rotates=mesh_gaps.kind == design.tooth_pair,
@@ -186,7 +186,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         cam_lateral=0.0,
         bending=bending,
         pins=design.output.pins if bending.any() else 0,
-        **shared,
+        **gap_attributes,
     )
 
 

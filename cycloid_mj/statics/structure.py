@@ -38,14 +38,14 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     outer_radius = design.bolt_circle_radius if housing.support == "bolts" else housing.outer_radius
     pin_circle = output.pin_circle_radius
     torsion_constant = math.pi * shaft.radius**4 / (2.0 * shaft.length) * shaft.section_share
-    shapes = {
+    stiffness_by_shape = {
         "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * pin_circle, pin_circle),
         "shaft": shear_modulus(design.material_of("shaft")) * torsion_constant,
         "housing": _ring(
             design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outer_radius
         ),
     }
-    return {part: getattr(design.springs, part) or shapes[part] for part in TWISTING}
+    return {part: getattr(design.springs, part) or stiffness_by_shape[part] for part in TWISTING}
 
 
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:

@@ -112,11 +112,11 @@ def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, cent
 def solve_windups(
     reducer: Reducer, cranks: Sequence[float] | Array, rated_torque: float, warm_start: bool = False
 ) -> list[Windup]:
-    """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
+    """Solve for the rotations of output and disc under shares of a rated output torque [N m], without friction.
 
-    Returns a `Windup` per crank angle, with the poses under both signs of each torque share of `SHARES` (1, 0.5 and
-    0.03). With `warm_start`, each solution starts from the previous equilibria, which halves the time if the angles
-    vary smoothly.
+    Returns a `Windup` for each of the angles `cranks` [rad] of the locked crank, with the rotations under both signs of
+    each torque share of `SHARES` (1, 0.5 and 0.03). With `warm_start`, each solution starts from the previous
+    equilibria, which halves the time if the angles vary smoothly.
 
     Raises
     ------
@@ -163,9 +163,10 @@ def solve_windups(
 
 
 def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated_torque: float) -> list[Windup]:
-    """Solve for the static poses of an RV reducer at crank angles [rad] under shares of a rated output torque [N m].
+    """Solve for the rotations of output and discs of an RV reducer under shares of a rated output torque [N m].
 
-    Friction is left out. Returns a `Windup` per crank angle, with the poses under both signs of each share of `SHARES`.
+    Friction is left out. Returns a `Windup` for each angle of the `cranks` against the ground [rad], with the rotations
+    under both signs of each torque share of `SHARES`.
     """
     springs = rv_springs_at(reducer, cranks)
     rotations = {

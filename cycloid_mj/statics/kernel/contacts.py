@@ -412,6 +412,7 @@ def _find_foot_point(
     [m], cosine and sine of the angle by which the normal rotates, and rate of this angle by p [1/m].
     """
     E, c, N = trochoid
+    # s, c: sine and cosine of the angles a of the velocity, b = a + phase, t, and w = N t
     sine, cosine = math.sin(phase), math.cos(phase)
     sa, ca = c * N * sine, E - c * N * cosine
     rate = math.sqrt(sa * sa + ca * ca)

@@ -182,7 +182,7 @@ def solve_scaled(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
+def _continuation_factors(order: float, parameter: float) -> tuple[float, float]:
     """Return the factors on friction and clearance [1] at a `parameter` of the continuation; above 1 beyond its end.
 
     If `order` is 1, friction grows at parameters from 0 to 1, then clearance at parameters from 1 to 2. If it is -1,
@@ -190,8 +190,8 @@ def _friction_and_clearance(order: float, parameter: float) -> tuple[float, floa
     """
     if order == 0.0:
         return parameter, parameter
-    first, second = min(parameter, 1.0), max(parameter - 1.0, 0.0)
-    return (first, second) if order > 0.0 else (second, first)
+    first_factor, second_factor = min(parameter, 1.0), max(parameter - 1.0, 0.0)
+    return (first_factor, second_factor) if order > 0.0 else (second_factor, first_factor)
 
 
 def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> Path:
@@ -238,7 +238,7 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
     for j in range(unknown_count):
         z[j] = point[j] * path.unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
-    friction, clearance = _friction_and_clearance(order, parameter)
+    friction, clearance = _continuation_factors(order, parameter)
     scaled_springs = scale_clearances(springs, clearance, path.clearance)
     friction_grows = (parameter < 1.0) == (order > 0.0)
     # with more friction for the rate, and at the point: a second call would be compiled once more

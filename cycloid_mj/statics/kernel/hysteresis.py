@@ -209,10 +209,10 @@ def _follow_path(
         scale = max(scale, largest(path[load_index]))
     tolerance = PATH_RESIDUAL_RTOL * scale
     for load_index in range(count):
-        share, done, min_step = 1.0, 0.0, min_share
-        while done < 1.0:
-            share = min(share, 1.0 - done)
-            _interpolate_load(path, load_index, done + share, increment.load)
+        share, solved_share, min_step = 1.0, 0.0, min_share
+        while solved_share < 1.0:
+            share = min(share, 1.0 - solved_share)
+            _interpolate_load(path, load_index, solved_share + share, increment.load)
             _update_slip(springs, friction_elements, old)
             norm = _solve_newton(springs, friction_elements, tolerance, increment, old, new) / scale
             is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[unknowns - 1] - old.z[unknowns - 1]) > max_motion
@@ -232,26 +232,27 @@ def _follow_path(
                 norm = _solve_pseudo_transient(springs, friction_elements, tolerance, increment, old, new) / scale
                 if not norm <= PATH_RESIDUAL_RTOL:
                     return Residual(norm, 0, increment.work[0]), rows
-            done += share
+            solved_share += share
             share *= 2.0
             old, new = new, old
-            if done >= 1.0 or (load_index > 0 and spare_rows > 0):
+            if solved_share >= 1.0 or (load_index > 0 and spare_rows > 0):
                 copy(old.z, z[rows])
-                positions[rows] = float(load_index) if done >= 1.0 else load_index - 1.0 + done
-                spare_rows -= 0 if done >= 1.0 else 1
+                positions[rows] = float(load_index) if solved_share >= 1.0 else load_index - 1.0 + solved_share
+                spare_rows -= 0 if solved_share >= 1.0 else 1
                 rows += 1
     return Residual(0.0, 0, increment.work[0]), rows
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
-    """Interpolate a load path: write the load [N] at a `share` [1] of the step from load `m` - 1 to `m` to `load` (u,).
+def _interpolate_load(path: Array, load_index: int, share: float, load: Array) -> None:
+    """Interpolate a load path: write the load [N] at a `share` [1] of a step to `load` (u,).
 
-    `path` has the shape (loads, u) for u unknowns. The first step, `m` = 0, begins without load.
+    The step leads from the load of index `load_index` - 1 to that of index `load_index`; the first begins without load.
+    `path` has the shape (loads, u) for u unknowns.
     """
     for j in range(load.size):
-        before = path[m - 1, j] if m else 0.0
-        load[j] = before + (path[m, j] - before) * share
+        previous_load = path[load_index - 1, j] if load_index else 0.0
+        load[j] = previous_load + (path[load_index, j] - previous_load) * share
 
 
 def assemble_after(
@@ -543,9 +544,9 @@ def _assemble_step(
         _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.rotates[i])
     for disc in range(springs.cam_position.shape[1]):
         energy += _add_cam(springs, friction_elements, fixed_limits, disc, increment, old, new)
-    for e in range(friction_elements.drag.size):
-        i = contacts + springs.cam_position.shape[1] + e
-        energy += _add_friction(friction_elements, i, friction_elements.drag[e], 0.0, increment, old, new)
+    for seal in range(friction_elements.drag.size):
+        i = contacts + springs.cam_position.shape[1] + seal
+        energy += _add_friction(friction_elements, i, friction_elements.drag[seal], 0.0, increment, old, new)
     return largest(increment.residual), energy
 
 
@@ -561,6 +562,7 @@ def _add_geometric_stiffness(
     at index `x`; `rotates` is whether the profile rotates with the disc.
     """
     y, t, output_dof = x + 1, x + 2, len(tangent) - 1
+    # b: gradient by x, y and rotation t of the disc, and by the rotation o of the output
     (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate
     disc_coupling = rotation_stiffness if rotates else 0.0
     rotation_term = disc_coupling if rotates else -rotation_stiffness

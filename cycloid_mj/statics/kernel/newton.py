@@ -327,10 +327,10 @@ def largest(values: Array) -> float:
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def copy(values: Array, to: Array) -> None:
-    """Copy `values` to the array `to` (m,) in a loop, as numba takes a second to compile an array assignment."""
-    for j in range(to.size):
-        to[j] = values[j]
+def copy(values: Array, target: Array) -> None:
+    """Copy `values` to the array `target` (m,) in a loop, as numba takes a second to compile an array assignment."""
+    for j in range(target.size):
+        target[j] = values[j]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")

@@ -17,7 +17,9 @@ _onset, _roller_contact = _njit(roller_needles.onset), _njit(roller_needles.roll
 def linearise_rollers(
     needles: RollerNeedles, angle: Array, stiffness: Array, approach: Array, force: Array, slope: Array, start: Array
 ) -> None:
-    """Linearise the force of n rollers at m crank angles: force = `slope` (approach - `start`), next to an approach.
+    """Linearise the force of n output rollers on their needles about an approach, at m crank angles.
+
+    The linear force is `slope` times (approach - `start`).
 
     Parameters
     ----------
@@ -35,10 +37,10 @@ def linearise_rollers(
     """
     for k in range(angle.shape[0]):
         for i in range(angle.shape[1]):
-            first = _onset(needles, angle[k, i])
+            onset = _onset(needles, angle[k, i])
             bearing = 0.25 * needles.needles * needles.stiffness
-            force[k, i], slope[k, i], start[k, i] = 0.0, 1.0 / (1.0 / stiffness[k, i] + 1.0 / bearing), first
-            if approach[k, i] > first:
+            force[k, i], slope[k, i], start[k, i] = 0.0, 1.0 / (1.0 / stiffness[k, i] + 1.0 / bearing), onset
+            if approach[k, i] > onset:
                 force[k, i], slope[k, i] = _roller_contact(
                     approach[k, i], angle[k, i], stiffness[k, i], needles.needles, needles.stiffness, needles.clearance
                 )

@@ -193,8 +193,10 @@ def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float, play: floa
     [m] are the u unknown displacements, `load` [N] is the largest component of the load, and `play` [m] the largest
     clearance (`largest_play`).
     """
-    valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
-    max_deflection = max(min(_SEARCH.wedged_depth * play, valid), _SEARCH.wedged_force * load / springs.cam_stiffness)
+    valid_range = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
+    max_deflection = max(
+        min(_SEARCH.wedged_depth * play, valid_range), _SEARCH.wedged_force * load / springs.cam_stiffness
+    )
     for disc in range(springs.cam_position.shape[1]):
         x = z[3 * disc] - springs.cam_position[k, disc, 0]
         y = z[3 * disc + 1] - springs.cam_position[k, disc, 1]
@@ -260,10 +262,10 @@ def _solve_with_continuation(
             min_factor = min(1.0, scale / _force_at_deflection(springs, k, schedules[attempt][0]))
         else:
             target = min(parameter + step, 1.0 if parameter < 1.0 else 2.0)
-        _, max_step, hardens_first = schedules[attempt]
+        _, max_step, stiffness_first = schedules[attempt]
         first_share, second_share = min(target, 1.0), max(target - 1.0, 0.0)
-        friction, hardening = (second_share, first_share) if hardens_first else (first_share, second_share)
-        factor, descends = min_factor ** (1.0 - hardening), target == 0.0 or (hardens_first and friction == 0.0)
+        friction, hardening = (second_share, first_share) if stiffness_first else (first_share, second_share)
+        factor, descends = min_factor ** (1.0 - hardening), target == 0.0 or (stiffness_first and friction == 0.0)
         friction = friction if has_friction else 1.0
     return smallest_norm
 

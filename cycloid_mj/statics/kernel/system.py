@@ -271,26 +271,26 @@ def _sum_contacts(
         The sums over the contacts, and `energy` plus the energy of the contacts [J].
     """
     spring_forces, row, kept_closed, margin = system.spring_forces, system.row, system.kept_closed, system.margin
-    rotates, disc_of, radius = springs.rotates, springs.disc, springs.radius
+    rotates, disc_index, radius = springs.rotates, springs.disc, springs.radius
     # sums are local variables: the compiler would write array elements at every contact
     sums = _DiscSums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pose = disc_pose(springs, disc, z)
     max_displacement = SKIN_FACTOR * _displacement_bound(z, system.list_origin, 3 * disc, system.arm[0])
     for i in range(_independent_contacts(springs)):
-        if disc_of[i] != disc:
+        if disc_index[i] != disc:
             continue
         spring_forces[i] = 0.0
-        is_kept, bound = kept_closed[i], margin[i]
-        if not (rebuild_list or is_kept) and bound > max_displacement:
+        is_kept_closed, bound = kept_closed[i], margin[i]
+        if not (rebuild_list or is_kept_closed) and bound > max_displacement:
             continue
         offset, stiffness = curve_offset(springs, k, i, pose), stiffness_factor * springs.stiffness[k, i]
         bound = bound_width(springs, k, i, offset, use_foot_points)
         if rebuild_list:
             margin[i] = bound
-        if not is_kept and bound > 0.0:
+        if not is_kept_closed and bound > 0.0:
             continue
         gap = gap_at(springs, k, i, pose, offset, use_foot_points)
-        if gap.width >= 0.0 and not is_kept:
+        if gap.width >= 0.0 and not is_kept_closed:
             continue
         force = -stiffness * gap.width
         spring_forces[i] = force
@@ -322,6 +322,7 @@ def _add_contact(
         Geometric stiffness of the rotation of the parts [N/m]. It acts on the disc if the profile `rotates` with it,
         and on disc and output if not.
     """
+    # letters as in `_DiscSums`; the gradients are a along the normal and b along the tangent
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     normal_rotation, disc_coupling = -force * gap.rate, rotation_stiffness if rotates else 0.0
     rotation_term = disc_coupling if rotates else -rotation_stiffness
@@ -649,9 +650,11 @@ def _add_friction(springs: KernelSprings, k: int, friction: float, system: Syste
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
         force, x = system.spring_forces[i], 3 * springs.disc[i]
-        for a in range(4 if force != 0.0 else 0):
-            unknown = x + a if a < 3 else output
+        for row_index in range(4 if force != 0.0 else 0):
+            unknown = x + row_index if row_index < 3 else output
             rate = friction * springs.friction_per_force[k, i, unknown]
             residual[unknown] += force * rate
-            for b in range(4):
-                tangent[unknown, x + b if b < 3 else output] += row[i, RATE] * rate * row[i, b]
+            for column_index in range(4):
+                tangent[unknown, x + column_index if column_index < 3 else output] += (
+                    row[i, RATE] * rate * row[i, column_index]
+                )
