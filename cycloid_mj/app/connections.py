@@ -135,9 +135,9 @@ class LimitedConnection(H11Protocol):
         }
         waiting = {connection: time for connection, time in waiting_since.items() if time is not None}
         if waiting:
-            longest = min(waiting, key=waiting.__getitem__)
-            longest._stop_waiting()  # else it would be chosen again before the event loop has removed it
-            longest.transport.abort()
+            oldest = min(waiting, key=waiting.__getitem__)
+            oldest._stop_waiting()  # else it would be chosen again before the event loop has removed it
+            oldest.transport.abort()
 
     def _watch_progress(self, unsent: int) -> None:
         """Abort the connection if the client takes none of the `unsent` bytes of a response within the time-out."""

@@ -334,15 +334,19 @@ def _create_slider(design: Design, group: str, name: str, label: str) -> Control
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key
     section = getattr(design, table)
-    field, current = type(section).model_fields[key], getattr(section, key)
+    field, current_value = type(section).model_fields[key], getattr(section, key)
     unit = unit_of(field)
     path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
     bounds = bounds_of(field)
-    min_value, max_value = (unit.from_si(bounds.get(key, end)) for key, end in (("ge", -math.inf), ("le", math.inf)))
+    min_value, max_value = (
+        unit.from_si(bounds.get(key, open_end)) for key, open_end in (("ge", -math.inf), ("le", math.inf))
+    )
     if name in COUNTS:
-        lower_end = max(bounds["ge"], math.floor(current / SLIDER.count_span))
-        return Control(path, group, label, "", meaning, current, lower_end, math.ceil(current * SLIDER.count_span), 1)
-    value, is_clearance = unit.from_si(current), table == "clearance" or name in ADJUSTABLE
+        lower_end = max(bounds["ge"], math.floor(current_value / SLIDER.count_span))
+        return Control(
+            path, group, label, "", meaning, current_value, lower_end, math.ceil(current_value * SLIDER.count_span), 1
+        )
+    value, is_clearance = unit.from_si(current_value), table == "clearance" or name in ADJUSTABLE
     typical_value = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
     span = SPAN.get("clearance" if is_clearance else table, SLIDER.span)
     high = max(SLIDER.min_clearance_range_um, span * abs(value)) if is_clearance else span * typical_value

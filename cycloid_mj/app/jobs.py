@@ -188,7 +188,7 @@ class Jobs:
                 return
             job.state, queue.running = "running", job
             try:
-                result = queue.worker.do(work, *args, on_progress=lambda content: setattr(job, "progress", content))
+                result = queue.worker.do(work, *args, on_progress=lambda report: setattr(job, "progress", report))
             except CycloidError as error:
                 job.error = "" if job.state == "stopped" else str(error)
             else:

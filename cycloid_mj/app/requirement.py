@@ -136,8 +136,12 @@ def _require_central(values: Mapping[str, Any], motor: MotorName) -> Requirement
 
 def _require_rv(values: Mapping[str, Any], _motor: MotorName) -> Requirement:
     """Return the requirement of an RV reducer; missing fields have the defaults of ``design new --layout rv``."""
-    own = {"duty": DUTY_SHARE, **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}), **values}
-    return make_requirement(**own, kind=RvRequirement)
+    values_with_defaults = {
+        "duty": DUTY_SHARE,
+        **({} if "speed_rpm" in values else {"output_rpm": OUTPUT_RPM}),
+        **values,
+    }
+    return make_requirement(**values_with_defaults, kind=RvRequirement)
 
 
 FORM_KINDS: Mapping[Layout, FormKind] = {
@@ -264,11 +268,14 @@ def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
     It is passed if all drives meet the requirements, a warning if only some do, and failed if none does.
     """
-    met, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
-    if met == count:
+    passed_count, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
+    if passed_count == count:
         return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")
-    if met:
-        return verdict(Judgement.WARNING, f"{met} of {count} drives meet{'s' if met == 1 else ''} the requirements")
+    if passed_count:
+        return verdict(
+            Judgement.WARNING,
+            f"{passed_count} of {count} drives meet{'s' if passed_count == 1 else ''} the requirements",
+        )
     judged = [item for drive in drives for item in drive["verdicts"].items()]
     violated = dict.fromkeys(NAMES[field] for field, judged in judged if judged["judgement"] != Judgement.PASSED)
     return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(violated)}")

@@ -180,13 +180,13 @@ def _component_json(component: PlacedPart, axes: Mapping[str, Array], number: in
     axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank",
     "output" or "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
     """
-    place, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
+    position, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
     if component.body in axes:
         moves = "disc" if names.family(component.body) == names.GEAR else "crank"
         candidates = np.atleast_2d(axes[component.body])
-        axis[:2] = candidates[np.argmin(np.linalg.norm(candidates - place[:2], axis=1))]
+        axis[:2] = candidates[np.argmin(np.linalg.norm(candidates - position[:2], axis=1))]
     return {
-        "at": np.round(MILLIMETRES * (place - axis), 4).tolist(),
+        "at": np.round(MILLIMETRES * (position - axis), 4).tolist(),
         "axis": np.round(MILLIMETRES * axis[:2], 4).tolist(),
         "angle": component.angle,
         "moves": moves,

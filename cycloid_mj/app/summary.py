@@ -321,7 +321,7 @@ def _complete_change(reducer: Reducer, change: Mapping[str, float], max_addition
         addition for addition in error.changes if max_additions and not addition.keys() & change.keys()
     )
     completed = (_complete_change(reducer, {**change, **addition}, max_additions - 1) for addition in remaining_changes)
-    return next((attempt for attempt in completed if attempt), None)
+    return next((extended_change for extended_change in completed if extended_change), None)
 
 
 def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Check]:

@@ -32,7 +32,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     CycloidError
-        It cannot be written; an existing file is unchanged.
+        The file cannot be written; an existing file is unchanged.
     """
     with atomic_files([path]) as (new_path,):
         yield new_path

@@ -65,14 +65,14 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        before, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
+        previous_folder, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
         try:
             super().__init__(function)
         finally:
-            config.CACHE_DIR = before
+            config.CACHE_DIR = previous_folder
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the cached machine code of a function for a signature and a `target`; None if missing or damaged."""
+        """Return the cached machine code for a signature and a `target`, the compiler's context; None if unusable."""
         _import_array_functions()
         try:
             return super().load_overload(signature, target)

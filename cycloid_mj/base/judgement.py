@@ -43,6 +43,6 @@ def gravest(judgements: Iterable[Judgement]) -> Judgement:
 
 def count_judgements(judgements: Iterable[Judgement]) -> str:
     """Summarize judgements in words: ``52 checks: 0 failed, 1 warning`` without the first two words."""
-    listed = list(judgements)
-    warnings = listed.count(Judgement.WARNING)
-    return f"{listed.count(Judgement.FAILED)} failed, {warnings} {'warning' if warnings == 1 else 'warnings'}"
+    judgement_list = list(judgements)
+    warnings = judgement_list.count(Judgement.WARNING)
+    return f"{judgement_list.count(Judgement.FAILED)} failed, {warnings} {'warning' if warnings == 1 else 'warnings'}"

@@ -45,15 +45,15 @@ def _set_usual_thresholds(phase: str, _: object) -> None:
 
 def keep_freed_memory() -> None:
     """Make the C library keep freed memory, where possible: new pages from the system cost time."""
-    if tune := _c_function("mallopt"):
+    if set_option := _c_function("mallopt"):
         for parameter, value in MEMORY.mallopt:
-            tune(parameter, value)
+            set_option(parameter, value)
 
 
 def return_free_memory() -> None:
     """Return free memory to the system, where the C library can (glibc's ``malloc_trim``)."""
-    if trim := _c_function("malloc_trim"):
-        trim(0)
+    if return_memory := _c_function("malloc_trim"):
+        return_memory(0)
 
 
 def _c_function(name: str) -> Any:

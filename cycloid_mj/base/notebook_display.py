@@ -61,11 +61,11 @@ class Presented(Drawn):
 
     def _repr_html_(self) -> str:
         columns = self.frame.columns
-        head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+        header = "".join(f"<th>{escape(name)}</th>" for name in columns)
         rows = islice(zip(*(item.tolist() for item in columns.values()), strict=True), MOST_ROWS)
         body = "".join(f"<tr>{''.join(f'<td>{escape(_cell(cell))}</td>' for cell in row)}</tr>" for row in rows)
-        more = f"<p>{self.frame.rows - MOST_ROWS} rows more</p>" if self.frame.rows > MOST_ROWS else ""
-        return f"<p>{escape(self.line)}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+        note = f"<p>{self.frame.rows - MOST_ROWS} rows more</p>" if self.frame.rows > MOST_ROWS else ""
+        return f"<p>{escape(self.line)}</p><table><thead><tr>{header}</tr></thead><tbody>{body}</tbody></table>{note}"
 
 
 class CallableRoom(ModuleType):
@@ -83,10 +83,10 @@ class CallableRoom(ModuleType):
     @property
     def __doc__(self) -> str:  # type: ignore[override]
         """Call and docstring of the function `main`, which `help` shows."""
-        summary, _, rest = (getdoc(self.main) or "").partition("\n\n")
+        summary, _, details = (getdoc(self.main) or "").partition("\n\n")
         parameters = signature(self.main).parameters.values()
-        listed = ", ".join(str(each.replace(annotation=Parameter.empty)) for each in parameters)
-        return f"{summary}\n\nCall: cm.{self.__name__.rpartition('.')[2]}({listed})\n\n{rest}"
+        parameter_list = ", ".join(str(parameter.replace(annotation=Parameter.empty)) for parameter in parameters)
+        return f"{summary}\n\nCall: cm.{self.__name__.rpartition('.')[2]}({parameter_list})\n\n{details}"
 
     def __dir__(self) -> list[str]:
         """List its public names alone, for completion."""

@@ -190,11 +190,11 @@ def require_ending(path: Path, ending: str) -> None:
 
 def describe_file(path: Path) -> str:
     """Describe a file in words: its type, the title or name in its first bytes if there is one, and when it changed."""
-    head = _head(path)
+    first_bytes = _head(path)
     expected_kind = _own_kind(path)
-    kind_name = expected_kind.name if _begins(head, expected_kind) else _kind(head) or expected_kind.name
-    match = NAMED.search(head)
-    title = next((word for word in match.groups() if word), b"").decode(errors="replace") if match else ""
+    kind_name = expected_kind.name if _begins(first_bytes, expected_kind) else _kind(first_bytes) or expected_kind.name
+    match = NAMED.search(first_bytes)
+    title = next((group for group in match.groups() if group), b"").decode(errors="replace") if match else ""
     modified = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
     return f"{kind_name}{f', {title!r},' if title else ''} of {modified}"
 
@@ -205,12 +205,12 @@ def _require_same_kind(path: Path) -> None:
     The type is identified by the first bytes. Empty files are accepted. For types without fixed first bytes, such as
     CSV, all files are accepted whose first bytes identify no other type.
     """
-    head, wanted_kind = _head(path), _own_kind(path)
-    if not head or (wanted_kind.start and _begins(head, wanted_kind)):
+    first_bytes, expected_kind = _head(path), _own_kind(path)
+    if not first_bytes or (expected_kind.start and _begins(first_bytes, expected_kind)):
         return
-    if (kind := _kind(head)) or wanted_kind.start:
+    if (kind := _kind(first_bytes)) or expected_kind.start:
         raise TakenError(
-            f"cannot write {path}: the existing file is {kind or f'not {wanted_kind.name}'}, and only files of the "
+            f"cannot write {path}: the existing file is {kind or f'not {expected_kind.name}'}, and only files of the "
             "same type are replaced. Choose another file name"
         )
 

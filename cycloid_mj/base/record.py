@@ -146,14 +146,14 @@ class Run(Presented):
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
         """Return name and text of the main properties of a run: samples, columns, times, attachments, completeness."""
-        end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
-        time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
+        completeness = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
+        time_range = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (
             ("samples", str(len(self))),
             ("columns", str(len(self.columns))),
-            ("time", time),
+            ("time", time_range),
             ("attachments", ", ".join(self.attachments) or "none"),
-            ("complete", end),
+            ("complete", completeness),
         )
 
     @property
@@ -225,8 +225,8 @@ class Run(Presented):
 
 def usable(values: Array) -> Array:
     """Replace values that are infinite or beyond `LARGEST` by NaN, with which one can compute; any shape."""
-    sound = np.abs(values) <= LARGEST
-    return values if sound.all() else np.where(sound, values, np.nan)
+    is_usable = np.abs(values) <= LARGEST
+    return values if is_usable.all() else np.where(is_usable, values, np.nan)
 
 
 def _lock_array(values: npt.ArrayLike) -> Array:
@@ -307,5 +307,5 @@ def _nearest_columns(name: str, names: list[str]) -> str:
     """Return up to three columns with similar names, else the first columns, in words, for an error message."""
     if similar := get_close_matches(name, names, n=3):
         return f"columns with similar names: {', '.join(similar)}"
-    more = ", ..." if len(names) > 3 else ""
-    return f"its columns are {', '.join(names[:3])}{more}" if names else "the run has no columns"
+    ellipsis = ", ..." if len(names) > 3 else ""
+    return f"its columns are {', '.join(names[:3])}{ellipsis}" if names else "the run has no columns"

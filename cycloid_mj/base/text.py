@@ -27,7 +27,8 @@ def escape_controls(text: str, keep: str = "") -> str:
     if text.isprintable():
         return text
     return "".join(
-        sign if sign.isprintable() or sign in keep else sign.encode("unicode_escape").decode() for sign in text
+        character if character.isprintable() or character in keep else character.encode("unicode_escape").decode()
+        for character in text
     )
 
 
@@ -45,9 +46,11 @@ def shorten(text: str, length: int) -> str:
     """Return a text of at most `length` characters: the middle of a longer one is replaced by a note of its length."""
     if len(text) <= length:
         return text
-    kept = length - len(NOTE.format(len(text)))
-    head = round(MESSAGE.head_share * kept)
-    return f"{text[:head]}{NOTE.format(len(text) - kept)}{text[len(text) - kept + head :]}"
+    kept_length = length - len(NOTE.format(len(text)))
+    start_length = round(MESSAGE.head_share * kept_length)
+    return (
+        f"{text[:start_length]}{NOTE.format(len(text) - kept_length)}{text[len(text) - kept_length + start_length :]}"
+    )
 
 
 def legible(text: str) -> str:

@@ -126,8 +126,15 @@ def deviation_row(
     bound
         Allowed difference [%]; None: not judged.
     """
-    size, largest, error = (float(_sizes(values).max()) for values in (result, reference, result - reference))
-    return ValidationRow(_as_quantity(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
+    largest_value, largest_reference, largest_error = (
+        float(_sizes(values).max()) for values in (result, reference, result - reference)
+    )
+    return ValidationRow(
+        _as_quantity(quantity, largest_value, largest_reference, unit, source, note),
+        100.0 * largest_error / largest_reference,
+        "%",
+        bound,
+    )
 
 
 def failed_part(reason: str) -> ValidationRow:

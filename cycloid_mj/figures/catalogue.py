@@ -89,10 +89,10 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
             stacklevel=2,
         )
     if row.need not in needs:
-        possible = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
+        accepted = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
         raise UsageError(
             f"the quantity {key} is computed from {NEED_NAMES[row.need]}, but this command accepts only quantities "
-            f"computed from {possible}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
+            f"computed from {accepted}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     if reducer is not None and not row.applies_to(reducer):
         raise UsageError(

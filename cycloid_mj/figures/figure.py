@@ -86,11 +86,11 @@ class Figure:
 
     def quantity(self, reducer: Reducer) -> Quantity:
         """Compute the quantity with its name and unit, its definition as a note, and its interval if it has any."""
-        plain = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
+        quantity = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
         if self.interval is None or not self.applies_to(reducer):
-            return plain
+            return quantity
         spread = self.interval(reducer)
-        return replace(plain, low=spread.low, high=spread.high, causes=spread.causes)
+        return replace(quantity, low=spread.low, high=spread.high, causes=spread.causes)
 
     @property
     def _compute(self) -> Compute:

@@ -116,11 +116,11 @@ def compute_film_map(
             f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
             "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
-    points, with_seals, jams = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
+    points, sealed_reducer, jams = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
     for temperature in temperatures:
         try:
             points += _compute_map_points(
-                with_seals.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares
+                sealed_reducer.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares
             )
         except DesignError as error:
             jams[temperature] = error

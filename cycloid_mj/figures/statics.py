@@ -78,10 +78,10 @@ def back_driving_torque(reducer: Reducer) -> float:
     RunError without a static equilibrium.
     """
     creeping = _at_creep_speed(reducer)
-    lever = reducer.design.reduction / abs(creeping.design.drive.speed)
+    torque_per_power = reducer.design.reduction / abs(creeping.design.drive.speed)
     smallest_load = torque = TOUCH * reducer.design.rated_torque
     for _ in range(MAX_SECANT_STEPS):
-        drag, double_drag = (lever * shaft_powers(creeping, -load).lost for load in (torque, 2.0 * torque))
+        drag, double_drag = (torque_per_power * shaft_powers(creeping, -load).lost for load in (torque, 2.0 * torque))
         drag_slope = (double_drag - drag) / torque
         if drag_slope >= 1.0:
             return math.nan

@@ -134,13 +134,13 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
     return {paper.source: claims for paper, claims in _results_of_papers(lambda paper: paper.stress_claims(studies))}
 
 
-def _results_of_papers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
-    """Call the function `ask` for every paper; yield each paper with its result, unless the result is None.
+def _results_of_papers(evaluate: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
+    """Call a function, `evaluate`, with every paper; yield each paper with its result, unless the result is None.
 
     A paper that fails is skipped with a warning.
     """
     for paper in papers():
-        result = _call_paper(paper.key, "passed over", partial(ask, paper))
+        result = _call_paper(paper.key, "passed over", partial(evaluate, paper))
         if result is not None:
             yield paper, result
 
@@ -161,10 +161,10 @@ def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) ->
         return None
 
 
-def _load_paper(point: EntryPoint, existing: Container[str]) -> Paper:
+def _load_paper(point: EntryPoint, loaded_keys: Container[str]) -> Paper:
     """Load a paper from an entry point, and load its command as a check.
 
-    `existing` are the keys of the papers loaded before. Raises an exception if the paper or its command cannot be
+    `loaded_keys` are the keys of the papers loaded before. Raises an exception if the paper or its command cannot be
     loaded or has the wrong type, or if the key of the paper is not a valid command name or already exists.
     """
     try:
@@ -175,7 +175,7 @@ def _load_paper(point: EntryPoint, existing: Container[str]) -> Paper:
         raise TypeError(f"{point.value} is not a Paper but of type {type(paper).__name__}")
     if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
         raise ValueError(f"its key {paper.key!r} is not a valid command name")
-    if paper.key in existing:
+    if paper.key in loaded_keys:
         raise ValueError(f"its key {paper.key!r} is taken by another paper")
     if not isinstance(paper.command, str) or not re.fullmatch(r"[\w.]+:[\w.]+", paper.command):
         raise ValueError(f"its command {paper.command!r} is not written as module:function")

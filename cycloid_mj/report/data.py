@@ -105,7 +105,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
     time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
-    evaluated_times, one_turn = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
+    evaluated_times, turn_times = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
         "name": item.name,
@@ -114,7 +114,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "time": encode_array(time - time[0]),
         "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
         "paths": {path: _path_json(path, motion) for path in paths},
-        "spans": {"hold": _ends(evaluated_times), "turn": _ends(one_turn), "all": _ends(motion.time)},
+        "spans": {"hold": _ends(evaluated_times), "turn": _ends(turn_times), "all": _ends(motion.time)},
         "mechanism": None if isinstance(motion.reducer, RvReducer) else mechanism(motion.reducer, item.shown),
         "spectrum": spectrum_data(item),
     }

@@ -12,7 +12,7 @@ from cycloid_mj.report.page import environment
 
 def datasheet_page(sheet: Datasheet) -> str:
     """Return a data sheet as one HTML page with diagrams and tables."""
-    pictures = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
+    diagrams = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
     design = sheet.design
     return (
         environment()
@@ -25,7 +25,7 @@ def datasheet_page(sheet: Datasheet) -> str:
             ratio=format_ratio(design.reduction),
             format_unit=format_unit,
             format_value=format_value,
-            **pictures,
+            **diagrams,
         )
     )
 

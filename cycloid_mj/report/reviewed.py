@@ -44,8 +44,8 @@ def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     """
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
-    shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
-    fields_by_run = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)
+    shown_runs = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
+    fields_by_run = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown_runs, strict=False)
     return [Reviewed(*fields) for fields in fields_by_run]
 
 

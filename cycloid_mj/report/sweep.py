@@ -63,10 +63,10 @@ def _inputs_table(sweep: Sweep) -> Table:
 
 def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
     """Tabulate the first `MAX_ROWS` points with inputs, linked keys, quantities and errors; NaN is an empty cell."""
-    follows = (link.key for link in sweep.task.links)
-    names = ("point", *sweep.task.keys, *follows, *quantities, "error")
+    linked_keys = (link.key for link in sweep.task.links)
+    names = ("point", *sweep.task.keys, *linked_keys, *quantities, "error")
     columns = [sweep[name][:MAX_ROWS].tolist() for name in names]
-    cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))
+    cells = ((str(point), *map(_cell, values)) for point, *values in zip(*columns, strict=True))
     return Table("points", names, tuple(cells))
 
 
