@@ -106,31 +106,35 @@ class BreakAway:
     def note(self) -> str:
         """Return a sentence on the break-away torque: its range over the starts, or why it is uncertain or missing."""
         if self.spread is None:
-            largest = max(start.max_torque for start in self.starts)
-            turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
+            max_torque = max(start.max_torque for start in self.starts)
+            turn_text = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
             driven = self.run.driven_shaft
-            return f"{SELF_LOCKING} with no torque on the {driven}, by up to {largest:g} N m on the output{turns}"
+            return (
+                f"{SELF_LOCKING} with no torque on the {driven}, by up to {max_torque:g} N m on the output{turn_text}"
+            )
         if not self.exceeds_error:
             return (
                 f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its error, as the weight of the discs "
-                f"and parts that cross their clearance also move the crank; {self._over_starts}"
+                f"and parts that cross their clearance also move the crank; {self._starts_text}"
             )
         return (
-            f"{self._over_starts}; small, as friction is in proportion to the load, which is only the weight of "
+            f"{self._starts_text}; small, as friction is in proportion to the load, which is only the weight of "
             "the parts"
         )
 
     @property
-    def _over_starts(self) -> str:
-        """Return a phrase with the range of the break-away torque and the numbers of starts with without motion."""
-        count, turning = len(self.starts), len(self.turning)
+    def _starts_text(self) -> str:
+        """Return a phrase with the range of the break-away torque and the numbers of starts with and without motion."""
+        count, turning_count = len(self.starts), len(self.turning)
         if count == 1:
             return "one start, as there is no gravity"
-        stuck = (
-            f"; from the other {count - turning} the {self.run.driven_shaft} stays at rest" if turning < count else ""
+        rest_text = (
+            f"; from the other {count - turning_count} the {self.run.driven_shaft} stays at rest"
+            if turning_count < count
+            else ""
         )
-        words = self.spread.words if self.spread else ""
-        return f"{words} N m over {turning} starts around the crank turn{stuck}"
+        torque_text = self.spread.words if self.spread else ""
+        return f"{torque_text} N m over {turning_count} starts around the crank turn{rest_text}"
 
     def as_json(self) -> dict[str, Any]:
         """Convert mean and range of the break-away torques [N m] and the number of starts at rest to JSON values."""
@@ -192,7 +196,7 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
         return StartFromRest(math.nan, math.nan, max_torque, run)
     growth, count = max_torque / growth_time, len(moving_run)
     windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
-    torque, *other_torques = (growth * _zero_acceleration_time(moving_run.select(part)) for part in windows)
+    torque, *other_torques = (growth * _zero_acceleration_time(moving_run.select(window)) for window in windows)
     return StartFromRest(torque, max(abs(other_torque - torque) for other_torque in other_torques), max_torque, run)
 
 

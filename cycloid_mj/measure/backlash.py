@@ -183,11 +183,11 @@ def _simulate_stops(
         for name, case in cases.items()
     ]
     jobs += [(case, angle, time_factors[name], divisor) for name, case in cases.items() for angle in crank_angles]
-    pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
-    checks, presses = dict(zip(cases, pairs, strict=False)), pairs[len(cases) :]
+    all_stop_pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
+    checks, stop_pairs = dict(zip(cases, all_stop_pairs, strict=False)), all_stop_pairs[len(cases) :]
     count = len(crank_angles)
     stops_by_case = {
-        name: presses[case_index * count : (case_index + 1) * count] for case_index, name in enumerate(cases)
+        name: stop_pairs[case_index * count : (case_index + 1) * count] for case_index, name in enumerate(cases)
     }
     return stops_by_case, checks
 
@@ -199,17 +199,17 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     radius of the holes is that of the output pins plus the eccentricity.
     """
     design = reducer.design
-    exact: dict[str, Any] = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
+    replacements: dict[str, Any] = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     if design.crank_errors is not None:
-        exact["crank_errors"] = CrankErrors()
+        replacements["crank_errors"] = CrankErrors()
     changes: dict[str, dict[str, float]] = {}
     for other_kind, keys in reducer.clearance_keys.items():
         for table, key in keys if other_kind != kind else ():
             changes.setdefault(table, {})[key] = PRESS.no_clearance
     if "output" in reducer.clearance_keys:
         changes["output"] = {"hole_radius": design.output.pin_radius + design.gear.eccentricity}
-    exact |= {table: getattr(design, table).model_copy(update=values) for table, values in changes.items()}
-    return bench.without_friction(type(reducer)(design.model_copy(update=exact)))
+    replacements |= {table: getattr(design, table).model_copy(update=values) for table, values in changes.items()}
+    return bench.without_friction(type(reducer)(design.model_copy(update=replacements)))
 
 
 def _kinds_with_clearance(reducer: Reducer) -> list[str]:
@@ -276,12 +276,12 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
             "rigid contacts: linear programme",
         )
     for kind in _kinds_with_clearance(reducer):
-        single = with_single_clearance(reducer, kind)
-        sampled_backlash, full = (
-            rigid_backlash.single_clearance_backlash(single, angles)[kind]
+        single_reducer = with_single_clearance(reducer, kind)
+        sampled_backlash, turn_backlash = (
+            rigid_backlash.single_clearance_backlash(single_reducer, angles)[kind]
             for angles in (np.array(crank_angles), turn_angles)
         )
-        closed_forms[kind] = ClosedForm(sampled_backlash, full, _FORMULAS.get(kind, _MESH_FORMULA))
+        closed_forms[kind] = ClosedForm(sampled_backlash, turn_backlash, _FORMULAS.get(kind, _MESH_FORMULA))
     return closed_forms
 
 
@@ -324,9 +324,9 @@ def _quantities(
         Closed forms by the same cases; a case without a closed form has no reference.
     """
     single_clearances = []
-    for name, presses in stops_by_case.items():
-        values, closed_form = np.array([pair.backlash for pair in presses]), closed_forms.get(name)
-        numerical = abs(checks[name].backlash - presses[0].backlash)
+    for name, stop_pairs in stops_by_case.items():
+        values, closed_form = np.array([pair.backlash for pair in stop_pairs]), closed_forms.get(name)
+        numerical = abs(checks[name].backlash - stop_pairs[0].backlash)
         error = add_errors(numerical, error_of_mean(values, closed_form))
         error = None if error is None else error / ARCMINUTE
         reference = None if closed_form is None else float(closed_form.turn.mean()) / ARCMINUTE
@@ -344,9 +344,9 @@ def _quantities(
     yield Quantity(
         "sum_of_parts",
         "sum of the parts",
-        sum(part.value for part in single_clearances),
+        sum(quantity.value for quantity in single_clearances),
         "arcmin",
-        add_errors(*(part.error for part in single_clearances)),
+        add_errors(*(quantity.error for quantity in single_clearances)),
         note="less than the total: together, the clearances allow motions of the disc that none allows alone",
     )
 
@@ -361,13 +361,13 @@ def _curves(
     """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
-    for name, presses in stops_by_case.items():
+    for name, stop_pairs in stops_by_case.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
-        crank = np.degrees([pair.crank for pair in presses])
+        crank = np.degrees([pair.crank for pair in stop_pairs])
         if name in closed_forms:
             turn = np.degrees(rigid_backlash.full_turn_angles(reducer))
             curve_list.append(Curve(panel, "closed form", turn, closed_forms[name].turn / ARCMINUTE, *axes, "theory"))
-        values = np.array([pair.backlash for pair in presses]) / ARCMINUTE
+        values = np.array([pair.backlash for pair in stop_pairs]) / ARCMINUTE
         curve_list.append(Curve(panel, "simulated", crank, values, *axes, "points"))
     return tuple(curve_list)
 

@@ -233,19 +233,19 @@ def run_with_step_retries(
     RunError
         The run failed at the shortest time step, too.
     """
-    shortest, problem = 0.0, None
+    last_timestep, problem = 0.0, None
     for halvings in range(BENCH.max_halvings + 1):
         divisor = step_divisor * 2.0**halvings
-        bench = prepare_bench(reducer, max_torque, duration, samples, divisor, solver, damping_ratio)
-        shortest = bench.design.settings.timestep
+        prepared_reducer = prepare_bench(reducer, max_torque, duration, samples, divisor, solver, damping_ratio)
+        last_timestep = prepared_reducer.design.settings.timestep
         try:
-            return locked_run(bench, crank_angle, torque, solver)
+            return locked_run(prepared_reducer, crank_angle, torque, solver)
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
         f"{reducer.design.name}: the simulation with the {reducer.INPUT} locked at a crank angle of "
         f"{math.degrees(crank_angle):.1f} deg and up to {max_torque:.4g} N m on the output failed, even after halving "
-        f"the time step {BENCH.max_halvings} times to {1e6 * shortest:.3g} us: {problem}. Reduce the torque"
+        f"the time step {BENCH.max_halvings} times to {1e6 * last_timestep:.3g} us: {problem}. Reduce the torque"
     ) from problem
 
 

@@ -120,8 +120,8 @@ def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
     mesh_efficiency = 1.0 - 4.0 * design.mesh_friction * contact_radius_ratio / (shortening * lobes * math.pi)
     radius_ratio = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
     output_efficiency = 1.0 - 4.0 * design.friction_of("output") * radius_ratio / math.pi
-    product = mesh_efficiency / (1.0 + lobes * (1.0 - mesh_efficiency)) * output_efficiency
-    return EfficiencyReference(efficiency_of_output_member(reducer, product), "Wang et al. 2016")
+    efficiency = mesh_efficiency / (1.0 + lobes * (1.0 - mesh_efficiency)) * output_efficiency
+    return EfficiencyReference(efficiency_of_output_member(reducer, efficiency), "Wang et al. 2016")
 
 
 def efficiency_of_output_member(reducer: Reducer, carrier: float) -> float:

@@ -79,15 +79,15 @@ def efficiency(
     """
     reducer = reducer_of(resolve(design))
     steady_reducer = steady_design(reducer)
-    rated, speed = steady_reducer.design.rated_torque, steady_reducer.design.drive.speed
-    torques = loads or [share * rated for share in ((1.0,) if quick else MAP.torques)]
+    rated_torque, speed = steady_reducer.design.rated_torque, steady_reducer.design.drive.speed
+    torques = loads or [share * rated_torque for share in ((1.0,) if quick else MAP.torques)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else MAP.speeds)]
     periods = STEADY.min_periods(quick)
     efficiency_map = run_map(steady_reducer, torques, speeds, periods, not quick, progress, solver)
-    point = efficiency_map.rated
-    rated_point = _rated_quantities(steady_reducer, efficiency_map)
+    rated_point = efficiency_map.rated
+    rated_quantities = _rated_quantities(steady_reducer, efficiency_map)
     published = [
-        replace(item, friction=interpolate_friction(efficiency_map.by_friction, item.rate)) for item in published
+        replace(paper, friction=interpolate_friction(efficiency_map.by_friction, paper.rate)) for paper in published
     ]
     return Measurement(
         measure="efficiency",
@@ -96,16 +96,18 @@ def efficiency(
             f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, "
             f"{steady_reducer.design.condition_words}, {SOLVERS[solver]}"
         ),
-        quantities=by_key(rated_point, _loss_quantities(point), _drag_quantities(steady_reducer, efficiency_map)),
+        quantities=by_key(
+            rated_quantities, _loss_quantities(rated_point), _drag_quantities(steady_reducer, efficiency_map)
+        ),
         curves=_curves(efficiency_map),
         tables=(
-            loss_breakdown.table(point.powers, published, efficiency_map.error),
-            spread.table(f"efficiency at {rated:g} N m", point.powers.efficiency, efficiency_map.by_input),
+            loss_breakdown.table(rated_point.powers, published, efficiency_map.error),
+            spread.table(f"efficiency at {rated_torque:g} N m", rated_point.powers.efficiency, efficiency_map.by_input),
             *_tables(efficiency_map),
         ),
         assumptions=_assumptions(steady_reducer, averaging_periods(steady_reducer, periods)),
         details=_details(efficiency_map, published),
-        runs={"rated": point.run, "backward": efficiency_map.backward.run, "from-rest": efficiency_map.rest.run},
+        runs={"rated": rated_point.run, "backward": efficiency_map.backward.run, "from-rest": efficiency_map.rest.run},
     )
 
 
@@ -133,7 +135,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     `efficiency_map` has the simulated operating points, among them one that approaches ideal load sharing.
     """
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
-    ideal, formula = ideal_efficiency(reducer, load), published_efficiency(reducer)
+    ideal_sharing, formula = ideal_efficiency(reducer, load), published_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     inputs = spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)
@@ -159,7 +161,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
         if formula
         else ""
     )
-    reference, source = 1e2 * ideal.efficiency, ideal.source
+    reference, source = 1e2 * ideal_sharing.efficiency, ideal_sharing.source
     return [
         replace(measured, reference=reference, source=source),
         replace(limit, reference=reference, source=source, note=limit_note),
@@ -196,47 +198,49 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     The torques are NaN, with a note, where the reducer is self-locking. The back-driving torque from rest is also NaN
     if it does not exceed its error. `efficiency_map` has the simulated operating points.
     """
-    design, driven = reducer.design, reducer.INPUT
+    design, driven_shaft = reducer.design, reducer.INPUT
     ratio, start_from_rest = design.reduction, efficiency_map.rest
     forward_efficiency = efficiency_map.rated.powers.efficiency
     back_driven = efficiency_map.backward
-    backward, shift = (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
-    is_self_locking = not backward > 0.0
-    driving_torque = math.nan if is_self_locking else design.rated_torque / backward
-    lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the {driven}"
-    contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
+    back_efficiency, back_error = (
+        (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
+    )
+    is_self_locking = not back_efficiency > 0.0
+    driving_torque = math.nan if is_self_locking else design.rated_torque / back_efficiency
+    lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the {driven_shaft}"
+    contact_note = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
     unloaded_point, coasting = efficiency_map.unloaded, efficiency_map.coasting
-    moving_torque, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the {driven}"
+    moving_torque, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the {driven_shaft}"
     if coasting is not None:
-        moving_torque, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
-    static_names = "back_driving_torque_static", f"back-driving torque from rest, {driven} free"
+        moving_torque, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contact_note
+    static_names = "back_driving_torque_static", f"back-driving torque from rest, {driven_shaft} free"
     static = (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
-    moving_names = "back_driving_torque_moving", f"back-driving torque at speed, {driven} free"
+    moving_names = "back_driving_torque_moving", f"back-driving torque at speed, {driven_shaft} free"
     return [
         Quantity(
             "no_load_torque",
-            f"no-load torque, on the {driven}",
+            f"no-load torque, on the {driven_shaft}",
             unloaded_point.drag,
             "N m",
             unloaded_point.drag_shift,
-            note=contacts,
+            note=contact_note,
         ),
         Quantity(*moving_names, moving_torque, "N m", moving_error, note=moving_note),
         Quantity(*static_names, static[0], "N m", static[1], note=start_from_rest.note),
         Quantity(
             "back_driving_torque_rated",
-            f"output torque that drives against {design.drive.torque:g} N m on the {driven}",
+            f"output torque that drives against {design.drive.torque:g} N m on the {driven_shaft}",
             driving_torque,
             "N m",
-            None if is_self_locking else driving_torque * shift / backward,
+            None if is_self_locking else driving_torque * back_error / back_efficiency,
             note=lock_note if is_self_locking else "from the efficiency of back-driving",
         ),
         Quantity(
             "back_driving_efficiency",
             "efficiency of back-driving, against the nominal torque",
-            1e2 * backward,
+            1e2 * back_efficiency,
             "%",
-            1e2 * shift,
+            1e2 * back_error,
             1e2 * (2.0 - 1.0 / forward_efficiency),
             "2 - 1/eta, for equal losses in both directions; self-locking below 0",
             lock_note if is_self_locking else "",
@@ -283,7 +287,11 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     Losses are drawn at the design's speed, or at the last speed of the map if the map does not contain the design's
     speed. Losses that are 0 are omitted. The free crank or sun starts from rest under a growing output torque.
     """
-    x, rest_run, driven = "output torque [N m]", efficiency_map.rest.run, efficiency_map.rest.run.driven_shaft
+    x, run_from_rest, driven_shaft = (
+        "output torque [N m]",
+        efficiency_map.rest.run,
+        efficiency_map.rest.run.driven_shaft,
+    )
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     curves = []
     for speed in speeds:
@@ -292,15 +300,17 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
         curves.append(_curve_over_torque("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
     shown_speed = efficiency_map.rated.speed if efficiency_map.rated.speed in speeds else speeds[-1]
     points = _points_at_speed(efficiency_map.grid, shown_speed)
-    for loss in [loss for loss, share in _loss_percentages(points[0]).items() if share]:
-        shares = [_loss_percentages(point)[loss] for point in points]
+    for loss in [loss for loss, percentage in _loss_percentages(points[0]).items() if percentage]:
+        percentages = [_loss_percentages(point)[loss] for point in points]
         name = "normal forces" if loss == "normal" else f"friction of {loss}"
         curves.append(
-            _curve_over_torque(f"losses at {shown_speed / RPM:g} rpm", name, points, shares, "share of the input [%]")
+            _curve_over_torque(
+                f"losses at {shown_speed / RPM:g} rpm", name, points, percentages, "share of the input [%]"
+            )
         )
-    torque, free_speed = np.abs(rest_run["load_torque"]), np.abs(rest_run[f"{driven}_speed"])
-    panel = f"from rest with free {driven} under growing output torque"
-    return (*curves, Curve(panel, "", torque, free_speed, x, f"{driven} [rad/s]"))
+    torque, free_speed = np.abs(run_from_rest["load_torque"]), np.abs(run_from_rest[f"{driven_shaft}_speed"])
+    panel = f"from rest with free {driven_shaft} under growing output torque"
+    return (*curves, Curve(panel, "", torque, free_speed, x, f"{driven_shaft} [rad/s]"))
 
 
 def _points_at_speed(grid: Sequence[OperatingPoint], speed: float) -> list[OperatingPoint]:

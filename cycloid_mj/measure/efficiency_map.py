@@ -137,7 +137,7 @@ def run_map(
     tasks |= _named_tasks(reducer, periods, check_step, break_away_result.is_locked, solver)
     varied_inputs = assumed_inputs(reducer)
     variants: dict[Hashable, Reducer] = {
-        variant: reducer_of(variant) for item in varied_inputs for variant in item.ends
+        variant: reducer_of(variant) for varied_input in varied_inputs for variant in varied_input.ends
     }
     variants |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.FRICTION_TABLE.common}
     for key, variant in variants.items():
@@ -166,7 +166,8 @@ def _named_tasks(
 ) -> dict[Hashable, Task]:
     """Return functions that simulate the runs outside of the efficiency map, by their key in `_RUNS`.
 
-    The keys are "rated", "ideal" (without clearance), "unloaded", "backward", "coasting" and "halved".
+    The keys are "rated", "ideal" (without clearance), "unloaded", "backward" (the output drives against the rated
+    torque on the crank), "coasting" (the output drives a free crank) and "halved" (half the time step).
 
     Parameters
     ----------
@@ -236,7 +237,7 @@ def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[
     of `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that are varied.
     """
     if isinstance(run_key, Design):
-        return next(item.names[run_key] for item in varied_inputs if run_key in item.ends)
+        return next(varied_input.names[run_key] for varied_input in varied_inputs if run_key in varied_input.ends)
     if isinstance(run_key, float):
         return sensitivity.common_name(run_key)
     condition = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"

@@ -158,10 +158,10 @@ class HysteresisLoop:
         torque in `STRAIGHT` (1 and 0.5). The result is the mean over both signs of the torque.
         """
         low, high = STRAIGHT
-        rises = [
+        rotations = [
             side * (self.read_middle(high, side, values) - self.read_middle(low, side, values)) for side in (-1, 1)
         ]
-        return float(np.mean(rises)) / ((high - low) * self.rated)
+        return float(np.mean(rotations)) / ((high - low) * self.rated)
 
     def _fit_branch(
         self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None

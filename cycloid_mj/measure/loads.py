@@ -124,18 +124,21 @@ def loads(
     reducer = reducer_of(resolve(design))
     torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
     loaded = steady_design(reducer).but(load={"torque": torque})
-    last, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
-    run, finer = _run_at_two_steps(loaded, periods, solver, lambda done, _: progress(done, last))
-    contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
-    coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
+    steps, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
+    run, half_step_run = _run_at_two_steps(loaded, periods, solver, lambda finished, _: progress(finished, steps))
+    contacts, half_step = contact_pressures(run, loaded), contact_pressures(half_step_run, loaded)
+    first_periods = contact_pressures(run.select(slice(0, len(half_step_run))), loaded)
     missed_peaks = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _find_capacities(loaded, contacts, coarse, fine, missed_peaks, solver)
-    progress(last, last)
+    capacities, capacity_details = _find_capacities(loaded, contacts, first_periods, half_step, missed_peaks, solver)
+    progress(steps, steps)
     by_kind = (
-        _kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed_peaks[kind]) for kind in contacts
+        _kind_quantities(loaded, contacts[kind], first_periods[kind], half_step[kind], missed_peaks[kind])
+        for kind in contacts
     )
     # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
-    discs = _disc_quantities(run, finer, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
+    by_disc = (
+        _disc_quantities(run, half_step_run, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
+    )
     return Measurement(
         measure="loads",
         design=reducer.design,
@@ -143,7 +146,7 @@ def loads(
             f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {reducer.design.condition_words}, "
             f"{SOLVERS[solver]}"
         ),
-        quantities=by_key(*by_kind, discs, capacities),
+        quantities=by_key(*by_kind, by_disc, capacities),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
@@ -263,7 +266,7 @@ def _find_capacity(
     force_error
         Relative error of the contact forces [1], which is part of the error of the torque.
     """
-    name, allowed = CAPACITIES[key]
+    name, pressure_limit = CAPACITIES[key]
     allowed_depth = penetration_limit(reducer)
     for _ in range(LOADS.max_iterations):
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
@@ -273,18 +276,18 @@ def _find_capacity(
             run = run_steady(loaded_reducer, STEADY.settling_time, LOADS.periods, solver)
         except RunError as error:
             return _no_capacity(key, f"none: the run at {torque:.4g} N m, where {kind} would reach it, failed: {error}")
-        torque_factor = _torque_factors(contact_pressures(run, reducer), reducer, allowed).get(kind)
+        torque_factor = _torque_factors(contact_pressures(run, reducer), reducer, pressure_limit).get(kind)
         if torque_factor is None:
             return _no_capacity(key)
-        previous, torque = torque, torque * torque_factor
-        if abs(torque - previous) < LOADS.capacity_rtol * torque:
+        previous_torque, torque = torque, torque * torque_factor
+        if abs(torque - previous_torque) < LOADS.capacity_rtol * torque:
             break
     rated_torque = reducer.design.rated_torque
     note = (
-        f"limited by {kind}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
+        f"limited by {kind}, whose largest pressure reaches {pressure_limit:.3g} x the yield strength at "
         f"{torque / rated_torque:.2f} of the rated {rated_torque:.4g} N m; over {LOADS.periods} mesh periods"
     )
-    return Quantity(key, name, torque, "N m", error=abs(torque - previous) + force_error * torque, note=note)
+    return Quantity(key, name, torque, "N m", error=abs(torque - previous_torque) + force_error * torque, note=note)
 
 
 def _kind_quantities(
@@ -362,14 +365,14 @@ def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantit
     """
     design = reducer.design
     output = design.output
-    pins = -run.forces("output").reshape(len(run), design.gear.discs, -1, 2)
-    _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
-    pin_angles = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
-    arms = output.pin_circle_radius * unit(pin_angles)[:, np.newaxis]
-    moments = np.sum(cross(arms, pins), axis=-1)
-    total = moments.sum(axis=1, keepdims=True)
+    pin_forces = -run.forces("output").reshape(len(run), design.gear.discs, -1, 2)
+    _, carrier_angle = reducer.member.ring_and_carrier(run["output_angle"])
+    pin_angles = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier_angle[:, np.newaxis]
+    lever_arms = output.pin_circle_radius * unit(pin_angles)[:, np.newaxis]
+    moments = np.sum(cross(lever_arms, pin_forces), axis=-1)
+    total_moment = moments.sum(axis=1, keepdims=True)
     # without a load, as parts cross their clearance, there are no shares
-    yield from disc_shares(moments[total[:, 0] != 0.0] / total[total != 0.0][:, np.newaxis])
+    yield from disc_shares(moments[total_moment[:, 0] != 0.0] / total_moment[total_moment != 0.0][:, np.newaxis])
     yield from reaction_quantities(bearing_reactions(run, reducer))
 
 
@@ -388,13 +391,15 @@ def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: f
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     """Return curves of contact forces by kind of contact, of each cam's force on its disc, and of tooth forces."""
-    single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
+    contact_curves = [
+        curve for contacts in kinds.values() if contacts.kind != "cam" for curve in _contact_curves(contacts, reducer)
+    ]
     cams = [
         curve
         for disc, phase in enumerate(reducer.phases if "cam" in kinds else ())
         for curve in _cam_curves(kinds["cam"], disc, phase)
     ]
-    return (*single, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
+    return (*contact_curves, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
 def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
@@ -449,14 +454,14 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
     `teeth` are the contacts of disc and ring.
     """
-    count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
-    ring_index = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
+    count, sample = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
+    ring_index = int(np.argmax(teeth.force[sample])) // count  # of a disc or, of a ring in two halves, of one of them
     columns, disc = slice(ring_index * count, (ring_index + 1) * count), ring_index // reducer.design.ring.halves
     pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
-    ideal = _ideal_forces(reducer, teeth.angle)[row, columns]
-    for name, forces in (("simulated", teeth.force[row, columns]), ("ideal", ideal)):
+    ideal_force = _ideal_forces(reducer, teeth.angle)[sample, columns]
+    for name, forces in (("simulated", teeth.force[sample, columns]), ("ideal", ideal_force)):
         yield Curve(panel, name, pin_angle_deg, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 

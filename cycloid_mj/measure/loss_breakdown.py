@@ -30,9 +30,9 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
     """Return a table of the losses of a torque test in percent of the input power, and of published output rates.
 
-    `powers` are the mean powers of the run [W]. The output rate is the output torque over that without losses. It has a
-    row per part. Each published rate comes with the friction coefficient at which the model has the same rate; it is
-    NaN outside of the range of the runs. `error` is the numerical error of the efficiency [1].
+    There is a row for each part with losses, for the efficiency, and for each published rate. The output rate is the
+    output torque over that without losses. A published rate has a note with the friction coefficient at which the model
+    has this rate. `powers` are the mean powers of the run [W], `error` is the numerical error of the efficiency [1].
     """
     remaining, rows = 1.0, []
     for part, share in loss_shares(powers).items():
@@ -41,13 +41,13 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
     rows.append(
         ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
-    for item in published:
-        friction_text = f"{item.friction:.3f}" if item.friction == item.friction else "outside of the range run"
+    for paper in published:
+        friction_text = f"{paper.friction:.3f}" if paper.friction == paper.friction else "outside of the range run"
         rows.append(
             (
-                f"the paper, {item.method}",
-                1e2 * (1.0 - item.rate),
-                1e2 * item.rate,
+                f"the paper, {paper.method}",
+                1e2 * (1.0 - paper.rate),
+                1e2 * paper.rate,
                 f"friction of the teeth: {friction_text}",
             )
         )
@@ -62,7 +62,10 @@ def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     at which the model has the same rate, or None.
     """
     frictions = {
-        item.method: {"rate": item.rate, "friction_of_teeth": item.friction if item.friction == item.friction else None}
-        for item in published
+        paper.method: {
+            "rate": paper.rate,
+            "friction_of_teeth": paper.friction if paper.friction == paper.friction else None,
+        }
+        for paper in published
     }
     return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": frictions}}

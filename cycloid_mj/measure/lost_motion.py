@@ -15,7 +15,7 @@ from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, solve_windups
 
-LEFT_OUT = "no values by statics: no static balance was found"
+NO_STATICS_NOTE = "no values by statics: no static balance was found"
 
 
 @shows_progress
@@ -98,25 +98,25 @@ def _run_loops(
         Number of crank angles.
     """
     crank_angles = [float(angle) for angle in bench.crank_angles(reducer, angles)]
-    ideal = bench.without_friction(reducer)
+    frictionless = bench.without_friction(reducer)
     if solver == "planar":
-        ideal = massless(ideal)
+        frictionless = massless(frictionless)
     # the longest first, so that no processor waits for one at the end
     settings = ((period, LOOP.finer), (LOOP.slower * period, 1.0))
-    jobs = [(drive, crank_angles[0], *setting) for drive in (reducer, ideal) for setting in settings]
-    jobs += [(drive, angle, period, 1.0) for drive in (reducer, ideal) for angle in crank_angles]
+    jobs = [(drive, crank_angles[0], *setting) for drive in (reducer, frictionless) for setting in settings]
+    jobs += [(drive, angle, period, 1.0) for drive in (reducer, frictionless) for angle in crank_angles]
     loops = each_in_threads(
         lambda job: hysteresis.run_loop(job[0], job[1], peak_torque, *job[2:], solver), jobs, progress
     )
-    checks, loops = loops[:4], loops[4:]
+    check_loops, loops = loops[:4], loops[4:]
     statics = _solve_statics(reducer, crank_angles, peak_torque)
-    return LostMotionLoops(reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], statics)
+    return LostMotionLoops(reducer, loops[:angles], loops[angles:], check_loops[:2], check_loops[2:], statics)
 
 
-def _solve_statics(reducer: Reducer, crank_angles: list[float], rated: float) -> list[Windup]:
+def _solve_statics(reducer: Reducer, crank_angles: list[float], peak_torque: float) -> list[Windup]:
     """Solve the static wind-up at each crank angle [rad] up to the torque [N m]; empty if no equilibrium exists."""
     try:
-        return solve_windups(reducer, crank_angles, rated)
+        return solve_windups(reducer, crank_angles, peak_torque)
     except RunError:
         return []
 
@@ -129,7 +129,7 @@ def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[
     """
     timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]
-    missing_statics = () if data.statics else (LEFT_OUT,)
+    missing_statics = () if data.statics else (NO_STATICS_NOTE,)
     return (
         f"the {data.reducer.INPUT} is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
         f"{data.service[0].rated:.4g} N m (rated input torque times the ratio by default)",

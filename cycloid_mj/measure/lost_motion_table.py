@@ -20,11 +20,11 @@ from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, split_i
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 STATIC_STOPS = "statics, extrapolated to zero torque"
 IDEAL = "without friction and weight"
-BY_WAY = "by the relative motion of the parts; the compliance of each spring is listed by statics"
-_PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+MOTION_NOTE = "by the relative motion of the parts; the compliance of each spring is listed by statics"
+_PART_NAMES = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
 SERIES_BY_LAYOUT: Mapping[Layout, tuple[str, ...]] = {"central": SERIES, "rv": ()}
 """Parts in series whose compliances are listed, for each layout."""
-_OF_SPRINGS = {**_PARTS, "output": "output pins, including bending and twisting parts"}
+_SPRING_PART_NAMES = {**_PART_NAMES, "output": "output pins, including bending and twisting parts"}
 
 Loops = list[HysteresisLoop]
 Reading = Callable[[HysteresisLoop], float]
@@ -96,9 +96,9 @@ def _mean_quantity(
     )
 
 
-def _numerical_error(read: Reading, loops: Loops, check_loops: Loops) -> float:
+def _numerical_error(read_value: Reading, loops: Loops, check_loops: Loops) -> float:
     """Return the sum of the changes of a reading at the first crank angle with each check loop."""
-    return sum(abs(read(check) - read(loops[0])) for check in check_loops)
+    return sum(abs(read_value(check) - read_value(loops[0])) for check in check_loops)
 
 
 def _extreme_quantities(
@@ -221,23 +221,23 @@ def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     loops.
     """
     unit = "N m/arcmin"
-    static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
+    static_values = [ARCMINUTE / windup.compliance(windup.turn) for windup in data.statics]
     name = "torsional stiffness, 50 to 100 % of nominal torque"
     note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
     service, ideal = (data.service, data.service_checks), (data.ideal, data.ideal_checks)
     yield _mean_quantity("stiffness", name, stiffness, *service, unit, static_values, STATICS, note)
     yield from _extreme_quantities("stiffness", "stiffness", stiffness, *service, unit)
     yield _mean_quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, static_values, STATICS)
-    part_names = _OF_SPRINGS if data.reducer.design.structure == "springs" else _PARTS
+    part_names = _SPRING_PART_NAMES if data.reducer.design.structure == "springs" else _PART_NAMES
     for part in SERIES_BY_LAYOUT[data.reducer.LAYOUT]:
-        static_compliances = [item.series(data.reducer)[part] / ARCMINUTE for item in data.statics]
+        static_compliances = [windup.series(data.reducer)[part] / ARCMINUTE for windup in data.statics]
 
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
             return loop_series(data.reducer, loop)[part] / ARCMINUTE
 
         name = f"compliance by the motion of {part_names[part]}, {IDEAL}"
         yield _mean_quantity(
-            f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", static_compliances, STATICS, BY_WAY
+            f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", static_compliances, STATICS, MOTION_NOTE
         )
 
 
@@ -255,7 +255,7 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
     means over the crank angles. The shift [arcmin] is the distance between the middles of the loops with and without
     weight and friction, the largest over the crank angles. `data` are the simulated torque loops.
     """
-    service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
+    service, width_name = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
     width_note = (
         f"friction, and {damping_width:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous "
@@ -266,11 +266,11 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
         abs(service_loop.offset - ideal_loop.offset) / ARCMINUTE
         for service_loop, ideal_loop in zip(data.service, data.ideal, strict=True)
     ]
-    numerical = (
+    numerical_error = (
         _numerical_error(offset, *service) + _numerical_error(offset, data.ideal, data.ideal_checks)
     ) / ARCMINUTE
     return [
-        _mean_quantity("hysteresis", width, lambda loop: loop.width / ARCMINUTE, *service, note=width_note),
+        _mean_quantity("hysteresis", width_name, lambda loop: loop.width / ARCMINUTE, *service, note=width_note),
         _mean_quantity(
             "loop_work",
             "work of one loop",
@@ -287,7 +287,7 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
             "shift of the loop by weight and friction, largest",
             max(shifts),
             "arcmin",
-            add_errors(numerical, error_of_extreme(shifts, True)),
+            add_errors(numerical_error, error_of_extreme(shifts, True)),
             note="the weight of the disc turns it about the pitch point; the locked shaft supports it",
         ),
     ]
@@ -300,43 +300,50 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
     rigid parts are omitted if `data` lacks them.
     """
     service, ideal = data.service[0], data.ideal[0]
-    torque, turn = "torque [N m]", "turn [arcmin]"
+    x_label, y_label = "torque [N m]", "turn [arcmin]"
     near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
     title = f"hysteresis, crank at {np.degrees(service.crank):.1f}°"
     result = [
-        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn, "theory"),
-        Curve(title, "as designed", service.torque, service.turn / ARCMINUTE, torque, turn),
+        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, x_label, y_label, "theory"),
+        Curve(title, "as designed", service.torque, service.turn / ARCMINUTE, x_label, y_label),
         Curve(
             "near zero torque",
             "as designed",
             service.torque[near_zero],
             service.turn[near_zero] / ARCMINUTE,
-            torque,
-            turn,
+            x_label,
+            y_label,
         ),
     ]
     mark_torques = LOST_MOTION_SHARE * service.rated * np.array([-1.0, 1.0])
     mark_turns = np.array([service.read_middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
-    result.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, torque, turn, "points"))
+    result.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, x_label, y_label, "points"))
     if data.statics:
         shares = sorted(data.statics[0].turn)
         turns = np.array([data.statics[0].turn[share] for share in shares]) / ARCMINUTE
-        result.append(Curve(title, "statics", np.array(shares) * service.rated, turns, torque, turn, "points"))
-    crank = np.degrees([item.crank for item in data.service])
-    over_angle = {
-        ("lost motion at ±3 %", "arcmin"): (lost_motion, [item.lost_motion / ARCMINUTE for item in data.statics]),
-        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in data.statics]),
+        result.append(Curve(title, "statics", np.array(shares) * service.rated, turns, x_label, y_label, "points"))
+    crank_deg = np.degrees([loop.crank for loop in data.service])
+    panels = {
+        ("lost motion at ±3 %", "arcmin"): (lost_motion, [windup.lost_motion / ARCMINUTE for windup in data.statics]),
+        ("stiffness", "N m/arcmin"): (
+            stiffness,
+            [ARCMINUTE / windup.compliance(windup.turn) for windup in data.statics],
+        ),
     }
-    known = BACKLASH[data.reducer.LAYOUT](data)
-    for (panel, unit), (read_value, static_values) in over_angle.items():
-        axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
-        if read_value is lost_motion and known is not None:
+    rigid_form = BACKLASH[data.reducer.LAYOUT](data)
+    for (panel, unit), (read_value, static_values) in panels.items():
+        labels = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
+        if read_value is lost_motion and rigid_form is not None:
             turn_angles = np.degrees(rigid_backlash.full_turn_angles(data.reducer))
-            result.append(Curve(panel, BACKLASH_NAMES[data.reducer.LAYOUT], turn_angles, known.turn, *axes, "theory"))
+            result.append(
+                Curve(panel, BACKLASH_NAMES[data.reducer.LAYOUT], turn_angles, rigid_form.turn, *labels, "theory")
+            )
         if static_values:
-            result.append(Curve(panel, "statics", crank, np.array(static_values), *axes, "rings"))
+            result.append(Curve(panel, "statics", crank_deg, np.array(static_values), *labels, "rings"))
         for name, loops in (("as designed", data.service), ("no friction", data.ideal)):
-            result.append(Curve(panel, name, crank, np.array([read_value(item) for item in loops]), *axes, "points"))
+            result.append(
+                Curve(panel, name, crank_deg, np.array([read_value(loop) for loop in loops]), *labels, "points")
+            )
     return tuple(result)
 
 

@@ -97,7 +97,7 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
             "mesh",
             signal,
             float(mesh_base),
-            lambda k: k % teeth == 0,
+            lambda multiple: multiple % teeth == 0,
             f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
             f"{shared_properties})",
         ),
@@ -106,7 +106,7 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
             f"ring {ring}",
             signal,
             float(mesh_base),
-            lambda k: k % teeth > 0,
+            lambda multiple: multiple % teeth > 0,
             f"{base_factor}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a "
             f"function of its angle to the crank, so it causes all of them; an error with m periods around the ring "
             f"causes m, {teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
@@ -133,7 +133,7 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "holes and output pins",
             holes_signal,
             float(holes_base),
-            lambda k: (k % pins > 0) & (k % lobes > 0),
+            lambda multiple: (multiple % pins > 0) & (multiple % lobes > 0),
             f"multiples of {holes_base}: number of turns of the eccentric relative to the disc in a crank turn, past "
             f"each hole, each output pin and each lobe",
         ),
@@ -142,7 +142,7 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "stage of output pins",
             holes_signal,
             float(holes_base),
-            lambda k: k % pins == 0,
+            lambda multiple: multiple % pins == 0,
             f"multiples of {pins} x {holes_base} = {pins * float(holes_base):.4g}: properties common to all {pins} "
             f"output pins (clearance, elasticity, the cam's eccentricity)",
         ),
@@ -162,7 +162,7 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "cranks, bores and planets",
             "output",
             float(base),
-            lambda k: (k % teeth > 0) & (k % lobes > 0),
+            lambda multiple: (multiple % teeth > 0) & (multiple % lobes > 0),
             f"multiples of {base}: number of turns of the cranks relative to disc and carrier in a crank turn; an "
             f"error of an eccentric, of a bore in disc or carrier, or the run-out of a planet causes {base}",
         ),
@@ -171,7 +171,7 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
             "planet mesh",
             "output",
             float(base),
-            lambda k: k % teeth == 0,
+            lambda multiple: multiple % teeth == 0,
             f"multiples of {teeth} x {base} = {teeth * float(base):.4g}: transmission error of the planets",
         ),
     )

@@ -34,10 +34,10 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     The coefficient is the same for all sliding pairs; the results are quantities with their errors.
     """
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
-    names = [f"friction at the paper's {item.torque:g} N m, {item.method}" for item in published]
+    names = [f"friction at the paper's {paper.torque:g} N m, {paper.method}" for paper in published]
     return [
-        Quantity(f"friction_for_paper_{item.method}", name, item.friction, "1", item.error, note=note)
-        for item, name in zip(published, names, strict=True)
+        Quantity(f"friction_for_paper_{paper.method}", name, paper.friction, "1", paper.error, note=note)
+        for paper, name in zip(published, names, strict=True)
     ]
 
 
@@ -49,12 +49,12 @@ def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table,
     """
     if not published:
         return ()
-    first_item = published[0]
-    rows = [(f"the paper, {item.method}", item.torque, 1e2 * item.rate, item.friction) for item in published]
+    first_paper = published[0]
+    rows = [(f"the paper, {paper.method}", paper.torque, 1e2 * paper.rate, paper.friction) for paper in published]
     return (
         Table(
-            f"output torque, compared with {first_item.source}",
+            f"output torque, compared with {first_paper.source}",
             ("", "output torque [N m]", "rate [%]", "friction"),
-            (("this model", output_torque, 1e2 * output_torque / first_item.ideal, "as designed"), *rows),
+            (("this model", output_torque, 1e2 * output_torque / first_paper.ideal, "as designed"), *rows),
         ),
     )

@@ -94,8 +94,8 @@ def unbalance(reducer: Reducer) -> Unbalance:
         shaft_mass.mass * centroid * z - shaft_mass.inertia[:2, 2]
     )
     if discs > 1:
-        size = float(np.hypot(*static))
-        return Unbalance(size, size, float(np.hypot(*couple)))
+        magnitude = float(np.hypot(*static))
+        return Unbalance(magnitude, magnitude, float(np.hypot(*couple)))
     cam = mass_properties(
         Solid(names.CAM, (crank_segments(reducer)[names.CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
     )
@@ -129,9 +129,12 @@ def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
     The forces act in the plane of each disc. They are the reversed contact forces on the discs in each sample.
     """
     design = reducer.design
-    crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
-    by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
-    return compute_spatial_reactions(reducer, *by_disc)
+    cam_forces, tooth_forces, output_forces = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
+    forces_by_disc = (
+        -force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2)
+        for force in (cam_forces, output_forces, tooth_forces)
+    )
+    return compute_spatial_reactions(reducer, *forces_by_disc)
 
 
 def reaction(run: Run, reducer: Reducer) -> Reaction:
@@ -167,10 +170,10 @@ def _rv_reaction(run: Run, reducer: RvReducer, gravity: Array) -> Reaction:
     pairs_on_cranks = [pair for body in cranks for pair in mechanism.against(body.name)]
     carrier_mass = sum(masses[body.part].mass for body in cranks) + masses[mechanism.turning].mass
     # the force of a planet on the sun is logged; the bearings of a floating sun carry nothing
-    on_sun = run.forces(names.PLANET_MESH).sum(axis=1) + masses[names.SUN].mass * gravity
+    sun_force = run.forces(names.PLANET_MESH).sum(axis=1) + masses[names.SUN].mass * gravity
     return Reaction(
         ring=-_sum_forces(run, mechanism.against(names.HOUSING)),
-        crank=on_sun * (reducer.planet.sun_support == "fixed"),
+        crank=sun_force * (reducer.planet.sun_support == "fixed"),
         output=-_sum_forces(run, pairs_on_cranks) + carrier_mass * gravity,
     )
 
@@ -182,8 +185,10 @@ def inertia_force(run: Run, reducer: Reducer, disc_accelerations: Sequence[Array
     one sample to the next, so m is one less than the number of samples.
     """
     masses, mechanism = moving_masses(reducer), reducer.mechanism
-    pairs = zip(mechanism.discs, disc_accelerations, strict=True)
-    force = -sum((masses[disc.part].mass * item for disc, item in pairs), start=np.zeros((len(run) - 1, 2)))
+    discs = zip(mechanism.discs, disc_accelerations, strict=True)
+    force = -sum(
+        (masses[disc.part].mass * acceleration for disc, acceleration in discs), start=np.zeros((len(run) - 1, 2))
+    )
     if not isinstance(reducer, RvReducer):
         shaft = body_masses(reducer)[names.SHAFT]
         return np.asarray(force - shaft.mass * shaft_acceleration(run, shaft)[1:])

@@ -44,25 +44,26 @@ def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> 
     mesh_gaps = arc_gaps(reducer, relative_angles)
     max_arm, min_arm = _extreme_arms(reducer, mesh_gaps, design.tooth_pair)
     if design.ring.kind == "nonpin":
-        flanks = [
+        flank_arm_pairs = [
             [
                 _extreme_arms(reducer, flank_gaps(reducer, float(angle), disc), design.tooth_pair)
                 for disc in range(design.gear.discs)
             ]
             for angle in relative_angles
         ]
-        flank_arms = np.array(flanks)
+        flank_arms = np.array(flank_arm_pairs)
         max_arm, min_arm = (
             np.maximum(max_arm, flank_arms[..., 0].max(axis=1)),
             np.minimum(min_arm, flank_arms[..., 1].min(axis=1)),
         )
     mesh, output = (
-        1.0 / high - 1.0 / low for high, low in ((max_arm, min_arm), _extreme_arms(reducer, mesh_gaps, "output"))
+        1.0 / max_lever - 1.0 / min_lever
+        for max_lever, min_lever in ((max_arm, min_arm), _extreme_arms(reducer, mesh_gaps, "output"))
     )
     cam = np.full(len(relative_angles), 2.0 / (design.gear.eccentricity * design.lobes))
-    per_clearance = {"cam": cam, "output": output}
+    backlash_per_clearance = {"cam": cam, "output": output}
     return {
-        kind: reducer.share * per_clearance.get(kind, mesh) * effective_clearance(reducer, kind)
+        kind: reducer.share * backlash_per_clearance.get(kind, mesh) * effective_clearance(reducer, kind)
         for kind in design.pair_kinds
     }
 

@@ -62,17 +62,17 @@ def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVar
     output. `quick` omits other supports, single kinds and bearings. With the friction law ``film``, single kinds and
     bearings are omitted.
     """
-    ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
-    rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]
-    return rows if quick or reducer.design.has_film else [*rows, *_bearing_variants(ring_variants[0])]
+    ring_variants = [steady_design(ring_variant) for ring_variant in ring_kinds(reducer)[: 1 if quick else None]]
+    variants = [variant for ring_variant in ring_variants for variant in _sliding_variants(ring_variant, quick)]
+    return variants if quick or reducer.design.has_film else [*variants, *_bearing_variants(ring_variants[0])]
 
 
 def ring_kinds(reducer: Reducer) -> list[Reducer]:
     """List the design, and its variants with the other supports of the ring's pins."""
     if reducer.design.ring.kind == "nonpin":
         return [reducer]
-    others = [pins for pins in ("free", "fixed", "sleeved") if pins != reducer.design.ring.pins]
-    return [reducer, *(reducer.but(ring={"pins": pins}) for pins in others)]
+    other_supports = [support for support in ("free", "fixed", "sleeved") if support != reducer.design.ring.pins]
+    return [reducer, *(reducer.but(ring={"pins": support}) for support in other_supports)]
 
 
 def pins_of(reducer: Reducer) -> str:
@@ -98,7 +98,9 @@ def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
 
 def _coefficients(friction: Mapping[str, float]) -> dict[str, dict[str, float]]:
     """Return friction coefficients by kind of sliding pair [1] as values of the design, by table."""
-    tables: dict[str, dict[str, float]] = {"friction": {k: value for k, value in friction.items() if k != PLANET_MESH}}
+    tables: dict[str, dict[str, float]] = {
+        "friction": {pair: value for pair, value in friction.items() if pair != PLANET_MESH}
+    }
     return tables | ({"planet": {"friction": friction[PLANET_MESH]}} if PLANET_MESH in friction else {})
 
 
@@ -117,10 +119,12 @@ def interpolate_friction(rate_by_friction: Mapping[float, float], rate: float) -
     """
     from scipy.interpolate import PchipInterpolator
 
-    friction = np.array(sorted(rate_by_friction))
-    losses = np.array([1.0 / rate_by_friction[key] - 1.0 for key in friction])
+    coefficients = np.array(sorted(rate_by_friction))
+    losses = np.array([1.0 / rate_by_friction[coefficient] - 1.0 for coefficient in coefficients])
     is_increasing = bool(np.all(np.diff(losses) > 0.0))
-    return float(PchipInterpolator(losses, friction, extrapolate=False)(1.0 / rate - 1.0)) if is_increasing else np.nan
+    return (
+        float(PchipInterpolator(losses, coefficients, extrapolate=False)(1.0 / rate - 1.0)) if is_increasing else np.nan
+    )
 
 
 def slope(rates: Mapping[float, float]) -> float:
@@ -161,12 +165,12 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
     result = []
     for pins in dict.fromkeys(row.pins for row in rate_by_variant):
         rates = common_rates(rate_by_variant, pins)
-        friction = np.array(sorted(rates))
+        coefficients = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
-        result.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
-    for item in (item for item in published if math.isfinite(item.friction)):
-        position = (np.array([item.friction]), np.array([1e2 * item.rate]))
-        result.append(Curve(panel, f"the paper, {item.method}", *position, x, y, "points"))
+        result.append(Curve(panel, name, coefficients, 1e2 * np.array([rates[value] for value in coefficients]), x, y))
+    for paper in (paper for paper in published if math.isfinite(paper.friction)):
+        position = (np.array([paper.friction]), np.array([1e2 * paper.rate]))
+        result.append(Curve(panel, f"the paper, {paper.method}", *position, x, y, "points"))
     return result
 
 
@@ -178,13 +182,14 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     """
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
-    rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
+    variants = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick and not design.has_film:
         pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
-        rows += [
-            FrictionVariant(pins, *case, reducer.but(**_coefficients(dict([case]))).design) for case in pair_values
+        variants += [
+            FrictionVariant(pins, *pair_value, reducer.but(**_coefficients(dict([pair_value]))).design)
+            for pair_value in pair_values
         ]
-    return rows + [
+    return variants + [
         FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design)
         for value in FRICTION_TABLE.common
     ]
@@ -195,7 +200,7 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
 
     Cam or output bearings that slide in the design have no variants.
     """
-    rows, pins = [], pins_of(reducer)
+    variants, pins = [], pins_of(reducer)
     if isinstance(reducer, RvReducer):
         rolling_designs = {
             value: reducer.but(friction={"cam_rolling": value}).design for value in FRICTION_TABLE.rolling
@@ -207,8 +212,10 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
     }
     for pair in [pair for pair in plain_changes if pair not in sliding_pairs(reducer)]:
         for value in FRICTION_TABLE.rolling:
-            rolling = reducer.but(friction={f"{pair}_rolling": value})
-            rows.append(FrictionVariant(pins, f"{pair}, rolling", value, rolling.design))
-        sliding = reducer.but(**plain_changes[pair])
-        rows.append(FrictionVariant(pins, f"{pair}, sliding", sliding.design.friction_of(pair), sliding.design))
-    return rows
+            with_rolling = reducer.but(friction={f"{pair}_rolling": value})
+            variants.append(FrictionVariant(pins, f"{pair}, rolling", value, with_rolling.design))
+        with_sliding = reducer.but(**plain_changes[pair])
+        variants.append(
+            FrictionVariant(pins, f"{pair}, sliding", with_sliding.design.friction_of(pair), with_sliding.design)
+        )
+    return variants

@@ -154,12 +154,12 @@ def _film_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of the law ``film`` with ranges: boundary friction, roughness, friction of needles."""
     friction = reducer.design.friction
     inputs = []
-    for key, span, value, unit, scale in (
+    for key, factor_range, value, unit, scale in (
         ("boundary", boundary_range(reducer), friction.boundary, "1", 1.0),
         ("roughness", RANGES["roughness"], friction.roughness, "um", 1e6),
     ):
-        limits = [factor * value for factor in (span.low, span.high)]
-        inputs.append(_equal_input(reducer, span.name, unit, "friction", [key], limits, scale))
+        limits = [factor * value for factor in (factor_range.low, factor_range.high)]
+        inputs.append(_equal_input(reducer, factor_range.name, unit, "friction", [key], limits, scale))
     if reducer.design.output.has_needles and not isinstance(reducer, RvReducer):
         inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
     return inputs
@@ -172,7 +172,7 @@ def creep_variants(inputs: Sequence[Input]) -> set[Design]:
 
 def input_effects(inputs: Sequence[Input], rates: Mapping[Any, float]) -> tuple[InputEffect, ...]:
     """Pair each input with the rates [1] of the designs at both ends of its range; `rates` are by design."""
-    return tuple(InputEffect(each, *(rates[end] for end in each.ends)) for each in inputs)
+    return tuple(InputEffect(varied_input, *(rates[end] for end in varied_input.ends)) for varied_input in inputs)
 
 
 def plain_roller(reducer: Reducer) -> float:
@@ -243,7 +243,7 @@ def _equal_input(
     scale
         Factor from SI to `unit`.
     """
-    low, high = (dict.fromkeys(keys, end) for end in limits)
+    low, high = (dict.fromkeys(keys, limit) for limit in limits)
     return _input_with_designs(reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low, high)
 
 

@@ -183,7 +183,10 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
                 for source in (traces, statics)
             )
             error = (
-                sum(_mean_change(traces, finer, by_load_and_direction[which], shaft) for which in (minuend, subtrahend))
+                sum(
+                    _mean_change(traces, finer, by_load_and_direction[load_case], shaft)
+                    for load_case in (minuend, subtrahend)
+                )
                 if finer
                 else None
             )
@@ -240,14 +243,16 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
         causes_of_signal = [
             cause for cause in causes(reducer) if (cause.signal, cause.base) == (signal, cycles_per_turn)
         ]
-        for k in np.argsort(spectrum.amplitude)[::-1][:12]:
-            order = float(spectrum.order[k])
-            cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
+        for index in np.argsort(spectrum.amplitude)[::-1][:12]:
+            order = float(spectrum.order[index])
+            cause = next(
+                (possible_cause.key for possible_cause in causes_of_signal if possible_cause.has(order)), "between"
+            )
             rows.append(
                 {
                     "shows_in": signal,
                     "order": order,
-                    "amplitude_arcsec": float(spectrum.amplitude[k]),
+                    "amplitude_arcsec": float(spectrum.amplitude[index]),
                     "cause": cause,
                 }
             )
@@ -261,7 +266,7 @@ def _bases(reducer: Reducer) -> tuple[tuple[Signal, float], ...]:
 
 def _signal_name(reducer: Reducer, signal: Signal, base: float) -> str:
     """Return the name of a signal, with the base of its orders if it has another base as well."""
-    has_two_bases = sum(signal == other for other, _ in _bases(reducer)) > 1
+    has_two_bases = sum(signal == other_signal for other_signal, _ in _bases(reducer)) > 1
     return f"{_SIGNAL_NAMES[signal]}{f', multiples of {base:.4g}' if has_two_bases else ''}"
 
 
@@ -288,13 +293,13 @@ def _step_error(
     if not finer_traces:
         return None
     statistic, error = _LEVELS[level][1], getattr(traces[condition], shaft)
-    coarse, fine = (statistic(item) for item in _overlapping_errors(traces, finer_traces, condition, shaft))
-    first_value, second_value = (statistic(half_error) for half_error in np.array_split(error, 2))
-    return abs(coarse - fine) + 0.5 * abs(first_value - second_value)
+    coarse, fine = (statistic(error_part) for error_part in _overlapping_errors(traces, finer_traces, condition, shaft))
+    first_half_value, second_half_value = (statistic(half_error) for half_error in np.array_split(error, 2))
+    return abs(coarse - fine) + 0.5 * abs(first_half_value - second_half_value)
 
 
-def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signal: str) -> float:
-    coarse, fine = _overlapping_errors(traces, finer, case, signal)
+def _mean_change(traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str) -> float:
+    coarse, fine = _overlapping_errors(traces, finer_traces, condition, signal)
     return abs(float(np.mean(fine - coarse)))
 
 

@@ -77,35 +77,38 @@ def torque(
     reducer = reducer_of(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)
     periods = averaging_periods(steady_reducer, STEADY.min_periods(quick))
-    rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady_reducer)
+    variants, varied_inputs = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady_reducer)
     half_step = None if quick else halve_time_step(steady_reducer, solver)
-    tested_drives = _tested_drives(steady_reducer, rows, assumed, periods, half_step)
-    tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested_drives.items()}
-    last = 1 + len(published)
-    tests = all_in_threads(tasks, lambda done, task_count: progress(done, task_count + last))
-    own_test, finer = tests["own"], tests.get("halved")
+    tested_drives = _tested_drives(steady_reducer, variants, varied_inputs, periods, half_step)
+    tasks = {key: partial(_quiet_rated_test, drive, count, solver) for key, (drive, count) in tested_drives.items()}
+    later_runs = 1 + len(published)
+    tests = all_in_threads(tasks, lambda finished, task_count: progress(finished, task_count + later_runs))
+    design_test, finer_test = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    by_row, by_input = {row: rates[row] for row in rows}, spread.input_effects(assumed, rates)
-    design_at_output_torque = steady_reducer.but(load={"torque": own_test.output})
+    rate_by_variant, by_input = (
+        {variant: rates[variant] for variant in variants},
+        spread.input_effects(varied_inputs, rates),
+    )
+    design_at_output_torque = steady_reducer.but(load={"torque": design_test.output})
     with suppress_warnings(tuple(creep_warning(design_at_output_torque))):
-        held_crank_efficiency = constant_speed_efficiency(steady_reducer, own_test.output, periods, solver)
-    error = rate_error(own_test, finer)
-    explanation = explain_published(published, steady_reducer, by_row, None if quick else error, solver)
-    by_name = _name_runs(steady_reducer, tested_drives, rows, assumed, explanation)
-    warn(reducer.design.name, joint_creep_warning(by_name | {f"{reducer.INPUT} held": design_at_output_torque}))
-    progress(len(tasks) + last, len(tasks) + last)
-    quantities = _quantities(steady_reducer, own_test, finer, held_crank_efficiency, by_input)
+        held_crank_efficiency = constant_speed_efficiency(steady_reducer, design_test.output, periods, solver)
+    error = rate_error(design_test, finer_test)
+    explanation = explain_published(published, steady_reducer, rate_by_variant, None if quick else error, solver)
+    drive_by_run = _name_runs(steady_reducer, tested_drives, variants, varied_inputs, explanation)
+    warn(reducer.design.name, joint_creep_warning(drive_by_run | {f"{reducer.INPUT} held": design_at_output_torque}))
+    progress(len(tasks) + later_runs, len(tasks) + later_runs)
+    quantities = _quantities(steady_reducer, design_test, finer_test, held_crank_efficiency, by_input)
     return Measurement(
         measure="torque",
         design=steady_reducer.design,
         condition=f"{_describe_drive(steady_reducer)}, {steady_reducer.design.condition_words}, {SOLVERS[solver]}",
         quantities=by_key(quantities, friction_quantities(explanation)),
-        curves=(*_curves(steady_reducer, own_test), *sensitivity.curves(by_row, explanation)),
-        tables=_tables(steady_reducer, own_test, error, explanation, by_row, by_input),
+        curves=(*_curves(steady_reducer, design_test), *sensitivity.curves(rate_by_variant, explanation)),
+        tables=_tables(steady_reducer, design_test, error, explanation, rate_by_variant, by_input),
         assumptions=_assumptions(steady_reducer, periods),
-        details=loss_breakdown.as_json(own_test.powers, explanation)
-        | spread.as_json(own_test.powers.efficiency, by_input),
-        runs={"braked": own_test.run},
+        details=loss_breakdown.as_json(design_test.powers, explanation)
+        | spread.as_json(design_test.powers.efficiency, by_input),
+        runs={"braked": design_test.run},
     )
 
 
@@ -136,9 +139,11 @@ def _name_runs(
         Published torques from `explain_published`; the runs at their friction coefficients are included.
     """
     names = _RUNS | {variant: variant.name for variant in variants}
-    names |= {end: name for item in varied_inputs for end, name in item.names.items()}
-    exempt = spread.creep_variants(varied_inputs)
-    by_name = {names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in exempt}
+    names |= {end_design: name for item in varied_inputs for end_design, name in item.names.items()}
+    excluded_keys = spread.creep_variants(varied_inputs)
+    by_name = {
+        names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in excluded_keys
+    }
     frictions = [item.friction for item in published if item.error is not None]
     return by_name | {
         sensitivity.common_name(value): _with_common_friction(steady_reducer, value) for value in frictions
@@ -173,8 +178,8 @@ def _tested_drives(
         drive = reducer_of(variant.design)
         tested_drives[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
     input_periods = averaging_periods(steady_reducer, spread.INPUTS.periods)
-    ends = [end for item in varied_inputs for end in item.ends]
-    return tested_drives | {end: (massless(reducer_of(end)), input_periods) for end in ends}
+    end_designs = [end_design for varied_input in varied_inputs for end_design in varied_input.ends]
+    return tested_drives | {end_design: (massless(reducer_of(end_design)), input_periods) for end_design in end_designs}
 
 
 def _at_rated_torque(reducer: Reducer) -> Reducer:
@@ -203,7 +208,7 @@ def constant_speed_efficiency(reducer: Reducer, load: float, periods: int, solve
 def rate_error(test: BrakedRun, half_step: BrakedRun | None) -> float:
     """Compute the error of the output rate: the largest change with half the averaging time and with half the step."""
     other_powers = [mean_powers(first_half(test.run)), *([half_step.powers] if half_step else [])]
-    return max(abs(other.efficiency - test.powers.efficiency) for other in other_powers)
+    return max(abs(powers.efficiency - test.powers.efficiency) for powers in other_powers)
 
 
 def explain_published(
@@ -313,9 +318,9 @@ def _ripple_quantities(test: BrakedRun, half_step: BrakedRun | None) -> Iterator
     """
     second_half = test.run.select(slice(len(test.run) // 2, None))
     other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
-    for key, name, size in (("peak_to_peak", "p-p", np.ptp), ("rms", "rms", np.std)):
-        ripple = float(size(test.run["load_torque"]))
-        error = max(abs(float(size(other_torque)) - ripple) for other_torque in other_torques)
+    for key, name, statistic in (("peak_to_peak", "p-p", np.ptp), ("rms", "rms", np.std)):
+        ripple = float(statistic(test.run["load_torque"]))
+        error = max(abs(float(statistic(other)) - ripple) for other in other_torques)
         yield Quantity(f"ripple_{key}", f"ripple of the output torque, {name}", ripple, "N m", error)
 
 
@@ -346,11 +351,11 @@ def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
     `test` is the simulated run with a braked output.
     """
     torque, angle = test.run["load_torque"], reducer.member.crank_angle(test.run[f"{test.run.driven_shaft}_angle"])
-    swept = np.abs(angle - angle[0])
+    swept_angle = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
-        Curve("output torque", "mean", np.degrees(swept), np.full(len(torque), test.output), x, y, "theory"),
-        Curve("output torque", "simulated", np.degrees(swept), np.abs(torque), x, y),
+        Curve("output torque", "mean", np.degrees(swept_angle), np.full(len(torque), test.output), x, y, "theory"),
+        Curve("output torque", "simulated", np.degrees(swept_angle), np.abs(torque), x, y),
     ]
     orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
     if orders is not None:

@@ -95,7 +95,7 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
     initial angle of the driven shaft [rad]. `model` is the compiled model of the design.
     """
     design = reducer.design
-    law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)
+    crank_law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)
     pulse_torque = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
@@ -104,7 +104,7 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
             + brake_sign * pulse_torque * np.sin(np.pi * np.clip(time / 0.016, 0.0, 1.0)) ** 2
         )
 
-    return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(model, law, time), load)
+    return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(model, crank_law, time), load)
 
 
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
@@ -141,14 +141,14 @@ def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float)
     """
     from scipy.interpolate import CubicSpline
 
-    ascending = slice(None, None, int(direction))
-    crank_angle = reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])[ascending]
-    points = round(TRACE.samples * reducer.mesh_periods * turns)
+    ascending_order = slice(None, None, int(direction))
+    crank_angle = reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])[ascending_order]
+    angle_count = round(TRACE.samples * reducer.mesh_periods * turns)
     span = 2.0 * np.pi * turns
     start = 0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns) - span
-    grid = start + span * np.arange(points) / points
+    angles = start + span * np.arange(angle_count) / angle_count
     # linear interpolation would lose 2.6 % of the third harmonic of the mesh
     shaft_twist = wind_up(reducer) * run["load_torque"]
     errors = (gear_error(run, reducer), output_error(run, reducer) + shaft_twist)
-    gear, output = (ARCSECONDS * CubicSpline(crank_angle, error[ascending])(grid) for error in errors)
-    return Trace(grid, gear, output, run)
+    gear, output = (ARCSECONDS * CubicSpline(crank_angle, error[ascending_order])(angles) for error in errors)
+    return Trace(angles, gear, output, run)

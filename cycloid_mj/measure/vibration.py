@@ -90,11 +90,11 @@ def vibration(
     reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
         reducer = reducer.but(settings={"timestep": acceleration_timestep(reducer)})
-    swept = [] if quick else list(speeds) or [share * speed for share in SPEED_FRACTIONS]
-    levels = _run_sweep(reducer, torques, sorted({speed, *swept}, key=abs), turns, not quick, solver, progress)
-    checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
-    full = levels[: len(levels) - len(checks)]
-    runs_at_speed = [item for item in full if item.speed == speed]
+    other_speeds = [] if quick else list(speeds) or [share * speed for share in SPEED_FRACTIONS]
+    all_runs = _run_sweep(reducer, torques, sorted({speed, *other_speeds}, key=abs), turns, not quick, solver, progress)
+    half_step_runs = {} if quick else {run.load: run for run in all_runs[-len(torques) :]}
+    full_step_runs = all_runs[: len(all_runs) - len(half_step_runs)]
+    runs_at_speed = [speed_run for speed_run in full_step_runs if speed_run.speed == speed]
     return Measurement(
         measure="vibration",
         design=reducer.design,
@@ -103,12 +103,16 @@ def vibration(
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(
-            _level_quantities(reducer, runs_at_speed, checks), _unbalance_quantities(reducer, runs_at_speed, checks)
+            _level_quantities(reducer, runs_at_speed, half_step_runs),
+            _unbalance_quantities(reducer, runs_at_speed, half_step_runs),
         ),
-        curves=(*_sweep_curves(reducer, full), *_spectrum_curves(reducer, runs_at_speed)),
+        curves=(*_sweep_curves(reducer, full_step_runs), *_spectrum_curves(reducer, runs_at_speed)),
         assumptions=_assumptions(reducer, runs_at_speed[0]),
-        runs={f"{item.load}_{abs(item.rpm):.0f}rpm": item.run for item in full},
-        details={"band_hz": 0.5 * runs_at_speed[0].rate, "sweep": [_sweep_row(reducer, item) for item in full]},
+        runs={f"{speed_run.load}_{abs(speed_run.rpm):.0f}rpm": speed_run.run for speed_run in full_step_runs},
+        details={
+            "band_hz": 0.5 * runs_at_speed[0].rate,
+            "sweep": [_sweep_row(reducer, speed_run) for speed_run in full_step_runs],
+        },
     )
 
 
@@ -143,8 +147,8 @@ def _signals(reducer: Reducer) -> dict[str, tuple[str, str]]:
 
 def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
     """List the keys of the signals whose spectra are drawn."""
-    _, of_planes = _LAYOUT_SIGNALS[reducer.LAYOUT]
-    return (*SHOWN, *(of_planes if reducer.design.gear.discs > 1 else ()))
+    _, plane_signals = _LAYOUT_SIGNALS[reducer.LAYOUT]
+    return (*SHOWN, *(plane_signals if reducer.design.gear.discs > 1 else ()))
 
 
 def _level_quantities(
@@ -230,10 +234,10 @@ def _unbalance_quantities(
 
 
 def _step_change(
-    run: VibrationRun, half_step_run: VibrationRun | None, read: Callable[[VibrationRun], float]
+    run: VibrationRun, half_step_run: VibrationRun | None, read_value: Callable[[VibrationRun], float]
 ) -> float | None:
     """Return the change of a reading with half the time step; None without such a run."""
-    return None if half_step_run is None else abs(read(half_step_run) - read(run))
+    return None if half_step_run is None else abs(read_value(half_step_run) - read_value(run))
 
 
 def _mean_force(run: VibrationRun) -> float:
