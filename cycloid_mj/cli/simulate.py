@@ -393,9 +393,7 @@ def run_into_log(
         wall_time = time.perf_counter() - start
         progress.judging()
         not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
-        findings, run = (
-            _evaluate_open_log(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
-        )
+        findings, run = _evaluate_log(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
         findings_file = {}
         if not isinstance(findings, CycloidError):
             findings_file = {"findings.json": dumps(findings.as_json(), indent=2).encode()}
@@ -444,7 +442,7 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
     raise last_error
 
 
-def _evaluate_open_log(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
+def _evaluate_log(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
     """Evaluate the run in a log that is still open for writing; return the results and the run.
 
     `note` has the warnings that were known only at the end of the run; it becomes `Run.note`. `with_forces` is whether

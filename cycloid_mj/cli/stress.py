@@ -189,17 +189,13 @@ def stress(
     for module in ("gmsh", "skfem"):
         import_package(module)
     keep_freed_memory()
-    selected_designs = (flags.load_design(name, set_, (), at_c) for name in names)
+    selected = (flags.load_design(name, set_, (), at_c) for name in names)
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        return _write_springs(list(selected_designs), load_nm, mounts, output_flags)
+        return _write_springs(list(selected), load_nm, mounts, output_flags)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=map_angle)
-    study_arguments = (part, settings, output_flags)
-    job = (
-        _read_logs(log, names, *study_arguments)
-        if log
-        else _simulate(list(selected_designs), load_nm, *study_arguments)
-    )
+    arguments = (part, settings, output_flags)
+    job = _read_logs(log, names, *arguments) if log else _simulate(list(selected), load_nm, *arguments)
     studies = _study_parts(job.runs, job.grids, settings, output_flags.quiet)
     outcome = outcome_of(studies, job.destination, _choose_figures(figure, job.destination))
     return deliver(outcome, job.destination, output_flags)

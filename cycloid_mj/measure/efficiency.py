@@ -85,7 +85,7 @@ def efficiency(
     periods = STEADY.min_periods(quick)
     efficiency_map = run_map(steady_reducer, torques, speeds, periods, not quick, progress, solver)
     rated_point = efficiency_map.rated
-    rated_quantities = _rated_quantities(steady_reducer, efficiency_map)
+    rated = _rated_quantities(steady_reducer, efficiency_map)
     published = [
         replace(paper, friction=interpolate_friction(efficiency_map.by_friction, paper.rate)) for paper in published
     ]
@@ -96,9 +96,7 @@ def efficiency(
             f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, "
             f"{steady_reducer.design.condition_words}, {SOLVERS[solver]}"
         ),
-        quantities=by_key(
-            rated_quantities, _loss_quantities(rated_point), _drag_quantities(steady_reducer, efficiency_map)
-        ),
+        quantities=by_key(rated, _loss_quantities(rated_point), _drag_quantities(steady_reducer, efficiency_map)),
         curves=_curves(efficiency_map),
         tables=(
             loss_breakdown.table(rated_point.powers, published, efficiency_map.error),

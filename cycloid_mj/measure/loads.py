@@ -125,20 +125,17 @@ def loads(
     torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
     loaded = steady_design(reducer).but(load={"torque": torque})
     steps, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
-    run, half_step_run = _run_at_two_steps(loaded, periods, solver, lambda finished, _: progress(finished, steps))
-    contacts, half_step = contact_pressures(run, loaded), contact_pressures(half_step_run, loaded)
-    first_periods = contact_pressures(run.select(slice(0, len(half_step_run))), loaded)
+    run, finer_run = _run_at_two_steps(loaded, periods, solver, lambda finished, _: progress(finished, steps))
+    contacts, finer = contact_pressures(run, loaded), contact_pressures(finer_run, loaded)
+    first_periods = contact_pressures(run.select(slice(0, len(finer_run))), loaded)
     missed_peaks = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _find_capacities(loaded, contacts, first_periods, half_step, missed_peaks, solver)
+    capacities, capacity_details = _find_capacities(loaded, contacts, first_periods, finer, missed_peaks, solver)
     progress(steps, steps)
     by_kind = (
-        _kind_quantities(loaded, contacts[kind], first_periods[kind], half_step[kind], missed_peaks[kind])
-        for kind in contacts
+        _kind_quantities(loaded, contacts[key], first_periods[key], finer[key], missed_peaks[key]) for key in contacts
     )
     # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
-    by_disc = (
-        _disc_quantities(run, half_step_run, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
-    )
+    by_disc = _disc_quantities(run, finer_run, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
     return Measurement(
         measure="loads",
         design=reducer.design,

@@ -88,18 +88,12 @@ def te(
     require_motion(reducer)
     torques = load_cases(reducer, load, drag)
     rpm = abs(reducer.design.drive.speed) / RPM
-    conditions = _list_conditions(reducer, torques, slow, quick)
+    cases = _list_conditions(reducer, torques, slow, quick)
     reducer = reducer.working_at(torques["loaded"])
-    traces_by_step = _run_traces(
-        reducer, conditions, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver
-    )
-    traces = {condition: traces_by_step[condition, 1.0] for condition in conditions}
-    finer_traces = {
-        (condition.load, condition.pace): run
-        for (condition, step_factor), run in traces_by_step.items()
-        if step_factor == 0.5
-    }
-    statics = {condition: _solve_statics(reducer, condition, turns) for condition in conditions}
+    runs = _run_traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
+    traces = {case: runs[case, 1.0] for case in cases}
+    finer_traces = {(case.load, case.pace): run for (case, factor), run in runs.items() if factor == 0.5}
+    statics = {case: _solve_statics(reducer, case, turns) for case in cases}
     return Measurement(
         measure="te",
         design=reducer.design,
@@ -109,7 +103,7 @@ def te(
         quantities=by_key(te_table.quantities(reducer, traces, finer_traces, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={condition.key: trace.run for condition, trace in traces.items()},
+        runs={case.key: trace.run for case, trace in traces.items()},
         details={"orders": te_table.order_details(reducer, traces, turns)},
     )
 

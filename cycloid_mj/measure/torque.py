@@ -85,15 +85,12 @@ def torque(
     tests = all_in_threads(tasks, lambda finished, task_count: progress(finished, task_count + later_runs))
     design_test, finer_test = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    rate_by_variant, by_input = (
-        {variant: rates[variant] for variant in variants},
-        spread.input_effects(varied_inputs, rates),
-    )
+    by_variant, by_input = {variant: rates[variant] for variant in variants}, spread.input_effects(varied_inputs, rates)
     design_at_output_torque = steady_reducer.but(load={"torque": design_test.output})
     with suppress_warnings(tuple(creep_warning(design_at_output_torque))):
         held_crank_efficiency = constant_speed_efficiency(steady_reducer, design_test.output, periods, solver)
     error = rate_error(design_test, finer_test)
-    explanation = explain_published(published, steady_reducer, rate_by_variant, None if quick else error, solver)
+    explanation = explain_published(published, steady_reducer, by_variant, None if quick else error, solver)
     drive_by_run = _name_runs(steady_reducer, tested_drives, variants, varied_inputs, explanation)
     warn(reducer.design.name, joint_creep_warning(drive_by_run | {f"{reducer.INPUT} held": design_at_output_torque}))
     progress(len(tasks) + later_runs, len(tasks) + later_runs)
@@ -103,8 +100,8 @@ def torque(
         design=steady_reducer.design,
         condition=f"{_describe_drive(steady_reducer)}, {steady_reducer.design.condition_words}, {SOLVERS[solver]}",
         quantities=by_key(quantities, friction_quantities(explanation)),
-        curves=(*_curves(steady_reducer, design_test), *sensitivity.curves(rate_by_variant, explanation)),
-        tables=_tables(steady_reducer, design_test, error, explanation, rate_by_variant, by_input),
+        curves=(*_curves(steady_reducer, design_test), *sensitivity.curves(by_variant, explanation)),
+        tables=_tables(steady_reducer, design_test, error, explanation, by_variant, by_input),
         assumptions=_assumptions(steady_reducer, periods),
         details=loss_breakdown.as_json(design_test.powers, explanation)
         | spread.as_json(design_test.powers.efficiency, by_input),

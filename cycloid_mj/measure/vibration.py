@@ -92,9 +92,9 @@ def vibration(
         reducer = reducer.but(settings={"timestep": acceleration_timestep(reducer)})
     other_speeds = [] if quick else list(speeds) or [share * speed for share in SPEED_FRACTIONS]
     all_runs = _run_sweep(reducer, torques, sorted({speed, *other_speeds}, key=abs), turns, not quick, solver, progress)
-    half_step_runs = {} if quick else {run.load: run for run in all_runs[-len(torques) :]}
-    full_step_runs = all_runs[: len(all_runs) - len(half_step_runs)]
-    runs_at_speed = [speed_run for speed_run in full_step_runs if speed_run.speed == speed]
+    finer = {} if quick else {run.load: run for run in all_runs[-len(torques) :]}
+    full_runs = all_runs[: len(all_runs) - len(finer)]
+    runs_at_speed = [run for run in full_runs if run.speed == speed]
     return Measurement(
         measure="vibration",
         design=reducer.design,
@@ -103,16 +103,12 @@ def vibration(
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(
-            _level_quantities(reducer, runs_at_speed, half_step_runs),
-            _unbalance_quantities(reducer, runs_at_speed, half_step_runs),
+            _level_quantities(reducer, runs_at_speed, finer), _unbalance_quantities(reducer, runs_at_speed, finer)
         ),
-        curves=(*_sweep_curves(reducer, full_step_runs), *_spectrum_curves(reducer, runs_at_speed)),
+        curves=(*_sweep_curves(reducer, full_runs), *_spectrum_curves(reducer, runs_at_speed)),
         assumptions=_assumptions(reducer, runs_at_speed[0]),
-        runs={f"{speed_run.load}_{abs(speed_run.rpm):.0f}rpm": speed_run.run for speed_run in full_step_runs},
-        details={
-            "band_hz": 0.5 * runs_at_speed[0].rate,
-            "sweep": [_sweep_row(reducer, speed_run) for speed_run in full_step_runs],
-        },
+        runs={f"{run.load}_{abs(run.rpm):.0f}rpm": run.run for run in full_runs},
+        details={"band_hz": 0.5 * runs_at_speed[0].rate, "sweep": [_sweep_row(reducer, run) for run in full_runs]},
     )
 
 
