@@ -57,7 +57,7 @@ class DriveCycle:
 
 
 def ramp_and_hold(model: Held, reducer: Reducer) -> DriveCycle:
-    """Return the commands over time of a design: the crank speed ramps up and stays constant, the load rises.
+    """Return the drive cycle of a design: the crank speed ramps up and stays constant, the load rises.
 
     The load is a torque on the output, which rises to that of the design. The crank starts at the angle 0, at rest, or
     at full speed if there is no ramp. `model` provides the servo's gains and the inertia that it moves.

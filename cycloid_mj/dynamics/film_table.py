@@ -75,10 +75,10 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the table of friction by the law ``film``, and its row and the ring pin of each mating pair.
+    """Return the friction table of lubricated contacts, and for each mating pair its row there and its ring pin.
 
-    The law is that of lubricated contacts, and the table has friction coefficients [1]. The index of the pin is 0 for
-    pairs without a ring pin or lobe. The result is None with the law ``coulomb`` of constant coefficients.
+    The table is `film_table` with friction coefficients [1]. The index of the pin is 0 for pairs without a ring pin or
+    lobe. The result is None with the law ``coulomb`` of constant coefficients.
     """
     design = reducer.design
     if not design.has_film:
@@ -93,12 +93,12 @@ def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
     }
     ring_kinds = (design.tooth_pair, design.seat_pair)
     second_plane = design.ring.mate_count if design.has_tilting_pins else 0
-    owners = [pair.owner + second_plane * pair.disc if pair.kind in ring_kinds else 0 for pair in pairs]
+    pin_by_pair = [pair.owner + second_plane * pair.disc if pair.kind in ring_kinds else 0 for pair in pairs]
     return FilmRows(
         film_table(reducer),
         np.array([rows[pair.kind] for pair in pairs], dtype=np.int32),
-        np.array(owners, dtype=np.int32),
-        max(owners) + 1,
+        np.array(pin_by_pair, dtype=np.int32),
+        max(pin_by_pair) + 1,
         second_plane,
     )
 
@@ -162,10 +162,10 @@ def look_up(table: int, kind: int, cosine: float, force: float) -> float:
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP
-    i, j = min(int(phase_index), _PHASES - 2), min(int(force_index), _FORCES - 2)
-    x, y = phase_index - i, min(force_index - j, 1.0)
-    lower_entry = table + 8 * ((kind * _PHASES + i) * _FORCES + j)
+    phase_row, force_column = min(int(phase_index), _PHASES - 2), min(int(force_index), _FORCES - 2)
+    phase_share, force_share = phase_index - phase_row, min(force_index - force_column, 1.0)
+    lower_entry = table + 8 * ((kind * _PHASES + phase_row) * _FORCES + force_column)
     upper_entry = lower_entry + 8 * _FORCES
-    low = (1.0 - y) * read_float(lower_entry) + y * read_float(lower_entry + 8)
-    high = (1.0 - y) * read_float(upper_entry) + y * read_float(upper_entry + 8)
-    return (1.0 - x) * low + x * high
+    lower_coefficient = (1.0 - force_share) * read_float(lower_entry) + force_share * read_float(lower_entry + 8)
+    upper_coefficient = (1.0 - force_share) * read_float(upper_entry) + force_share * read_float(upper_entry + 8)
+    return (1.0 - phase_share) * lower_coefficient + phase_share * upper_coefficient

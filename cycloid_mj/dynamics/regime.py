@@ -244,11 +244,11 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     """Yield a warning if MuJoCo's friction is so far ahead of the sliding velocity that losses are too low.
 
-    `model` is the compiled model. Its direction leads that of an orbiting disc's velocity by an angle
-    (`friction_leads`). The warning names the kind of pair with the largest angle.
+    `model` is the compiled model. On an orbiting disc, the direction of friction leads that of the sliding velocity by
+    an angle (`friction_leads`). The warning names the kind of pair with the largest angle.
     """
     lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
-    kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")
+    kind = max(lead_by_kind, key=lambda pair_kind: lead_by_kind[pair_kind], default="")
     if kind and lead_by_kind[kind] > LIMITS.max_friction_lead:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead_by_kind[kind])):.3g} deg of crank "
@@ -342,14 +342,17 @@ def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
     relative_flexibility = flexibility - compliances
     surplus = force * relative_flexibility - 2.0 * reducer.design.clearance.output
     if surplus.max() > 0.0:
-        other, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
-        overlap, compliance = float(surplus[other, disc]), float(compliances[other] - relative_flexibility[other, disc])
+        other_disc, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
+        overlap, compliance = (
+            float(surplus[other_disc, disc]),
+            float(compliances[other_disc] - relative_flexibility[other_disc, disc]),
+        )
         share = min(overlap / (compliance * force), 1.0) if compliance > 0.0 else 1.0
         yield (
             f"output pins bend: when disc {disc + 1} carries {force:.3g} N, they press on the back of the holes of "
-            f"disc {other + 1}, by {1e6 * overlap:.3g} um. Runs neglect this contact, which moves up to {share:.1%} of "
-            "the load from disc to disc, so their load shares and wind-up differ from those of statics (`measure "
-            'loads`); stiffen the pins: output.support = "both_ends", output.rollers = false or a larger '
+            f"disc {other_disc + 1}, by {1e6 * overlap:.3g} um. Runs neglect this contact, which moves up to "
+            f"{share:.1%} of the load from disc to disc, so their load shares and wind-up differ from those of statics "
+            '(`measure loads`); stiffen the pins: output.support = "both_ends", output.rollers = false or a larger '
             "output.core_radius_mm"
         )
 

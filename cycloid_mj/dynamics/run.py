@@ -155,7 +155,7 @@ def log_columns(model: Model, reducer: Reducer) -> Groups:
     groups[names.REDUCER] |= names.POINT_Q
     force_units = {names.FORCE_X: "N", names.FORCE_Y: "N", names.MOMENT: "N m", names.PEAK_FORCE: "N"}
     groups[names.FORCES] = {
-        names.column(pair.name, part): unit for pair in model.pairs for part, unit in force_units.items()
+        names.column(pair.name, component): unit for pair in model.pairs for component, unit in force_units.items()
     }
     return groups
 
@@ -569,7 +569,7 @@ class _Recorder:
         and the motion of q, the logged point of the disc, is computed from that of the first disc.
         """
         sensor_values, solver, drags = (
-            rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)
+            rows[:, columns] for columns in (self.steps.copied, self.steps.solver, self.steps.drags)
         )
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
@@ -580,7 +580,7 @@ class _Recorder:
         pin_motion = point_motion(
             (0.0, self._reducer.lever), sensor_values[:, self._pose], sensor_values[:, self._speeds]
         )
-        parts = [
+        tables_of_reducer = [
             sensor_values[:, : self._first_pin],
             solver[:, : sample_layout.ITERATIONS + 1],
             energies,
@@ -588,7 +588,7 @@ class _Recorder:
             drags,
             *pin_motion,
         ]
-        tables = {names.REDUCER: np.concatenate(parts, axis=1)}
+        tables = {names.REDUCER: np.concatenate(tables_of_reducer, axis=1)}
         if self._has_pins:
             tables[names.PINS] = sensor_values[:, self._first_pin : self._sensor_count]
         return tables | {names.FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}

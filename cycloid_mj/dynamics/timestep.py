@@ -71,11 +71,11 @@ def choose_step(reducer: Reducer) -> TimeStep:
 
     The automatic step is the longest within `step_limits` that divides the time between two log samples.
     """
-    given, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
-    if given:
-        return TimeStep(given, "given")
-    allowed = {"largest allowed step": SETTINGS.max_step, "log rate": 1.0 / rate}
-    return divide_sample_time(rate, allowed | step_limits(reducer))
+    fixed_step, log_rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
+    if fixed_step:
+        return TimeStep(fixed_step, "given")
+    allowed = {"largest allowed step": SETTINGS.max_step, "log rate": 1.0 / log_rate}
+    return divide_sample_time(log_rate, allowed | step_limits(reducer))
 
 
 def divide_sample_time(rate: float, allowed: Mapping[str, float]) -> TimeStep:

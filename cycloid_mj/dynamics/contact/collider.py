@@ -108,9 +108,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return the address of MuJoCo's own collision function for cylinders, and that of the exact one without lobes.
+    """Return two collision functions for cylinders: MuJoCo's own (its address), and the exact one without lobes.
 
-    The exact function is a numba ``cfunc``, which has passed its self-test.
+    The latter is a numba ``cfunc``, which has passed its self-test.
 
     Raises
     ------

@@ -134,7 +134,7 @@ class HalfRoot(NamedTuple):
     ----------
     own
         Whether it is on the counter-clockwise side of the lobe; the other half belongs to the next lobe.
-    low
+    min_phase
         Phase at which the root begins, B0 [rad].
     start
         Phase to start the search from [rad].
@@ -145,7 +145,7 @@ class HalfRoot(NamedTuple):
     """
 
     own: bool
-    low: float
+    min_phase: float
     start: float
     frame: Pose
     modified: bool
@@ -222,42 +222,46 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
         towards the opening of its socket.
     """
     offset = profile.flank.offset
-    effective_radius, softness = pin.radius - pin.play, pin.yielding
+    effective_radius, compliance_ratio = pin.radius - pin.play, pin.yielding
     x, y = inwards(gear, px - gear.x, py - gear.y)
     home_sine, home_cosine = pin.sine, pin.cosine
-    rotates = home_sine == 0.0 and home_cosine == 0.0
-    if rotates:
+    ring_rotates = home_sine == 0.0 and home_cosine == 0.0
+    if ring_rotates:
         inverse_radius = 1.0 / math.sqrt(px * px + py * py)
         home_sine, home_cosine = px * inverse_radius, py * inverse_radius
-    st, ct = home_sine * gear.cosine + home_cosine * gear.sine, home_cosine * gear.cosine - home_sine * gear.sine
+    sin_t, cos_t = home_sine * gear.cosine + home_cosine * gear.sine, home_cosine * gear.cosine - home_sine * gear.sine
     ring_teeth = int(profile.ring.teeth)
-    sn, cn = multiple_angle(st, ct, ring_teeth) if rotates else multiple_angle(gear.sine, gear.cosine, ring_teeth)
-    start = Start(st, ct, sn, cn)
-    distance, nx, ny, curvature = pin_distance(x, y, profile.flank, start, margin + effective_radius - offset)
+    sin_nt, cos_nt = (
+        multiple_angle(sin_t, cos_t, ring_teeth) if ring_rotates else multiple_angle(gear.sine, gear.cosine, ring_teeth)
+    )
+    start = Start(sin_t, cos_t, sin_nt, cos_nt)
+    distance, gear_nx, gear_ny, curvature = pin_distance(x, y, profile.flank, start, margin + effective_radius - offset)
     gap = distance + offset - effective_radius
     no_touch = PinTouch(False, Touch(gap, 0.0, 0.0, 1.0, 0.0, 0.0), 0.0)
     if not gap < margin:
         return no_touch
-    normal_x, normal_y = outwards(gear, nx, ny)
+    normal_x, normal_y = outwards(gear, gear_nx, gear_ny)
     if 1.0 + normal_x * home_sine + normal_y * home_cosine < pin.min_cosine:
         return no_touch  # pressed out of its seat's opening
     factor = _stiffness_factor(profile, curvature / (1.0 - offset * curvature) + 1.0 / pin.radius)
-    factor *= (1.0 + softness) / (1.0 + softness * factor)
-    depth = effective_radius + 0.5 * gap
+    factor *= (1.0 + compliance_ratio) / (1.0 + compliance_ratio * factor)
+    contact_radius = effective_radius + 0.5 * gap
     return PinTouch(
-        True, Touch(gap, px - depth * normal_x, py - depth * normal_y, factor, normal_x, normal_y), curvature
+        True,
+        Touch(gap, px - contact_radius * normal_x, py - contact_radius * normal_y, factor, normal_x, normal_y),
+        curvature,
     )
 
 
 @njit(inline="always")
-def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
-    """Compute the phase [rad] at which a search interval in half a root of the internal gear ends.
+def _interval_edge_phase(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
+    """Compute the phase B [rad] at which a search interval in half a root of the internal gear ends.
 
-    The half root extends from the phase `bottom` to `top` [rad] and is searched in intervals. A root connects the arcs
-    of two lobes. `fraction` [1] is the number of intervals between `bottom` and the edge, divided by the number of all
-    intervals. They are equally long unless `is_graded`. Graded intervals become shorter towards both ends, most of all
-    towards the junction with the arc of the lobe. The junction is at `bottom` if `is_own` (`HalfRoot.own`), else at
-    `top`; the other end is the middle of the root.
+    B is the position along a root (`offset_root`), which connects the arcs of two lobes. The half root extends from the
+    phase `bottom` to `top` [rad] and is searched in intervals. `fraction` [1] is the number of intervals between
+    `bottom` and the edge, divided by the number of all intervals. They are equally long unless `is_graded`. Graded
+    intervals become shorter towards both ends, most of all towards the junction with the arc of the lobe. The junction
+    is at `bottom` if `is_own` (`HalfRoot.own`), else at `top`; the other end is the middle of the root.
     """
     if not is_graded:
         return bottom + (top - bottom) * fraction
@@ -268,11 +272,11 @@ def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_gra
 
 @njit(inline="always")
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
-    """Return whether the gap between disc and a root certainly exceeds the margin after a displacement of the disc.
+    """Return whether a displaced disc is certainly too far from a root for a contact, by a simple bound.
 
     The normals of the root have the directions between the unit vectors (x1, y1) and, clockwise from it, (x2, y2).
-    `clearance` is the smallest gap without displacement minus the margin [m], (dx, dy) the displacement [m]. The bound
-    is simple: False means that it does not decide.
+    `clearance` is the smallest gap without displacement minus the largest gap of a contact [m], (dx, dy) the
+    displacement of the disc [m]. False means that the bound does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -283,7 +287,7 @@ def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float
 
 
 @njit(inline="always")
-def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
+def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sin_nt: float, cos_nt: float, margin: float) -> ArcTouch:
     """Compute the contact of the teeth of the disc with the circular arc of a lobe of the internal gear.
 
     The frame has its origin on the axis of the internal gear, and the lobe on +y.
@@ -296,7 +300,7 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
         Radius of the lobe's arc [m].
     gear
         Pose of the disc in this frame.
-    sn, cn
+    sin_nt, cos_nt
         Sine and cosine of N times the rotation of the disc, for N teeth of the internal gear.
     margin
         Largest gap of a contact [m].
@@ -309,16 +313,16 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
     """
     ring, offset = profile.ring, profile.flank.offset
     x, y = inwards(gear, -gear.x, ring.radius - gear.y)
-    start = Start(gear.sine, gear.cosine, sn, cn)
-    distance, nx, ny, curvature = pin_distance(x, y, profile.flank, start, margin + arc_radius - offset)
-    gap, (normal_x, normal_y) = distance + offset - arc_radius, outwards(gear, nx, ny)
+    start = Start(gear.sine, gear.cosine, sin_nt, cos_nt)
+    distance, gear_nx, gear_ny, curvature = pin_distance(x, y, profile.flank, start, margin + arc_radius - offset)
+    gap, (normal_x, normal_y) = distance + offset - arc_radius, outwards(gear, gear_nx, gear_ny)
     exists = gap < margin and abs(normal_x) <= ring.eccentricity * ring.teeth / ring.radius
     factor = _stiffness_factor(profile, curvature / (1.0 - offset * curvature) + 1.0 / arc_radius) if exists else 1.0
     return ArcTouch(exists, gap, factor, normal_x, normal_y)
 
 
 @njit(inline="always")
-def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
+def _write_arc_contact(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
     """Write the contact on the arc of a lobe at a memory address, in the world's frame; return the number, 0 or 1.
 
     `arc` is this contact in the frame of the lobe; nothing is written if it does not exist. `lobe` is the pose of the
@@ -326,17 +330,18 @@ def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> in
     """
     if not arc.exists:
         return 0
-    depth = arc_radius + 0.5 * arc.gap
+    contact_radius = arc_radius + 0.5 * arc.gap
     nx, ny = outwards(lobe, arc.nx, arc.ny)
-    write_touch(address, arc.gap, lobe.x - depth * nx, lobe.y - depth * ny, arc.factor, nx, ny)
+    write_touch(address, arc.gap, lobe.x - contact_radius * nx, lobe.y - contact_radius * ny, arc.factor, nx, ny)
     return 1
 
 
 @njit(inline="always")
-def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
-    """Compute the stiffness factor [1] of a contact in a root, which is at the `minimum` of the gap.
+def _root_stiffness_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
+    """Compute the stiffness of a contact in a root over the nominal stiffness [1], from the local curvatures.
 
-    `profile` are the teeth of the disc, `arc_radius` is the radius of the lobes' arcs [m].
+    The contact is at the `minimum` of the gap. `profile` are the teeth of the disc, `arc_radius` is the radius of the
+    lobes' arcs [m].
     """
     offset = profile.flank.offset
     disc_curvature = trochoid_curvature(minimum.t, profile.flank.curve)
@@ -348,7 +353,7 @@ def _root_factor(profile: Teeth, arc_radius: float, minimum: Minimum) -> float:
 
 @njit(inline="always")
 def _contact_separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
-    """Compute how far the contacts on arc and root of a lobe are apart [1]: 0 for one contact patch, 1 for two.
+    """Compute how far the contacts on arc and root of a lobe are apart, from 0 (one patch) to 1 (two patches) [1].
 
     It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
 
@@ -364,8 +369,8 @@ def _contact_separation(profile: Teeth, arc_radius: float, gear: Pose, phase: fl
         Larger gap of the two contacts [m].
     """
     x, y, _, _, _ = offset_root(phase, profile.ring)
-    ex, ey = inwards(gear, x - gear.x, y - gear.y)
-    gap_rise = flank_distance(ex, ey, profile.flank)[1] + profile.flank.offset - arc_radius - larger_gap
+    x_in_gear, y_in_gear = inwards(gear, x - gear.x, y - gear.y)
+    gap_rise = flank_distance(x_in_gear, y_in_gear, profile.flank)[1] + profile.flank.offset - arc_radius - larger_gap
     return min(1.0, max(0.0, gap_rise / profile.deflection))
 
 
@@ -389,11 +394,11 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
     """
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
-    gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
+    gear_x, gear_y = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
     cosine, sine = inwards(lobe, gear.cosine, gear.sine)
-    gear = Pose(gx, gy + ring.radius, cosine, sine)
-    sn, cn = multiple_angle(sine, cosine, int(ring.teeth))
-    arc = _arc_touch(profile, arc_radius, gear, sn, cn, margin)
+    gear = Pose(gear_x, gear_y + ring.radius, cosine, sine)
+    sin_nt, cos_nt = multiple_angle(sine, cosine, int(ring.teeth))
+    arc = _arc_touch(profile, arc_radius, gear, sin_nt, cos_nt, margin)
 
     max_sine = ring.eccentricity * ring.teeth / ring.radius
     is_modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
@@ -402,13 +407,13 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
     # Of a conjugate gear, only roots near the eccentric direction are in contact: |crank| < acos(share), plus a margin.
     is_far = gear.y < (max_sine - SETTINGS.angle_margin * min_cosine) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
     if is_far and monotone and not is_modified:
-        return _write_arc(address, arc, lobe, arc_radius)
+        return _write_arc_contact(address, arc, lobe, arc_radius)
     # The crank is N - 1 times as far round as the gear. Most roots are open, and do not need its angle.
-    crank_x, crank_y = sn * cosine - cn * sine, cn * cosine + sn * sine
+    crank_x, crank_y = sin_nt * cosine - cos_nt * sine, cos_nt * cosine + sin_nt * sine
     shift_x, shift_y = gear.x - ring.eccentricity * crank_x, gear.y - ring.eccentricity * crank_y
     half_pitch = math.pi / ring.teeth
     half_sine, half_cosine = math.sin(half_pitch), math.cos(half_pitch)
-    count = np.int64(0)  # not a literal, for which `_write_root` would be compiled once more
+    count = np.int64(0)  # not a literal, for which `_write_root_contacts` would be compiled once more
     for side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
         is_own = side == 0
@@ -420,19 +425,20 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
         )
         if not is_modified and _stays_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
             continue
-        turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
-        crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
-        low = math.acos(max_sine)
-        start = root_start_phase(crank - pitch, low, ring, is_modified) if monotone else math.pi
-        if start == 0.0:
+        crank_turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
+        crank = crank_turn - 2.0 * math.pi * math.floor(crank_turn / (2.0 * math.pi) + 0.5)
+        min_phase = math.acos(max_sine)
+        start_phase = root_start_phase(crank - pitch, min_phase, ring, is_modified) if monotone else math.pi
+        if start_phase == 0.0:
             continue
-        root = HalfRoot(is_own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), is_modified, monotone)
-        count, arc = _write_root(address, count, profile, arc_radius, root, arc, lobe, gear, margin)
-    return count + _write_arc(address + STRIDE * count, arc, lobe, arc_radius)
+        frame = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))
+        root = HalfRoot(is_own, min_phase, start_phase, frame, is_modified, monotone)
+        count, arc = _write_root_contacts(address, count, profile, arc_radius, root, arc, lobe, gear, margin)
+    return count + _write_arc_contact(address + STRIDE * count, arc, lobe, arc_radius)
 
 
 @compiling.njit(inner=True)
-def _write_root(
+def _write_root_contacts(
     address: int,
     count: int,
     profile: Teeth,
@@ -452,7 +458,7 @@ def _write_root(
     of the teeth in the frame of the lobe, and `margin` [m] the largest gap of a contact. Returns the new number of
     contacts, and `arc` with its new stiffness.
     """
-    flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
+    flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.min_phase
     gear_x, gear_y = inwards(frame, gear.x, gear.y)
     gear_cosine, gear_sine = inwards(frame, gear.cosine, gear.sine)
     gear_pose = Pose(gear_x, gear_y, gear_cosine, gear_sine)
@@ -460,35 +466,35 @@ def _write_root(
     pieces = SETTINGS.modified_pieces if root.monotone else SETTINGS.pieces
     if root.monotone and not root.modified:
         pieces = 1
+    is_graded = root.modified and root.monotone
     slope = root_slope(bottom, ring, flank, gear_pose) if pieces > 1 else -1.0
     for piece in range(pieces):
-        left_end = _piece_edge(bottom, top, piece / pieces, root.own, root.modified and root.monotone)
-        right_end = _piece_edge(bottom, top, (piece + 1) / pieces, root.own, root.modified and root.monotone)
+        interval_start = _interval_edge_phase(bottom, top, piece / pieces, root.own, is_graded)
+        interval_end = _interval_edge_phase(bottom, top, (piece + 1) / pieces, root.own, is_graded)
         if pieces > 1:
             was_falling = slope < 0.0
-            slope = root_slope(right_end, ring, flank, gear_pose)
+            slope = root_slope(interval_end, ring, flank, gear_pose)
             if not was_falling or slope < 0.0:
                 continue
-        minimum = root_minimum(
-            left_end, right_end, root.start if pieces == 1 else 0.5 * (left_end + right_end), ring, flank, gear_pose
-        )
+        search_start = root.start if pieces == 1 else 0.5 * (interval_start + interval_end)
+        minimum = root_minimum(interval_start, interval_end, search_start, ring, flank, gear_pose)
         gap = minimum.distance + flank.offset - arc_radius
         if not (minimum.exists and gap < margin):
             continue
-        factor, arc_factor = _root_factor(profile, arc_radius, minimum), arc.factor
+        factor, arc_factor = _root_stiffness_factor(profile, arc_radius, minimum), arc.factor
         if arc.exists and profile.deflection > 0.0:
             mid_phase = 0.5 * (minimum.B + (min_phase if root.own else 2.0 * math.pi - min_phase))
             separation = _contact_separation(profile, arc_radius, gear_pose, mid_phase, max(gap, arc.gap))
             factor = (0.5 + 0.5 * separation) * (arc_factor + separation * (factor - arc_factor))
             arc = ArcTouch(arc.exists, arc.gap, arc_factor * (0.5 + 0.5 * separation), arc.nx, arc.ny)
-        depth = arc_radius + 0.5 * gap
+        contact_radius = arc_radius + 0.5 * gap
         x, y, _, _, _ = offset_root(minimum.B, ring)
         # Back from the root's frame to the lobe's, and to the world.
-        fx, fy = outwards(frame, x - depth * minimum.nx, y - depth * minimum.ny)
-        vx, vy = outwards(frame, minimum.nx, minimum.ny)
-        px, py = to_frame(lobe, fx, fy - ring.radius)
-        qx, qy = outwards(lobe, vx, vy)
-        write_touch(address + STRIDE * count, gap, px, py, factor, qx, qy)
+        lobe_x, lobe_y = outwards(frame, x - contact_radius * minimum.nx, y - contact_radius * minimum.ny)
+        lobe_nx, lobe_ny = outwards(frame, minimum.nx, minimum.ny)
+        world_x, world_y = to_frame(lobe, lobe_x, lobe_y - ring.radius)
+        world_nx, world_ny = outwards(lobe, lobe_nx, lobe_ny)
+        write_touch(address + STRIDE * count, gap, world_x, world_y, factor, world_nx, world_ny)
         count += 1
     return count, arc
 
@@ -510,21 +516,21 @@ def inner_touches(
         return 0
     if outer.sine == 0.0:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
-        return _write_inner(address, gap, x, y, nx, ny, inner, margin)
+        return _write_inner_contact(address, gap, x, y, nx, ny, inner, margin)
     side, on_arc, both_edges = nearest_on_arc(dx, dy, outer)
     if on_arc:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
     else:
         gap, nx, ny = circle_at_edge(dx, dy, inner, outer, side)
-    count = _write_inner(address, gap, x, y, nx, ny, inner, margin)
+    count = _write_inner_contact(address, gap, x, y, nx, ny, inner, margin)
     if both_edges:
         gap, nx, ny = circle_at_edge(dx, dy, inner, outer, -side)
-        count += _write_inner(address + STRIDE * count, gap, x, y, nx, ny, inner, margin)
+        count += _write_inner_contact(address + STRIDE * count, gap, x, y, nx, ny, inner, margin)
     return count
 
 
 @njit(inline="always")
-def _write_inner(
+def _write_inner_contact(
     address: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float
 ) -> int:
     """Write the contact of a circle with the circle around it at a memory address; return the number, 0 or 1.
@@ -534,6 +540,6 @@ def _write_inner(
     """
     if not gap < margin:
         return 0
-    depth = radius + 0.5 * gap
-    write_touch(address, gap, x + depth * nx, y + depth * ny, 1.0, nx, ny)
+    contact_radius = radius + 0.5 * gap
+    write_touch(address, gap, x + contact_radius * nx, y + contact_radius * ny, 1.0, nx, ny)
     return 1

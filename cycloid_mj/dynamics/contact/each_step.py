@@ -65,8 +65,8 @@ def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
     """Add the sensor by which MuJoCo calls back `EachStep`, to advance and sample a run, to the editable model `spec`.
 
     A number of user data is added, too: it is the memory address of the state of the run. With `changes_contacts` a
-    second sensor is added, which is evaluated before the forces. Its call applies the law IMPACT or the friction law
-    ``film`` to each contact.
+    second sensor is added, which is evaluated before the forces. Its call applies the contact law IMPACT of Adams or
+    the friction law ``film`` (lubricated contacts) to each contact.
     """
     spec.nuserdata = 1
     stage_by_sensor = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
@@ -136,11 +136,11 @@ class EachStep:
         drags
             Constraint rows of the losses by seals and lubricant, see `drag_rows`.
         impacts
-            Law IMPACT of each pair; empty with other laws.
+            Parameters of the contact law IMPACT of Adams for each pair; empty with other laws.
         orbit_dofs
             Degrees of freedom of the discs that orbit.
         film
-            Rows of the film table; None without the law ``film``.
+            Friction table and its rows for lubricated contacts (law ``film``); None with other friction laws.
         """
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
@@ -324,29 +324,29 @@ def _end_step(model: int, data: int, run: StepState) -> None:
         _place_energy(model, data)
         _motion_energy(model, data)
         _write_sample(run)
-        for k in range(run.nv):
-            write_float(run.qvel + 8 * k, read_float(run.saved_qvel + 8 * k))
+        for dof in range(run.nv):
+            write_float(run.qvel + 8 * dof, read_float(run.saved_qvel + 8 * dof))
     _set_command(run)
 
 
 @compiling.njit(inner=True)
 def _apply_impact(run: StepState) -> None:
-    """Set stiffness and damping of every contact by the law IMPACT at its current depth; do nothing with other laws.
+    """Set stiffness and damping of every contact by Adams' law IMPACT at its current depth; else do nothing.
 
-    A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (module `law`), with force f, relative acceleration a
-    and velocity v, and gap r. The function sets k, b and R, which is the inverse of the added mass. The added mass is
-    K dt^2/4 + C dt/2, with the law's tangent stiffness K and damping C; it is stable at any time step dt. The
-    tangential rows are scaled so that friction coefficient and creep stay the same. Arrays are addressed in bytes, 8
-    for each number: a pair has the four numbers of `ImpactLaw`; a row of ``efc_KBIP`` has k, b, impedance and its
-    derivative.
+    `run` is the state of the run. A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (module `law`), with
+    force f, relative acceleration a and velocity v, and gap r. The function sets k, b and R, which is the inverse of
+    the added mass. The added mass is K dt^2/4 + C dt/2, with the law's tangent stiffness K and damping C; it is stable
+    at any time step dt. The tangential rows are scaled so that friction coefficient and creep stay the same. Arrays are
+    addressed in bytes, 8 for each number: a pair has the four numbers of `ImpactLaw`; a row of ``efc_KBIP`` has k, b,
+    impedance and its derivative.
     """
     if not run.impact:
         return
     contacts_address, positions = read_address(run.contact), read_address(run.efc_pos)
-    regularisations, inverse = read_address(run.efc_R), read_address(run.efc_D)
+    regularisations, added_masses = read_address(run.efc_R), read_address(run.efc_D)
     constants, timestep = read_address(run.efc_KBIP), read_float(run.timestep)
-    for k in range(read_int(run.ncon)):
-        contact = contacts_address + run.stride * k
+    for contact_index in range(read_int(run.ncon)):
+        contact = contacts_address + run.stride * contact_index
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair < 0 or row < 0:
             continue
@@ -360,14 +360,14 @@ def _apply_impact(run: StepState) -> None:
         )
         scale = 1.0 / (added_mass * read_float(regularisations + 8 * row))
         for axis in range(read_int(contact + run.dim)):
-            weight, row_constants = regularisations + 8 * (row + axis), constants + 32 * (row + axis)
-            write_float(weight, scale * read_float(weight))
-            write_float(inverse + 8 * (row + axis), 1.0 / read_float(weight))
+            regularisation, row_constants = regularisations + 8 * (row + axis), constants + 32 * (row + axis)
+            write_float(regularisation, scale * read_float(regularisation))
+            write_float(added_masses + 8 * (row + axis), 1.0 / read_float(regularisation))
             write_float(row_constants + 8, scale * read_float(row_constants + 8))
-        normal = constants + 32 * row
-        write_float(normal, force / (depth * added_mass))
-        write_float(normal + 8, damping / added_mass)
-        write_float(normal + 16, 1.0)
+        normal_constants = constants + 32 * row
+        write_float(normal_constants, force / (depth * added_mass))
+        write_float(normal_constants + 8, damping / added_mass)
+        write_float(normal_constants + 16, 1.0)
 
 
 @compiling.njit(inner=True)
@@ -377,7 +377,7 @@ def _apply_film(run: StepState) -> None:
     The coefficient depends on the normal force, and at ring pins on the phase of the pin: the angle between the
     directions of the pin and of the disc's centre. Contacts of teeth are set before those of seats, because the disc
     that presses hardest on a moving pin determines the phase of the pin in its seat. A tilting pin has a phase in the
-    plane of each disc.
+    plane of each disc. `run` is the state of the run.
     """
     if not run.film:
         return
@@ -385,8 +385,8 @@ def _apply_film(run: StepState) -> None:
         write_float(run.pin_force + 8 * pin, 0.0)
         write_float(run.pin_cosine + 8 * pin, 1.0)
     for seats in (False, True):
-        for k in range(read_int(run.ncon)):
-            contact = read_address(run.contact) + run.stride * k
+        for contact_index in range(read_int(run.ncon)):
+            contact = read_address(run.contact) + run.stride * contact_index
             pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
             if pair < 0 or row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
                 continue
@@ -398,7 +398,7 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
     """Set the friction coefficient of one contact from the table of lubricated friction (law ``film``).
 
     The table is interpolated at the normal force and the phase of the ring pin. `contact` is the memory address of the
-    contact, `pair` the index of its mating pair, `row` its first constraint row.
+    contact, `pair` the index of its mating pair, `row` its first constraint row, and `run` the state of the run.
     """
     constants = read_address(run.efc_KBIP) + 32 * row
     depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)
@@ -427,46 +427,48 @@ def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
     """Compute the cosine of the angle between the directions of a ring pin or lobe and of the disc's centre.
 
     Both directions are from the reducer's axis. `contact` is the memory address of their contact, `pair` the index of
-    their mating pair.
+    their mating pair, and `run` the state of the run.
     """
-    first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
-    mate = second if read_address(run.teeth + 8 * first) else first
-    pin, disc = run.geom_xpos + 24 * mate, run.xpos + 24 * read_int(run.origin + 4 * pair)
-    return phase_cosine(read_float(pin), read_float(pin + 8), read_float(disc), read_float(disc + 8))
+    first_geom, second_geom = read_int(contact + run.geom), read_int(contact + run.geom + 4)
+    mate_geom = second_geom if read_address(run.teeth + 8 * first_geom) else first_geom
+    pin_position, disc_position = run.geom_xpos + 24 * mate_geom, run.xpos + 24 * read_int(run.origin + 4 * pair)
+    return phase_cosine(
+        read_float(pin_position), read_float(pin_position + 8), read_float(disc_position), read_float(disc_position + 8)
+    )
 
 
 @compiling.njit(inner=True)
 def _advance_speeds(run: StepState) -> None:
     """Save the speeds of the joints, and advance them by half a step."""
-    half = read_float(run.half_timestep)
-    for k in range(run.nv):
-        speed = read_float(run.qvel + 8 * k)
-        write_float(run.saved_qvel + 8 * k, speed)
-        write_float(run.qvel + 8 * k, speed + half * read_float(run.qacc + 8 * k))
+    half_timestep = read_float(run.half_timestep)
+    for dof in range(run.nv):
+        speed = read_float(run.qvel + 8 * dof)
+        write_float(run.saved_qvel + 8 * dof, speed)
+        write_float(run.qvel + 8 * dof, speed + half_timestep * read_float(run.qacc + 8 * dof))
 
 
 @compiling.njit(inner=True)
 def _set_command(run: StepState) -> None:
     """Set the commands of the next step; the last commands persist."""
     if run.command < run.last:
-        for k in range(run.nu):
-            write_float(run.ctrl + 8 * k, read_float(run.command + 8 * k))
+        for actuator in range(run.nu):
+            write_float(run.ctrl + 8 * actuator, read_float(run.command + 8 * actuator))
         run.command += 8 * run.nu
 
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
-    """Update the peak of the normal force of each mating pair [N] with the pair's force in this step."""
-    contacts_address, force = read_address(run.contact), read_address(run.efc_force)
+    """Update the peak normal force of each mating pair [N] in the state `run` with the pair's force in this step."""
+    contacts_address, forces = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
-    for k in range(count):
-        contact = contacts_address + run.stride * k
+    for i in range(count):
+        contact = contacts_address + run.stride * i
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair >= 0 and row >= 0:
             address = run.sum + 8 * pair
-            write_float(address, read_float(address) + read_float(force + 8 * row))
-    for k in range(count):
-        pair = abs(pair_of(run, contacts_address + run.stride * k)) - 1
+            write_float(address, read_float(address) + read_float(forces + 8 * row))
+    for i in range(count):
+        pair = abs(pair_of(run, contacts_address + run.stride * i)) - 1
         if pair >= 0:
             address = run.peak + 8 * pair
             write_float(address, max(read_float(address), read_float(run.sum + 8 * pair)))

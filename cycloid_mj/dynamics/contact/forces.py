@@ -67,10 +67,10 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
         on_number, by_number = number_of[pair.on], number_of[pair.by]
         index[on_number, by_number], index[by_number, on_number] = -count, count
     origin = np.array([body_of_surface[number_of[pair.on]] for pair in pairs], dtype=np.int32)
-    return PairIndex(surface, index, origin, *_exact_teeth(model))
+    return PairIndex(surface, index, origin, *_tooth_contact_data(model))
 
 
-def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
+def _tooth_contact_data(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
     """Return radii and data addresses from which the geometric penetration of teeth is computed, per MuJoCo geom.
 
     Both have the shape (geoms,), and are 0 in a model without exact teeth.
@@ -115,40 +115,43 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     (``PAIR_COLUMNS``); all numbers there but the peak forces must be zero before. Force and moment act on the body of
     the surface `Pair.on`, the moment about its origin. `state` is the state of the run.
     """
-    contacts, forces = read_address(state.contact), read_address(state.efc_force)
-    active, max_depth, peak = 0, 0.0, 0.0
-    for k in range(read_int(state.ncon)):
-        contact = contacts + state.stride * k
+    contacts_address, forces_address = read_address(state.contact), read_address(state.efc_force)
+    active_contacts, max_depth, largest_force = 0, 0.0, 0.0
+    for i in range(read_int(state.ncon)):
+        contact = contacts_address + state.stride * i
         max_depth = max(max_depth, _penetration(state, contact))
         number, row = pair_of(state, contact), read_int(contact + state.efc_address)
         if number == 0 or row < 0:
             continue
         pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
-        force = forces + 8 * row
-        speed = read_address(state.efc_vel) + 8 * row
-        fx = read_float(force) * read_float(contact + state.frame)
-        fy = read_float(force) * read_float(contact + state.frame + 8)
-        columns = pair_table + 8 * sample_layout.OF_PAIR * pair
+        force_address = forces_address + 8 * row
+        speed_address = read_address(state.efc_vel) + 8 * row
+        force_x = read_float(force_address) * read_float(contact + state.frame)
+        force_y = read_float(force_address) * read_float(contact + state.frame + 8)
+        pair_columns = pair_table + 8 * sample_layout.OF_PAIR * pair
         for axis in range(1, read_int(contact + state.dim)):
-            tangential_force, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
-            fx += tangential_force * read_float(tangent)
-            fy += tangential_force * read_float(tangent + 8)
-            _add(columns + 8 * sample_layout.FRICTION_POWER, -tangential_force * read_float(speed + 8 * axis))
-        origin = state.xpos + 24 * read_int(state.origin + 4 * pair)
+            tangential_force, tangent_address = read_float(force_address + 8 * axis), contact + state.frame + 24 * axis
+            force_x += tangential_force * read_float(tangent_address)
+            force_y += tangential_force * read_float(tangent_address + 8)
+            _add(
+                pair_columns + 8 * sample_layout.FRICTION_POWER,
+                -tangential_force * read_float(speed_address + 8 * axis),
+            )
+        origin_address = state.xpos + 24 * read_int(state.origin + 4 * pair)
         x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
-        _add(columns + 8 * sample_layout.FORCE_X, sign * fx)
-        _add(columns + 8 * sample_layout.FORCE_Y, sign * fy)
+        _add(pair_columns + 8 * sample_layout.FORCE_X, sign * force_x)
+        _add(pair_columns + 8 * sample_layout.FORCE_Y, sign * force_y)
         _add(
-            columns + 8 * sample_layout.MOMENT,
-            sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx),
+            pair_columns + 8 * sample_layout.MOMENT,
+            sign * ((x - read_float(origin_address)) * force_y - (y - read_float(origin_address + 8)) * force_x),
         )
-        _add(columns + 8 * sample_layout.NORMAL_POWER, -read_float(force) * read_float(speed))
-        magnitude = math.sqrt(fx * fx + fy * fy)
-        active += magnitude > 0.0
-        peak = max(peak, magnitude)
-    write_float(summary + 8 * sample_layout.ACTIVE, float(active))
+        _add(pair_columns + 8 * sample_layout.NORMAL_POWER, -read_float(force_address) * read_float(speed_address))
+        magnitude = math.sqrt(force_x * force_x + force_y * force_y)
+        active_contacts += magnitude > 0.0
+        largest_force = max(largest_force, magnitude)
+    write_float(summary + 8 * sample_layout.ACTIVE, float(active_contacts))
     write_float(summary + 8 * sample_layout.PENETRATION, max_depth)
-    write_float(summary + 8 * sample_layout.LARGEST_FORCE, peak)
+    write_float(summary + 8 * sample_layout.LARGEST_FORCE, largest_force)
 
 
 @njit(inline="always")
@@ -166,8 +169,8 @@ def _penetration(state: StepState, contact: int) -> float:
     overlap = -read_float(contact)
     first_geom, second_geom = read_int(contact + state.geom), read_int(contact + state.geom + 4)
     teeth, mate = (first_geom, second_geom) if read_address(state.teeth + 8 * first_geom) else (second_geom, first_geom)
-    user = read_address(state.teeth + 8 * teeth)
-    if not user or overlap <= 0.0:
+    teeth_data = read_address(state.teeth + 8 * teeth)
+    if not teeth_data or overlap <= 0.0:
         return overlap
     x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
     centre = state.geom_xpos + 24 * mate
@@ -176,7 +179,7 @@ def _penetration(state: StepState, contact: int) -> float:
     if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * distance:
         return 2.0 * (read_float(state.reach + 8 * mate) - distance)
     # a root of the ring: its depth from the contact point, which lies half-way
-    flank = read_teeth(user, state.nuser_geom).flank
+    flank = read_teeth(teeth_data, state.nuser_geom).flank
     gear, rotation = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
     along_x, along_y, cosine, sine = (
         x - read_float(gear),

@@ -109,7 +109,7 @@ def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, f
 
 @njit
 def trochoid_foot(
-    x: float, y: float, curve: Trochoid, start: float, st: float, ct: float
+    x: float, y: float, curve: Trochoid, start: float, sin_t: float, cos_t: float
 ) -> tuple[float, float, float, float, bool]:
     """Solve for the foot point of (x, y) [m] on a trochoid `curve` by Newton's method.
 
@@ -119,7 +119,7 @@ def trochoid_foot(
         Position of the point [m].
     curve
         The trochoid.
-    start, st, ct
+    start, sin_t, cos_t
         Parameter of the trochoid at which the iteration starts [rad], its sine and cosine.
 
     Returns
@@ -135,31 +135,36 @@ def trochoid_foot(
     """
     radius, eccentricity, teeth = curve
     t = start
-    sn, cn = math.sin(teeth * t), math.cos(teeth * t)
-    pitch_distance = eccentricity * teeth
-    limit = 0.5 / teeth
+    sin_nt, cos_nt = math.sin(teeth * t), math.cos(teeth * t)
+    pitch_radius = eccentricity * teeth
+    max_increment = 0.5 / teeth
     has_converged = False
     for _ in range(SETTINGS.max_iterations):
-        dx = radius * st - eccentricity * sn - x
-        dy = radius * ct - eccentricity * cn - y
-        tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
-        ax, ay = pitch_distance * teeth * sn - radius * st, pitch_distance * teeth * cn - radius * ct
-        speed2 = tx * tx + ty * ty
-        curvature = speed2 + dx * ax + dy * ay
+        dx = radius * sin_t - eccentricity * sin_nt - x
+        dy = radius * cos_t - eccentricity * cos_nt - y
+        tangent_x, tangent_y = radius * cos_t - pitch_radius * cos_nt, pitch_radius * sin_nt - radius * sin_t
+        tangent_rate_x, tangent_rate_y = (
+            pitch_radius * teeth * sin_nt - radius * sin_t,
+            pitch_radius * teeth * cos_nt - radius * cos_t,
+        )
+        squared_speed = tangent_x * tangent_x + tangent_y * tangent_y
+        curvature = squared_speed + dx * tangent_rate_x + dy * tangent_rate_y
         # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
-        increment = -(dx * tx + dy * ty) / (curvature if curvature > 0.1 * speed2 else speed2)
-        increment = min(limit, max(-limit, increment))
+        increment = -(dx * tangent_x + dy * tangent_y) / (
+            curvature if curvature > 0.1 * squared_speed else squared_speed
+        )
+        increment = min(max_increment, max(-max_increment, increment))
         t += increment
-        st, ct = _rotate_angle(st, ct, increment)
-        sn, cn = _rotate_angle(sn, cn, teeth * increment)
+        sin_t, cos_t = _rotate_angle(sin_t, cos_t, increment)
+        sin_nt, cos_nt = _rotate_angle(sin_nt, cos_nt, teeth * increment)
         if abs(increment) < SETTINGS.tolerance:
             has_converged = True
             break
-    tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
-    speed = math.sqrt(tx * tx + ty * ty)
-    nx, ny = -ty / speed, tx / speed
-    dx = radius * st - eccentricity * sn - x
-    dy = radius * ct - eccentricity * cn - y
+    tangent_x, tangent_y = radius * cos_t - pitch_radius * cos_nt, pitch_radius * sin_nt - radius * sin_t
+    speed = math.sqrt(tangent_x * tangent_x + tangent_y * tangent_y)
+    nx, ny = -tangent_y / speed, tangent_x / speed
+    dx = radius * sin_t - eccentricity * sin_nt - x
+    dy = radius * cos_t - eccentricity * cos_nt - y
     return t, -(dx * nx + dy * ny), nx, ny, has_converged
 
 
@@ -176,19 +181,19 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
         Parameter of the foot point [rad], distance [m], positive outside, and outward unit normal (x, y).
     """
     radius, eccentricity, teeth = curve
-    start, st, ct = trochoid_start(x, y, curve)
-    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, start, st, ct)
+    start, sin_t, cos_t = trochoid_start(x, y, curve)
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, start, sin_t, cos_t)
     if converged and abs(distance) < 0.1 * eccentricity:
         return t, distance, nx, ny
     pitch = 2.0 * math.pi / (teeth - 1.0)
-    best, nearest = start, math.inf
-    for k in range(SETTINGS.grid):
-        candidate = start + pitch * (k / SETTINGS.grid - 0.5) * 2.0
-        ex = radius * math.sin(candidate) - eccentricity * math.sin(teeth * candidate) - x
-        ey = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
-        if ex * ex + ey * ey < nearest:
-            best, nearest = candidate, ex * ex + ey * ey
-    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best, math.sin(best), math.cos(best))
+    best_start, least_square = start, math.inf
+    for i in range(SETTINGS.grid):
+        candidate = start + pitch * (i / SETTINGS.grid - 0.5) * 2.0
+        dx = radius * math.sin(candidate) - eccentricity * math.sin(teeth * candidate) - x
+        dy = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
+        if dx * dx + dy * dy < least_square:
+            best_start, least_square = candidate, dx * dx + dy * dy
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best_start, math.sin(best_start), math.cos(best_start))
     return t, distance, nx, ny
 
 
@@ -200,10 +205,12 @@ def trochoid_curvature(t: float, curve: Trochoid) -> float:
     of `Trochoid`.
     """
     radius, eccentricity, teeth = curve
-    pitch_distance = eccentricity * teeth
-    product = radius * pitch_distance * math.cos((teeth - 1.0) * t)
-    l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * product
-    return (radius * radius + pitch_distance * pitch_distance * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+    pitch_radius = eccentricity * teeth
+    product = radius * pitch_radius * math.cos((teeth - 1.0) * t)
+    squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * product
+    return (radius * radius + pitch_radius * pitch_radius * teeth - (teeth + 1.0) * product) / (
+        squared_pitch_distance * math.sqrt(squared_pitch_distance)
+    )
 
 
 class Flank(NamedTuple):
@@ -243,13 +250,13 @@ def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
     """
     offset, first_derivative, second_derivative = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
-    s, c = 0.0, 1.0
+    sine_k, cosine_k = 0.0, 1.0
     for k in range(1, len(waves) + 1):
-        s, c = s * cosine + c * sine, c * cosine - s * sine
+        sine_k, cosine_k = sine_k * cosine + cosine_k * sine, cosine_k * cosine - sine_k * sine
         by_cosine, by_sine = waves[k - 1, 0], waves[k - 1, 1]
-        term = by_cosine * c + by_sine * s
+        term = by_cosine * cosine_k + by_sine * sine_k
         offset += term
-        first_derivative += k * (by_sine * c - by_cosine * s)
+        first_derivative += k * (by_sine * cosine_k - by_cosine * sine_k)
         second_derivative -= k * k * term
     return offset, first_derivative, second_derivative
 
@@ -321,11 +328,17 @@ def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, fl
         return t, distance, cosine * nx + sine * ny, cosine * ny - sine * nx, False
     is_tip = beyond_valley < 0.75 * pitch
     middle_angle = side * pitch * (math.floor(turns) + (0.5 if is_tip else 1.0))
-    corner = flank.tip_radius if is_tip else flank.valley_radius
-    dx, dy = x - corner * math.sin(middle_angle), y - corner * math.cos(middle_angle)
-    to_corner = math.sqrt(dx * dx + dy * dy)
-    end = middle_angle - side * (flank.tip if is_tip else flank.valley)
-    return end, to_corner - flank.offset + wave_offset(end, flank.waves)[0], dx / to_corner, dy / to_corner, True
+    corner_radius = flank.tip_radius if is_tip else flank.valley_radius
+    dx, dy = x - corner_radius * math.sin(middle_angle), y - corner_radius * math.cos(middle_angle)
+    corner_distance = math.sqrt(dx * dx + dy * dy)
+    end_parameter = middle_angle - side * (flank.tip if is_tip else flank.valley)
+    return (
+        end_parameter,
+        corner_distance - flank.offset + wave_offset(end_parameter, flank.waves)[0],
+        dx / corner_distance,
+        dy / corner_distance,
+        True,
+    )
 
 
 @njit(inline="always")

@@ -177,14 +177,14 @@ def _find_pointers(model: Any) -> dict[str, int]:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
-    start = data.energy.ctypes.data - data._address
+    data_start = data.energy.ctypes.data - data._address
     offsets = {}
-    for owner, begin, search_range, names in (
+    for owner, range_start, search_range, names in (
         (model, 0, _Span.MODEL, ("geom_size", "geom_priority", "geom_user")),
-        (data, start, _Span.DATA, ("geom_xpos", "geom_xmat")),
+        (data, data_start, _Span.DATA, ("geom_xpos", "geom_xmat")),
     ):
         for name in names:
-            matches = _find_address(owner._address, begin, getattr(owner, name).ctypes.data, search_range)
+            matches = _find_address(owner._address, range_start, getattr(owner, name).ctypes.data, search_range)
             if not matches:
                 raise _layout_error(f"{type(owner).__name__}.{name} is missing")
             offsets[name] = matches[-1]

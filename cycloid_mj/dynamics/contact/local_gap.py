@@ -34,10 +34,10 @@ SETTINGS = OsculatingCircleSettings()
 class Start(NamedTuple):
     """Sine and cosine of t, and of N t, at a point of the trochoid near a foot; the first two 0 where none is known."""
 
-    st: float
-    ct: float
-    sn: float
-    cn: float
+    sin_t: float
+    cos_t: float
+    sin_nt: float
+    cos_nt: float
 
 
 @njit(inline="always")
@@ -49,13 +49,16 @@ def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, floa
     tuple of float
         Sine and cosine.
     """
-    s, c = 0.0, 1.0
+    multiple_sine, multiple_cosine = 0.0, 1.0
     while factor > 0:
         if factor & 1:
-            s, c = s * cosine + c * sine, c * cosine - s * sine
+            multiple_sine, multiple_cosine = (
+                multiple_sine * cosine + multiple_cosine * sine,
+                multiple_cosine * cosine - multiple_sine * sine,
+            )
         sine, cosine = 2.0 * sine * cosine, (cosine - sine) * (cosine + sine)
         factor >>= 1
-    return s, c
+    return multiple_sine, multiple_cosine
 
 
 @njit(inline="always")
@@ -77,29 +80,29 @@ def local_distance(
     `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
     """
     radius, eccentricity, teeth = curve
-    st, ct, sn, cn = start
-    pitch_distance = eccentricity * teeth
+    sin_t, cos_t, sin_nt, cos_nt = start
+    pitch_radius, pitch_rate = eccentricity * teeth, eccentricity * teeth * teeth
     for _ in range(SETTINGS.max_iterations):
-        dx, dy = x - radius * st + eccentricity * sn, y - radius * ct + eccentricity * cn
-        tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
-        ax, ay = pitch_distance * teeth * sn - radius * st, pitch_distance * teeth * cn - radius * ct
-        speed2 = tx * tx + ty * ty
-        speed = math.sqrt(speed2)
+        dx, dy = x - radius * sin_t + eccentricity * sin_nt, y - radius * cos_t + eccentricity * cos_nt
+        tangent_x, tangent_y = radius * cos_t - pitch_radius * cos_nt, pitch_radius * sin_nt - radius * sin_t
+        tangent_rate_x, tangent_rate_y = pitch_rate * sin_nt - radius * sin_t, pitch_rate * cos_nt - radius * cos_t
+        squared_speed = tangent_x * tangent_x + tangent_y * tangent_y
+        speed = math.sqrt(squared_speed)
         inverse_speed = 1.0 / speed
-        offset = (dy * tx - dx * ty) * inverse_speed
-        increment = (dx * tx + dy * ty) / speed2
-        curvature_term = (ax * ty - ay * tx) * inverse_speed
-        curvature = curvature_term / speed2
+        offset = (dy * tangent_x - dx * tangent_y) * inverse_speed
+        increment = (dx * tangent_x + dy * tangent_y) / squared_speed
+        curvature_term = (tangent_rate_x * tangent_y - tangent_rate_y * tangent_x) * inverse_speed
+        curvature = curvature_term / squared_speed
         radius_ratio = 1.0 + curvature * offset
-        tangent_rate = math.sqrt(ax * ax + ay * ay)
-        # Sag below the tangent: curvature_term * increment^2 / 2, within pitch_distance * teeth^2 * increment^3 / 6.
-        max_sag = (abs(curvature_term) + pitch_distance * teeth * abs(teeth * increment)) * increment * increment
+        tangent_rate_norm = math.sqrt(tangent_rate_x * tangent_rate_x + tangent_rate_y * tangent_rate_y)
+        # Sag below the tangent: curvature_term * increment^2 / 2, within pitch_rate * teeth * increment^3 / 6.
+        max_sag = (abs(curvature_term) + pitch_rate * abs(teeth * increment)) * increment * increment
         if (
             offset - max_sag > max_distance
-            and (abs(increment) + abs(offset) * inverse_speed) * tangent_rate < SETTINGS.max_tangent_change * speed
+            and (abs(increment) + abs(offset) * inverse_speed) * tangent_rate_norm < SETTINGS.max_tangent_change * speed
         ):
             return offset, 0.0, 0.0, 0.0
-        if abs(increment) * tangent_rate < SETTINGS.circle_angle * speed and radius_ratio > 0.5:
+        if abs(increment) * tangent_rate_norm < SETTINGS.circle_angle * speed and radius_ratio > 0.5:
             arc = increment * speed
             arc_angle = curvature * arc
             foot_norm = math.sqrt(radius_ratio * radius_ratio + arc_angle * arc_angle)
@@ -109,23 +112,23 @@ def local_distance(
                 arc_angle * inverse_speed / foot_norm,
             )
             # cos B at the foot, B = (N - 1) t, to second order of the last increment.
-            cosine = cn * ct + sn * st - (teeth - 1.0) * increment * (sn * ct - cn * st)
-            product = radius * pitch_distance * cosine
-            l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * product
-            curvature_term = (radius * radius + pitch_distance * pitch_distance * teeth - (teeth + 1.0) * product) / (
-                l2 * math.sqrt(l2)
+            cosine = cos_nt * cos_t + sin_nt * sin_t - (teeth - 1.0) * increment * (sin_nt * cos_t - cos_nt * sin_t)
+            product = radius * pitch_radius * cosine
+            squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * product
+            curvature_term = (radius * radius + pitch_radius * pitch_radius * teeth - (teeth + 1.0) * product) / (
+                squared_pitch_distance * math.sqrt(squared_pitch_distance)
             )
             return (
                 distance,
-                along_tangent * tx - along_normal * ty,
-                along_normal * tx + along_tangent * ty,
+                along_tangent * tangent_x - along_normal * tangent_y,
+                along_normal * tangent_x + along_tangent * tangent_y,
                 curvature_term,
             )
         increment /= max(radius_ratio, 0.5)
         if not abs(teeth * increment) < SETTINGS.max_rotation:
             break
-        st, ct = _rotate_small(st, ct, increment)
-        sn, cn = _rotate_small(sn, cn, teeth * increment)
+        sin_t, cos_t = _rotate_small(sin_t, cos_t, increment)
+        sin_nt, cos_nt = _rotate_small(sin_nt, cos_nt, teeth * increment)
     t, distance, nx, ny = trochoid_distance(x, y, curve)
     return distance, nx, ny, trochoid_curvature(t, curve)
 
@@ -144,7 +147,7 @@ def pin_distance(
     tuple of float
         Distance [m], unit normal (x, y) and curvature [1/m].
     """
-    if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
+    if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.sin_t != 0.0 or start.cos_t != 0.0):
         return local_distance(x, y, flank.curve, start, max_distance)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)
     return distance, nx, ny, trochoid_curvature(t, flank.curve)

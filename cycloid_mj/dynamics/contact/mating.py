@@ -161,11 +161,11 @@ def write_round_contacts(
         z = middle + (distance if plane else -distance)
         x, y = _centre_at(data, layout, inner, z)
         outer_x, outer_y = _centre_at(data, layout, outer, z)
-        dx, dy, start = x - outer_x, y - outer_y, contacts + STRIDE * count
-        in_plane = inner_touches(start, dx, dy, x, y, _radius(model, layout, inner), outer_arc, margin)
-        for address in range(start, start + STRIDE * in_plane, STRIDE):
+        dx, dy, first_address = x - outer_x, y - outer_y, contacts + STRIDE * count
+        added = inner_touches(first_address, dx, dy, x, y, _radius(model, layout, inner), outer_arc, margin)
+        for address in range(first_address, first_address + STRIDE * added, STRIDE):
             _write_touch(address, read_touch(address), z, sign)
-        count += in_plane
+        count += added
     return count
 
 
@@ -184,11 +184,13 @@ def write_bearing_contacts(
     inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
     gap, nx, ny = circle_in_circle(x - bore_x, y - bore_y, inner, outer)
     count = 0
-    for side, opening in ((1.0, gap), (-1.0, 2.0 * (outer - inner) - gap)):
-        if opening < margin and (side > 0.0 or outer < inner):
-            px, py = x + side * inner * nx, y + side * inner * ny
-            push = sign * side
-            write_contact(contacts + STRIDE * count, opening, px, py, z, push * nx, push * ny)
+    for side, side_gap in ((1.0, gap), (-1.0, 2.0 * (outer - inner) - gap)):
+        if side_gap < margin and (side > 0.0 or outer < inner):
+            contact_x, contact_y = x + side * inner * nx, y + side * inner * ny
+            normal_sign = sign * side
+            write_contact(
+                contacts + STRIDE * count, side_gap, contact_x, contact_y, z, normal_sign * nx, normal_sign * ny
+            )
             count += 1
     return count
 
@@ -210,7 +212,7 @@ def write_planet_contacts(
     for side, gap in ((1.0, flanks.gap), (-1.0, flanks.opposite)):
         if gap < margin:
             nx, ny = flank_normal(flanks, side)
-            px, py = pitch_x + mesh.arm * nx, pitch_y + mesh.arm * ny
-            write_contact(contacts + STRIDE * count, gap, px, py, z, sign * nx, sign * ny)
+            contact_x, contact_y = pitch_x + mesh.arm * nx, pitch_y + mesh.arm * ny
+            write_contact(contacts + STRIDE * count, gap, contact_x, contact_y, z, sign * nx, sign * ny)
             count += 1
     return count

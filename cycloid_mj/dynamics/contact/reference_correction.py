@@ -86,32 +86,32 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
     """Correct MuJoCo's normal reference accelerations of all contacts for the circular orbit of the discs.
 
-    `model` and `data` are the memory addresses of MuJoCo's structures, `layout` the offsets of their arrays. MuJoCo
-    neglects the change of the Jacobian along the orbit; the module describes both corrections. In the following, b is
-    the damping of a contact, the second of the four numbers of a row of ``efc_KBIP``, and dt the time step. The first
-    pass adds the centripetal acceleration of the orbit along the normal, times 1 - b dt/2. MuJoCo's damping acts on the
-    mean of the velocities half a step before and after, which is too small on a circle. The second pass therefore
-    subtracts b times this error along the normal.
+    `model` and `data` are the memory addresses of MuJoCo's structures, `layout` the offsets of their arrays, and `run`
+    the state of the run. MuJoCo neglects the change of the Jacobian along the orbit; the module describes both
+    corrections. In the following, b is the damping of a contact, the second of the four numbers of a row of
+    ``efc_KBIP``, and dt the time step. The first pass adds the centripetal acceleration of the orbit along the normal,
+    times 1 - b dt/2. MuJoCo's damping acts on the mean of the velocities half a step before and after, which is too
+    small on a circle. The second pass therefore subtracts b times this error along the normal.
     """
     _multiply_orbit(layout, model, data, run, False)
-    product, constants, references = (
+    products, constants, references = (
         read_address(data + layout.efc_force),
         read_address(data + layout.efc_KBIP),
         read_address(data + layout.efc_aref),
     )
     contacts_address, half_timestep = read_address(data + layout.contact), read_float(run.half_timestep)
-    for k in range(read_int(data + layout.ncon)):
-        row = read_int(contacts_address + layout.stride * k + layout.efc_address)
+    for i in range(read_int(data + layout.ncon)):
+        row = read_int(contacts_address + layout.stride * i + layout.efc_address)
         if row >= 0:
             share = 1.0 - half_timestep * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
-            write_float(reference, read_float(reference) + share * read_float(product + 8 * row))
+            write_float(reference, read_float(reference) + share * read_float(products + 8 * row))
     _multiply_orbit(layout, model, data, run, True)
-    for k in range(read_int(data + layout.ncon)):
-        row = read_int(contacts_address + layout.stride * k + layout.efc_address)
+    for i in range(read_int(data + layout.ncon)):
+        row = read_int(contacts_address + layout.stride * i + layout.efc_address)
         if row >= 0:
             damping, reference = read_float(constants + 32 * row + 8), references + 8 * row
-            write_float(reference, read_float(reference) - damping * read_float(product + 8 * row))
+            write_float(reference, read_float(reference) - damping * read_float(products + 8 * row))
 
 
 @compiling.njit(inner=True)
@@ -124,18 +124,18 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, b
     run.
     """
     half_timestep = read_float(run.half_timestep)
-    for k in range(run.discs):
-        x = 8 * read_int(run.orbits + 4 * k)
-        px, py = read_float(run.qpos + x), read_float(run.qpos + x + 8)
-        vx, vy = read_float(run.qvel + x), read_float(run.qvel + x + 8)
-        angular = (px * vy - py * vx) / (px * px + py * py)
-        squared_speed = angular * angular
-        ax, ay = -squared_speed * px, -squared_speed * py
+    for disc in range(run.discs):
+        dof_offset = 8 * read_int(run.orbits + 4 * disc)
+        x, y = read_float(run.qpos + dof_offset), read_float(run.qpos + dof_offset + 8)
+        vx, vy = read_float(run.qvel + dof_offset), read_float(run.qvel + dof_offset + 8)
+        angular_speed = (x * vy - y * vx) / (x * x + y * y)
+        squared_angular_speed = angular_speed * angular_speed
+        vector_x, vector_y = -squared_angular_speed * x, -squared_angular_speed * y
         if by_speed_errors:
-            speed_error = 2.0 / 3.0 * half_timestep * half_timestep * squared_speed * angular
-            ax, ay = -speed_error * py, speed_error * px
-        write_float(run.circling + x, ax)
-        write_float(run.circling + x + 8, ay)
+            speed_error = 2.0 / 3.0 * half_timestep * half_timestep * squared_angular_speed * angular_speed
+            vector_x, vector_y = -speed_error * y, speed_error * x
+        write_float(run.circling + dof_offset, vector_x)
+        write_float(run.circling + dof_offset + 8, vector_y)
     multiply_jacobian(model, data, read_address(data + layout.efc_force), run.circling)
 
 
@@ -151,18 +151,18 @@ def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))
-    for k in range(read_int(data + layout.ncon)):
-        contact = contacts_address + layout.stride * k
+    for i in range(read_int(data + layout.ncon)):
+        contact = contacts_address + layout.stride * i
         row = read_int(contact + layout.efc_address)
         if row < 0 or read_int(contact + layout.dim) != _FRICTIONAL:
             continue
         reference, acceleration = references + 8 * row, accelerations + 8 * row
-        normal, ratio = read_float(reference), read_float(contact + layout.mu)
-        sliding = math.hypot(
+        normal_reference, cone_ratio = read_float(reference), read_float(contact + layout.mu)
+        sliding_excess = math.hypot(
             read_float(reference + 8) - read_float(acceleration + 8),
             read_float(reference + 16) - read_float(acceleration + 16),
         )
-        pressing = max(normal - read_float(acceleration), 0.0)
-        lift = read_float(contact + layout.friction) * sliding - ratio * ratio * pressing
+        normal_excess = max(normal_reference - read_float(acceleration), 0.0)
+        lift = read_float(contact + layout.friction) * sliding_excess - cone_ratio * cone_ratio * normal_excess
         if lift > 0.0:
-            write_float(reference, normal - lift)
+            write_float(reference, normal_reference - lift)

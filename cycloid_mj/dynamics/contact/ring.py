@@ -42,7 +42,7 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
     """Compute a point at the phase B [rad] of a root of the internal gear, offset by the pin radius into the gear.
 
     The offset curve S leads from the centre of one lobe's arc to that of the next. `ring` has pin circle, eccentricity
-    and number of teeth of the gear.
+    and number of teeth of the gear. In the code, K is E^2 - c^2 N^2, with the symbols of `Trochoid`.
 
     Returns
     -------
@@ -52,19 +52,21 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
         with the pin radius rho = 0).
     """
     radius, eccentricity, teeth = ring
-    pitch_distance = eccentricity * teeth
+    pitch_radius = eccentricity * teeth
     sine, cosine = math.sin(B), math.cos(B)
-    alpha = math.atan2(-pitch_distance * sine, radius - pitch_distance * cosine)
-    K = radius * radius - pitch_distance * pitch_distance
-    l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * radius * pitch_distance * cosine
-    length = math.sqrt(l2)
+    alpha = math.atan2(-pitch_radius * sine, radius - pitch_radius * cosine)
+    K = radius * radius - pitch_radius * pitch_radius
+    squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * radius * pitch_radius * cosine
+    pitch_distance = math.sqrt(squared_pitch_distance)
     crank = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
     psi = (math.pi - 2.0 * B - (teeth - 2.0) * alpha) / teeth
-    support = ((teeth - 1.0) * K + l2) / (teeth * length)
-    x = pitch_distance * math.sin(crank) + support * math.sin(psi)
-    y = pitch_distance * math.cos(crank) + support * math.cos(psi)
-    rate = ((teeth + 1.0) * length + (teeth - 1.0) * K * K / (l2 * length)) / (teeth * teeth)
-    normal_rate = (teeth + 2.0 - (teeth - 2.0) * K / l2) / (2.0 * teeth)
+    support = ((teeth - 1.0) * K + squared_pitch_distance) / (teeth * pitch_distance)
+    x = pitch_radius * math.sin(crank) + support * math.sin(psi)
+    y = pitch_radius * math.cos(crank) + support * math.cos(psi)
+    rate = ((teeth + 1.0) * pitch_distance + (teeth - 1.0) * K * K / (squared_pitch_distance * pitch_distance)) / (
+        teeth * teeth
+    )
+    normal_rate = (teeth + 2.0 - (teeth - 2.0) * K / squared_pitch_distance) / (2.0 * teeth)
     return x, y, psi, rate, normal_rate / rate
 
 
@@ -80,21 +82,22 @@ def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
     """Solve for the phase B [rad] of the ideal contact in a root at a clockwise crank angle [rad], by Newton's method.
 
     It is valid for designs with ``is_monotone`` only, and for crank angles from -B0 to B0 - 2 pi/N. `min_phase` is B0,
-    where the root begins: its cosine is c N / E, with the symbols of `Trochoid`, here `ring`.
+    where the root begins: its cosine is c N / E, with the symbols of `Trochoid`, here `ring`. In the code, K is
+    E^2 - c^2 N^2.
     """
     radius, eccentricity, teeth = ring
-    pitch_distance = eccentricity * teeth
-    K = radius * radius - pitch_distance * pitch_distance
+    pitch_radius = eccentricity * teeth
+    K = radius * radius - pitch_radius * pitch_radius
     root_axis = -math.pi / teeth
     is_mirrored = crank > root_axis
     target = 2.0 * root_axis - crank if is_mirrored else crank
     B = min_phase
     for _ in range(SETTINGS.max_iterations):
         cosine = math.cos(B)
-        alpha = math.atan2(-pitch_distance * math.sin(B), radius - pitch_distance * cosine)
-        l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * radius * pitch_distance * cosine
-        value = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
-        increment = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
+        alpha = math.atan2(-pitch_radius * math.sin(B), radius - pitch_radius * cosine)
+        squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * radius * pitch_radius * cosine
+        crank_of_phase = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
+        increment = (target - crank_of_phase) * teeth / ((teeth - 1.0) * K / squared_pitch_distance - 1.0)
         B = min(math.pi, B + increment)
         if abs(increment) < SETTINGS.start_tolerance:
             break
@@ -135,16 +138,16 @@ def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[floa
         of the foot point on the gear [rad], and the gear's outward normal (x, y).
     """
     x, y, psi, rate, curvature = offset_root(B, ring)
-    dx, dy = inwards(gear, x - gear.x, y - gear.y)
-    t, distance, nx, ny, at_corner = flank_distance(dx, dy, flank)
-    wx, wy = outwards(gear, nx, ny)
+    x_in_gear, y_in_gear = inwards(gear, x - gear.x, y - gear.y)
+    t, distance, gear_nx, gear_ny, at_corner = flank_distance(x_in_gear, y_in_gear, flank)
+    normal_x, normal_y = outwards(gear, gear_nx, gear_ny)
     # B runs counter-clockwise: the tangent of S is minus the derivative of u(psi).
-    slope = -wx * math.cos(psi) + wy * math.sin(psi)
+    slope = -normal_x * math.cos(psi) + normal_y * math.sin(psi)
     # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts; of a corner, that
     # of the circle around it.
     gear_curvature = 1.0 / flank.offset if at_corner else flank_curvature(t, flank)
     relative_curvature = gear_curvature / (1.0 + gear_curvature * distance) - curvature
-    return distance, slope, rate * relative_curvature, t, wx, wy
+    return distance, slope, rate * relative_curvature, t, normal_x, normal_y
 
 
 @njit
@@ -173,7 +176,7 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
     lower, upper = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))
     for _ in range(SETTINGS.max_iterations):
-        distance, slope, slope_rate, t, wx, wy = _gap_slope(B, ring, flank, gear)
+        distance, slope, slope_rate, t, normal_x, normal_y = _gap_slope(B, ring, flank, gear)
         if slope < 0.0:
             lower = B
         else:
@@ -186,9 +189,9 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
             next_phase = 0.5 * (lower + upper)
         if abs(next_phase - B) < SETTINGS.phase_tolerance or abs(slope) < SETTINGS.slope_tolerance:
             is_inside = min_phase + 1e-9 < B < max_phase - 1e-9
-            return Minimum(is_inside and slope_rate > 0.0, B, distance, t, wx, wy)
+            return Minimum(is_inside and slope_rate > 0.0, B, distance, t, normal_x, normal_y)
         B = next_phase
-    return Minimum(False, B, distance, t, wx, wy)
+    return Minimum(False, B, distance, t, normal_x, normal_y)
 
 
 @njit

@@ -25,6 +25,6 @@ def sample_slices(copied: int, pairs: int, drags: int) -> tuple[slice, slice, sl
 
     The groups are `copied` values of MuJoCo, those of the solver, the forces of `pairs`, and the losses of `drags`.
     """
-    ends = np.cumsum([0, copied, OF_SOLVER, OF_PAIR * pairs, drags]).tolist()
-    values, solver, forces, losses = map(slice, ends[:-1], ends[1:])
-    return values, solver, forces, losses, ends[-1]
+    edges = np.cumsum([0, copied, OF_SOLVER, OF_PAIR * pairs, drags]).tolist()
+    values, solver, forces, losses = map(slice, edges[:-1], edges[1:])
+    return values, solver, forces, losses, edges[-1]

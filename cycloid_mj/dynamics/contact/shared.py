@@ -15,7 +15,7 @@ class Shared:
 
     @contextmanager
     def apply(self) -> Iterator[None]:
-        """Apply a change of MuJoCo's global state in this ``with`` block; the last open block reverts it."""
+        """Make a change of global state for this ``with`` block: the first open block makes it, the last reverts it."""
         with self._lock:
             if not self._users:
                 self._make()

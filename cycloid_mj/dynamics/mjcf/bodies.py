@@ -166,10 +166,10 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Return MuJoCo attributes ``quat`` and ``userdata`` of the geom of surface `i`, for the collision function.
 
-    `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; seats of
-    moving pins those of `_seat_numbers`; planets the numbers of their mesh. Ring pins have their outward direction, for
-    the start of the contact search, or zeros if it varies in a run; massless pins add play, compliance ratio and
-    opening of their seats. Other surfaces have no data. Attributes that a surface does not need are omitted.
+    `surfaces` is the group of the surface. Teeth have the numbers of their geometry and stiffness law; seats of moving
+    pins those of `_seat_user_data`; planets the numbers of their mesh. Ring pins have their outward direction, for the
+    start of the contact search, or zeros if it varies in a run; massless pins add play, compliance ratio and opening of
+    their seats. Other surfaces have no data. Attributes that a surface does not need are omitted.
     """
     design = reducer.design
     angle = float(surfaces.angle[i])
@@ -178,7 +178,7 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
         return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": clockwise_quaternion(angle)}
-    if surfaces.role == Role.OUTER and (numbers := _seat_numbers(reducer, surfaces)):
+    if surfaces.role == Role.OUTER and (numbers := _seat_user_data(reducer, surfaces)):
         return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in numbers]}
     if isinstance(reducer, RvReducer) and surfaces.role == Role.PLANET:
         return {"userdata": [significant(number) for number in mesh_numbers(reducer.planet_mesh, i)]}
@@ -195,11 +195,12 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
     return {"userdata": [*outward_direction, *map(significant, (float(surfaces.play[i]), softness, min_cosine))]}
 
 
-def _seat_numbers(reducer: Reducer, surfaces: Surfaces) -> list[float]:
-    """Return the numbers that the collision function reads of the seats of moving pins, a group of `surfaces`.
+def _seat_user_data(reducer: Reducer, surfaces: Surfaces) -> list[float]:
+    """Return the user data of a seat of a moving pin, which the collision function reads.
 
-    They are the cosine and sine of half the arc of a socket, 0 for a closed circle. Seats of tilting pins add the
-    distance of their two planes of contact from their middle [m]. The list is empty for bores, holes and closed seats.
+    `surfaces` is the group of the seats. The numbers are the cosine and sine of half the arc of a socket, 0 for a
+    closed circle. Seats of tilting pins add the distance of their two planes of contact from their middle [m]. The list
+    is empty for bores, holes and closed seats.
     """
     half_angle, design = surfaces.half_angle, reducer.design
     arc = [np.cos(half_angle), np.sin(half_angle)] if half_angle < np.pi else []

@@ -89,7 +89,7 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     remainders = [] if is_rv else [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, remainder in enumerate(remainders, start=1):
         add_remainder(mesh.spec, reducer, number, remainder)
-    servo_gains = _add_drive(mesh, reducer)
+    servo_gains = _add_servo_and_load(mesh, reducer)
     add_sensors(mesh.spec, reducer)
     add_keyframes(mesh.spec, reducer)
     mesh.spec.meshdir = ASSETS
@@ -137,7 +137,7 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
     return surface_quality(surface)
 
 
-def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
+def _add_servo_and_load(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
     """Add two actuators to an editable `mesh` model: the speed servo of the crank, and the torque on the output.
 
     Returns
@@ -200,7 +200,8 @@ def _manifest_json(
         "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
         "surfaces": {name: quality_um(figures) for name, figures in surface_errors.items()},
         "rest": [
-            {"part": item.sector.part, "copies": item.sector.count, **quality_um(item.quality)} for item in remainders
+            {"part": remainder.sector.part, "copies": remainder.sector.count, **quality_um(remainder.quality)}
+            for remainder in remainders
         ],
         "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
     }

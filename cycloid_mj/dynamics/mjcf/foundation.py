@@ -10,7 +10,7 @@ from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.parts.convex import Slice
 
 
-def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
+def slice_law(law: ContactParameters, factor: float, surface_slice: Slice, force: float) -> ContactParameters:
     """Compute the contact law of one slice of a surface, which has a share of the stiffness K of the line contact.
 
     The share is the width of the slice over the effective width of the line contact at the working force, at most 1.
@@ -22,7 +22,7 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
         Law of the entire line contact.
     factor
         Stiffness K of the line contact at this slice over that of the law [1].
-    part
+    surface_slice
         The slice: its width, and curvature or radius and clearance.
     force
         Working force F of the line contact [N]; its penetration is d = F/K.
@@ -30,11 +30,11 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     stiffness = law.stiffness * factor
     penetration = force / stiffness
     contact_width = (
-        hole_contact_width(penetration, part.radius, part.play)
-        if part.play
-        else flank_contact_width(penetration, part.curvature)
+        hole_contact_width(penetration, surface_slice.radius, surface_slice.play)
+        if surface_slice.play
+        else flank_contact_width(penetration, surface_slice.curvature)
     )
-    share = min(1.0, part.width / contact_width)
+    share = min(1.0, surface_slice.width / contact_width)
     return ContactParameters(
         stiffness=stiffness * share,
         damping=law.damping * share,

@@ -62,7 +62,7 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
     position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}
     velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(reducer.member.output_angle(speed))}
     for disc, phase in zip(reducer.mechanism.discs, reducer.mechanism.phases, strict=True):
-        x, y = (float(value) for value in gear_centre(gear, crank + phase))
+        x, y = (float(coordinate) for coordinate in gear_centre(gear, crank + phase))
         position |= dict(zip(disc.joints, (x, y, disc_angle), strict=True))
         velocity |= dict(zip(disc.joints, (-speed * y, speed * x, disc_speed), strict=True))
     if not reducer.is_ideal:

@@ -312,20 +312,22 @@ def _add_slices(
     mating = reducer.mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
     first_pair = next(mating.pairs)
-    weight = weights[carriers[first_pair.on]] + weights[carriers[first_pair.by]]
+    inverse_weight = weights[carriers[first_pair.on]] + weights[carriers[first_pair.by]]
     law = laws[disc][kind]
     has_friction = kind != design.tooth_pair and law.friction > 0.0
     defaults = []
-    for number, part in enumerate(surface.slices):
+    for number, surface_slice in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
-        factor = curvature_law.factor(part.curvature) if kind == design.tooth_pair else 1.0
-        parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio, name)
+        factor = curvature_law.factor(surface_slice.curvature) if kind == design.tooth_pair else 1.0
+        parameters = solver_parameters(
+            slice_law(law, factor, surface_slice, force), inverse_weight, spec.option.impratio, name
+        )
         default = _sub_default(spec, names.of_disc(name, disc, copies))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if has_friction:
             _set_pair_contact(default.pair, parameters)
         else:
-            _set_geom_contact(default.geom, parameters, surface.name, part.width, disc)
+            _set_geom_contact(default.geom, parameters, surface.name, surface_slice.width, disc)
         defaults.append(default)
     phase = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}

@@ -227,12 +227,12 @@ def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
         elements.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
     model = spec.compile()
     for pair, element in zip(pairs, elements, strict=True):
-        bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
+        bodies = [model.geom(attribute).bodyid[0] for attribute in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio, pair.name)
         pair_id = model.pair(pair.name).id
-        for name in ("friction", "solref", "solreffriction", "solimp"):
-            value = getattr(parameters, name)
-            setattr(element, name, list(value))
-            getattr(model, f"pair_{name}")[pair_id] = value
+        for attribute in ("friction", "solref", "solreffriction", "solimp"):
+            value = getattr(parameters, attribute)
+            setattr(element, attribute, list(value))
+            getattr(model, f"pair_{attribute}")[pair_id] = value
     return model

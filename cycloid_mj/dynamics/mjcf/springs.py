@@ -46,9 +46,9 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
     for disc, plane in enumerate(reducer.design.gear.disc_planes):
         mating = reducer.mechanism.mating(names.CRANK_BEARING, disc)
         for i, name in enumerate(mating.names):
-            for side in (mating.on, mating.by):
-                position = mujoco_position(side.place[i], plane - reducer.mechanism.body(side.bodies[i]).plane)
-                spec.body(side.bodies[i]).add_site(name=side.names[i], pos=position, group=4)
+            for part in (mating.on, mating.by):
+                position = mujoco_position(part.place[i], plane - reducer.mechanism.body(part.bodies[i]).plane)
+                spec.body(part.bodies[i]).add_site(name=part.names[i], pos=position, group=4)
             clearance, law = reducer.bearing_clearance, laws[names.CRANK_BEARING]
             tendon = _add_spring(spec, name, law, 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)
             tendon.wrap_site(mating.on.names[i])

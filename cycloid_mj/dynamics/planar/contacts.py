@@ -98,7 +98,7 @@ _onset, _roller_contact = njit(roller_needles.onset), njit(roller_needles.roller
 
 def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
-    discs, teeth = len(system.offset), len(system.place)
+    discs, teeth = len(system.offset), len(system.ring_centres)
     per_tooth = MAX_TOUCHES if system.lobes else 1
     max_contacts = discs * teeth * per_tooth + 2 * teeth * len(system.pin_mass)
     max_contacts += len(system.cams) * (1 + len(system.studs)) + system.bearing_contacts + 2 * system.cranks
@@ -139,7 +139,7 @@ def find_contacts(
     contacts
         Array of `allocate_contacts`, which is filled from its beginning.
     """
-    discs, teeth, crank = len(system.offset), len(system.place), system.shafts[1]
+    discs, teeth, crank = len(system.offset), len(system.ring_centres), system.shafts[1]
     ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
     crank_pose, address = shaft_pose(q, crank), np.int64(scratch.ctypes.data)
     count, pair = NONE, NONE
@@ -158,11 +158,11 @@ def find_contacts(
     for disc in range(len(system.cams)):
         mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank, NONE)
         pair += 1
-        cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
+        cam_x, cam_y = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         if system.needles:
-            count = _find_needle_contacts(system, contacts, count, mating, cx, cy, q, v, half_step)
+            count = _find_needle_contacts(system, contacts, count, mating, cam_x, cam_y, q, v, half_step)
             continue
-        cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
+        cam = Round(cam_x, cam_y, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
         count += _find_round_contacts(system, contacts, count, mating, cam, bore, _CAM, 1.0, address, q, v, half_step)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
@@ -170,32 +170,33 @@ def find_contacts(
         for stud in range(len(system.studs)):
             mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft, NONE)
             pair += 1
-            sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
-            hx, hy = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
-            pin = Round(sx, sy, frame.x + hx, frame.y + hy, system.stud, 1.0)
+            stud_x, stud_y = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
+            hole_x, hole_y = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
+            pin = Round(stud_x, stud_y, frame.x + hole_x, frame.y + hole_y, system.stud, 1.0)
             added = _find_round_contacts(
                 system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
             )
-            for k in range(added if system.roller_needles.needles else 0):
-                _soften_by_needles(system, contacts[count + k], mating.law, q, v, half_step)
+            for i in range(added if system.roller_needles.needles else 0):
+                _add_needle_compliance(system, contacts[count + i], mating.law, q, v, half_step)
             count += added
     return count
 
 
 @njit
-def _soften_by_needles(system: System, contact: Contact, law: Any, q: Array, v: Array, half_step: float) -> None:
-    """Replace the force of the contact of an output roller with its hole by that of the roller on its needles.
+def _add_needle_compliance(system: System, contact: Contact, law: Any, q: Array, v: Array, half_step: float) -> None:
+    """Add the compliance of a roller's needles to its contact with a hole: both act as springs in series.
 
-    The gap becomes that of a linear spring, the tangent of this force. `law` is the law of the contact with the hole,
-    `q` and `v` are positions and speeds of all unknowns, and `half_step` is half of the time step [s].
+    The total force is nonlinear; gap and stiffness of `contact` become those of its tangent, a linear spring. `system`
+    has the arrays of the reducer, `law` is the law of the contact with the hole, `q` and `v` are positions and speeds
+    of all unknowns, and `half_step` is half of the time step [s].
     """
     needles = system.roller_needles
     carrier = q[system.stud_shaft] if system.stud_shaft >= 0 else 0.0
     cage = carrier + needles.cage_ratio * (q[system.shafts[1]] - carrier)
     angle = math.atan2(-contact.nx, contact.ny) - cage
-    first, approach, factor = _onset(needles, angle), needles.clearance - contact.gap, 1.0
-    contact.gap = first - approach
-    if approach > first:
+    onset_approach, approach, factor = _onset(needles, angle), needles.clearance - contact.gap, 1.0
+    contact.gap = onset_approach - approach
+    if approach > onset_approach:
         force, slope = _roller_contact(
             approach, angle, law.stiffness, needles.needles, needles.stiffness, needles.clearance
         )
@@ -223,14 +224,25 @@ def _find_needle_contacts(
     cam, `q` and `v` are positions and speeds of all unknowns, and `half_step` is half of the time step [s].
     """
     dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
-    turn = q[mating.disc + 2]
-    cage, spacing = turn + system.cage_ratio * (q[mating.shaft] - turn), 2.0 * math.pi / system.needles
+    disc_rotation = q[mating.disc + 2]
+    cage, spacing = (
+        disc_rotation + system.cage_ratio * (q[mating.shaft] - disc_rotation),
+        2.0 * math.pi / system.needles,
+    )
     share = resultant_share(dx, dy, clearance, cage, system.needles)
     for needle in range(system.needles):
         nx, ny = -math.sin(cage + needle * spacing), math.cos(cage + needle * spacing)
         gap, contact = clearance - dx * nx - dy * ny, contacts[count]
-        reach = system.cam + 0.5 * gap
-        _fill_contact(contact, mating, Touch(gap, cx + reach * nx, cy + reach * ny, 1.0, nx, ny), 1.0, q, v, half_step)
+        contact_radius = system.cam + 0.5 * gap
+        _fill_contact(
+            contact,
+            mating,
+            Touch(gap, cx + contact_radius * nx, cy + contact_radius * ny, 1.0, nx, ny),
+            1.0,
+            q,
+            v,
+            half_step,
+        )
         set_film_friction(system, contact, _CAM, 1.0, v)
         scale_friction(contact, share, v)
         count += 1
@@ -281,14 +293,16 @@ def _find_lobe_contacts(
     speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
-    gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
-    for i in range(len(lobes)):
-        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft, NONE)
-        px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
-        cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
-        for k in range(lobe_touches(address, teeth, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
-            _fill_contact(contacts[count], pair, read_touch(address + STRIDE * k), -1.0, q, v, half_step)
-            set_film_friction(system, contacts[count], _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+    gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
+    for lobe in range(len(lobes)):
+        pair = MatingSurfaces(mating.pair + lobe, mating.law, mating.disc, -1, mating.shaft, NONE)
+        lobe_x, lobe_y = outwards(ring, system.ring_centres[lobe, 0], system.ring_centres[lobe, 1])
+        cosine, sine = outwards(ring, system.outward[lobe, 1], -system.outward[lobe, 0])
+        for touch in range(
+            lobe_touches(address, teeth, lobes[lobe], Pose(lobe_x, lobe_y, cosine, sine), gear, CONTACT_SEARCH.margin)
+        ):
+            _fill_contact(contacts[count], pair, read_touch(address + STRIDE * touch), -1.0, q, v, half_step)
+            set_film_friction(system, contacts[count], _TEETH, phase_cosine(lobe_x, lobe_y, gear.x, gear.y), v)
             count += 1
     return count
 
@@ -310,32 +324,41 @@ def _find_pin_contacts(
     ring. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
-    gear, teeth, pin_values = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
+    gear, teeth, pin_values = (
+        disc_pose(q, mating.disc, system.tooth_rotation[disc]),
+        _disc_teeth(system, disc),
+        system.ring,
+    )
     planes = len(system.pin_mass)
     shift = plane_shift(disc) if planes > 1 else NONE
-    for i in range(len(system.place)):
+    for pin_index in range(len(system.ring_centres)):
         pin_unknown, shaft = -1, mating.shaft
         if system.free:
-            pin_unknown, shaft = first_pin + (2 * planes + 1) * i, -1
-            px, py = q[pin_unknown + shift], q[pin_unknown + shift + 1]
+            pin_unknown, shaft = first_pin + (2 * planes + 1) * pin_index, -1
+            pin_x, pin_y = q[pin_unknown + shift], q[pin_unknown + shift + 1]
         else:
-            px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
+            pin_x, pin_y = outwards(ring, system.ring_centres[pin_index, 0], system.ring_centres[pin_index, 1])
         pin = RingPin(
-            pin_values[i, 0], pin_values[i, 1], pin_values[i, 2], pin_values[i, 3], pin_values[i, 4], pin_values[i, 5]
+            pin_values[pin_index, 0],
+            pin_values[pin_index, 1],
+            pin_values[pin_index, 2],
+            pin_values[pin_index, 3],
+            pin_values[pin_index, 4],
+            pin_values[pin_index, 5],
         )
-        result = pin_touch(teeth, pin, gear, px, py, CONTACT_SEARCH.margin)
-        if not result.exists:
+        pin_contact = pin_touch(teeth, pin, gear, pin_x, pin_y, CONTACT_SEARCH.margin)
+        if not pin_contact.exists:
             continue
-        contact, touch = contacts[count], result.touch
-        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft, shift)
+        contact, touch = contacts[count], pin_contact.touch
+        pair = MatingSurfaces(mating.pair + pin_index, mating.law, mating.disc, pin_unknown, shaft, shift)
         _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
-        set_film_friction(system, contact, _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+        set_film_friction(system, contact, _TEETH, phase_cosine(pin_x, pin_y, gear.x, gear.y), v)
         count += 1
         if system.free:
-            contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
+            contact.disc_centre = -(pin_x - gear.x) * touch.nx - (pin_y - gear.y) * touch.ny
             # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
             offset = pin.radius + touch.gap - teeth.flank.offset
-            contact.geometric_stiffness = -half_step * result.curvature / (1.0 + result.curvature * offset)
+            contact.geometric_stiffness = -half_step * pin_contact.curvature / (1.0 + pin_contact.curvature * offset)
     return count
 
 
@@ -359,19 +382,19 @@ def _find_seat_contacts(
     positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
-    for i in range(len(system.place)):
-        pin_unknown = first_pin + (2 * len(system.pin_mass) + 1) * i
-        px, py = q[pin_unknown + shift], q[pin_unknown + shift + 1]
-        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft, shift)
-        sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
+    for seat in range(len(system.ring_centres)):
+        pin_unknown = first_pin + (2 * len(system.pin_mass) + 1) * seat
+        pin_x, pin_y = q[pin_unknown + shift], q[pin_unknown + shift + 1]
+        mating = MatingSurfaces(pair + seat, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft, shift)
+        seat_x, seat_y = outwards(ring, system.ring_centres[seat, 0], system.ring_centres[seat, 1])
         if system.sleeved:
-            outer = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
-            inner = Round(sx, sy, px, py, system.inner[i], 1.0)
+            outer = PartialCircle(system.outer[seat], 0.0, 1.0, -1.0, 0.0)
+            inner = Round(seat_x, seat_y, pin_x, pin_y, system.inner[seat], 1.0)
         else:
-            ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
-            outer = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
-            inner = Round(px, py, sx, sy, system.inner[i], -1.0)
-        cosine = _pin_cosine(contacts, count, pin_unknown, shift) if system.film.size else 1.0
+            outward_x, outward_y = outwards(ring, system.outward[seat, 0], system.outward[seat, 1])
+            outer = PartialCircle(system.outer[seat], outward_x, outward_y, system.arc[0], system.arc[1])
+            inner = Round(pin_x, pin_y, seat_x, seat_y, system.inner[seat], -1.0)
+        cosine = _largest_force_phase_cosine(contacts, count, pin_unknown, shift) if system.film.size else 1.0
         count += _find_round_contacts(
             system, contacts, count, mating, inner, outer, _SEAT, cosine, address, q, v, half_step
         )
@@ -379,18 +402,18 @@ def _find_seat_contacts(
 
 
 @njit
-def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int, shift: int) -> float:
+def _largest_force_phase_cosine(contacts: Contacts, count: int, pin_unknown: int, shift: int) -> float:
     """Return the cosine of the phase [1] of a moving pin relative to the disc that presses on it most; 1 without force.
 
     `pin_unknown` is the index of the pin's first unknown, `shift` the number of unknowns to those in the plane of the
     seat. Only the first `count` contacts, those with discs, in this plane are considered. See `phase_cosine`.
     """
-    largest, cosine = -1.0, 1.0
-    for k in range(count):
-        contact = contacts[k]
+    largest_force, cosine = -1.0, 1.0
+    for i in range(count):
+        contact = contacts[i]
         is_same = contact.pin == pin_unknown and contact.pin_shift == shift
-        if is_same and contact.disc >= 0 and contact.normal_force > largest:
-            largest, cosine = contact.normal_force, contact.cosine
+        if is_same and contact.disc >= 0 and contact.normal_force > largest_force:
+            largest_force, cosine = contact.normal_force, contact.cosine
     return cosine
 
 
@@ -439,12 +462,14 @@ def _disc_teeth(system: System, disc: int) -> Teeth:
 
     `disc` is the index of the disc.
     """
-    common, flank = system.teeth, system.teeth.flank
+    shared_teeth, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
     flank_of_disc = Flank(
         flank.curve, system.offset[disc], flank.rotation, ends[0], ends[1], ends[2], ends[3], flank.waves
     )
-    return Teeth(flank_of_disc, common.reference, common.constant, common.deflection, common.ring)
+    return Teeth(
+        flank_of_disc, shared_teeth.reference, shared_teeth.constant, shared_teeth.deflection, shared_teeth.ring
+    )
 
 
 class Round(NamedTuple):
@@ -497,8 +522,8 @@ def _find_round_contacts(
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
-    for k in range(count):
-        touch, contact = read_touch(address + STRIDE * k), contacts[first_contact + k]
+    for i in range(count):
+        touch, contact = read_touch(address + STRIDE * i), contacts[first_contact + i]
         _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
         set_film_friction(system, contact, kind, cosine, v)
         distance = math.sqrt(dx * dx + dy * dy)
@@ -533,12 +558,12 @@ def _fill_contact(
     contact.side = 1.0 if mating.disc < 0 else -1.0
     contact.disc_centre, contact.shaft_centre, contact.geometric_stiffness = 0.0, 0.0, 0.0
     if mating.disc >= 0:
-        ax, ay = touch.x - q[mating.disc], touch.y - q[mating.disc + 1]
-        contact.disc_normal, contact.disc_tangent = ax * ny - ay * nx, ax * nx + ay * ny
+        arm_x, arm_y = touch.x - q[mating.disc], touch.y - q[mating.disc + 1]
+        contact.disc_normal, contact.disc_tangent = arm_x * ny - arm_y * nx, arm_x * nx + arm_y * ny
     if mating.pin >= 0:
         x, y = mating.pin + mating.pin_shift, mating.pin + mating.pin_shift + 1
-        ax, ay = touch.x - q[x], touch.y - q[y]
-        contact.pin_normal, contact.pin_tangent = ax * ny - ay * nx, ax * nx + ay * ny
+        arm_x, arm_y = touch.x - q[x], touch.y - q[y]
+        contact.pin_normal, contact.pin_tangent = arm_x * ny - arm_y * nx, arm_x * nx + arm_y * ny
     if mating.shaft >= 0:
         contact.shaft_normal = touch.y * nx - touch.x * ny
         contact.shaft_tangent = -touch.x * nx - touch.y * ny

@@ -89,18 +89,22 @@ def find_crank_contacts(
     """
     discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
     carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks
-    carrier_pose, pair = shaft_pose(q, carrier), len(system.place) * (discs + system.free)
+    carrier_pose, pair = shaft_pose(q, carrier), len(system.ring_centres) * (discs + system.free)
     for disc in range(discs):
-        pose = disc_pose(q, 3 * disc, 0.0)
-        for i in range(cranks):
-            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier, NONE), first_crank + i
+        pose_of_disc = disc_pose(q, 3 * disc, 0.0)
+        for crank_index in range(cranks):
+            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier, NONE), first_crank + crank_index
             pair += 1
-            ax, ay = outwards(carrier_pose, train.axes[i, 0], train.axes[i, 1])
-            ex, ey = outwards(shaft_pose(q, crank), train.eccentrics[disc, i, 0], train.eccentrics[disc, i, 1])
-            bx, by = outwards(pose, train.bores[disc, i, 0], train.bores[disc, i, 1])
-            dx, dy = ax + ex - pose.x - bx, ay + ey - pose.y - by
+            axis_x, axis_y = outwards(carrier_pose, train.axes[crank_index, 0], train.axes[crank_index, 1])
+            eccentric_x, eccentric_y = outwards(
+                shaft_pose(q, crank), train.eccentrics[disc, crank_index, 0], train.eccentrics[disc, crank_index, 1]
+            )
+            bore_x, bore_y = outwards(
+                pose_of_disc, train.bores[disc, crank_index, 0], train.bores[disc, crank_index, 1]
+            )
+            dx, dy = axis_x + eccentric_x - pose_of_disc.x - bore_x, axis_y + eccentric_y - pose_of_disc.y - bore_y
             if train.needles:
-                arms = BearingArms(ax, ay, ex, ey, bx, by, train.eccentric_radius)
+                arms = BearingArms(axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, train.eccentric_radius)
                 cage = q[3 * disc + 2] + train.cage_ratio * (q[crank] - q[3 * disc + 2])
                 count = _find_needle_contacts(
                     system, train, contacts, count, mating, crank, arms, (dx, dy), cage, v, half_step
@@ -114,14 +118,19 @@ def find_crank_contacts(
                     continue
                 contact = contacts[count]
                 _start_contact(contact, mating, crank, side * nx, side * ny, train.clearance - side * distance)
-                _set_bearing_arms(contact, BearingArms(ax, ay, ex, ey, bx, by, train.eccentric_radius))
+                _set_bearing_arms(
+                    contact,
+                    BearingArms(axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, train.eccentric_radius),
+                )
                 contact.geometric_stiffness = half_step * side / max(distance, MIN_DISTANCE)
                 linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
                 set_film_friction(system, contact, _BEARING, 1.0, v)
                 count += 1
-    for i in range(cranks):
-        mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier, NONE)
-        count = _find_planet_contacts(system, train, contacts, count, mating, first_crank + i, i, q, v, half_step)
+    for crank_index in range(cranks):
+        mating = MatingSurfaces(pair + crank_index, train.laws[1], 3 * discs, -1, carrier, NONE)
+        count = _find_planet_contacts(
+            system, train, contacts, count, mating, first_crank + crank_index, crank_index, q, v, half_step
+        )
     return count
 
 
@@ -203,12 +212,15 @@ def _set_bearing_arms(contact: Contact, arms: BearingArms) -> None:
     `arms` are the vectors from their axes to the bearing.
     """
     nx, ny = contact.nx, contact.ny
-    ax, ay, ex, ey, bx, by, radius = arms
-    contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny
+    axis_x, axis_y, eccentric_x, eccentric_y, bore_x, bore_y, radius = arms
+    contact.disc_normal, contact.disc_centre = bore_x * ny - bore_y * nx, bore_x * nx + bore_y * ny
     contact.disc_tangent = contact.disc_centre + radius
-    contact.shaft_normal, contact.shaft_centre = ay * nx - ax * ny, -ax * nx - ay * ny
+    contact.shaft_normal, contact.shaft_centre = axis_y * nx - axis_x * ny, -axis_x * nx - axis_y * ny
     contact.shaft_tangent = contact.shaft_centre
-    contact.crank_normal, contact.crank_centre = ey * nx - ex * ny, -ex * nx - ey * ny
+    contact.crank_normal, contact.crank_centre = (
+        eccentric_y * nx - eccentric_x * ny,
+        -eccentric_x * nx - eccentric_y * ny,
+    )
     contact.crank_tangent = contact.crank_centre - radius
 
 
@@ -234,20 +246,20 @@ def _find_planet_contacts(
     """
     sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)
-    ax, ay = outwards(shaft_pose(q, mating.shaft), train.axes[planet_index, 0], train.axes[planet_index, 1])
-    rx, ry = outwards(crank_pose, train.runouts[planet_index, 0], train.runouts[planet_index, 1])
-    planet = Pose(ax + rx, ay + ry, crank_pose.cosine, crank_pose.sine)
+    axis_x, axis_y = outwards(shaft_pose(q, mating.shaft), train.axes[planet_index, 0], train.axes[planet_index, 1])
+    runout_x, runout_y = outwards(crank_pose, train.runouts[planet_index, 0], train.runouts[planet_index, 1])
+    planet = Pose(axis_x + runout_x, axis_y + runout_y, crank_pose.cosine, crank_pose.sine)
     flanks = planet_flanks(mesh, disc_pose(q, sun, 0.0), planet)
     phase = mesh.planet_teeth * (q[crank] - math.atan2(flanks.y, flanks.x)) + mesh.phase
     error_slope = mesh.error * mesh.planet_teeth * math.cos(phase)
     for side in (1.0, -1.0):
-        px, py = flank_normal(flanks, side)
-        nx, ny = -px, -py
+        outward_x, outward_y = flank_normal(flanks, side)
+        nx, ny = -outward_x, -outward_y
         contact = contacts[count]
         _start_contact(contact, mating, crank, nx, ny, flanks.gap if side > 0.0 else flanks.opposite)
         contact.disc_normal, contact.disc_tangent = -side * mesh.sun_base, mesh.arm
-        contact.shaft_normal, contact.shaft_tangent = nx * ay - ny * ax - side * error_slope, 0.0
-        contact.crank_normal = -side * (mesh.planet_base - error_slope) + nx * ry - ny * rx
+        contact.shaft_normal, contact.shaft_tangent = nx * axis_y - ny * axis_x - side * error_slope, 0.0
+        contact.crank_normal = -side * (mesh.planet_base - error_slope) + nx * runout_y - ny * runout_x
         contact.crank_tangent = -mesh.arm
         linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
         set_film_friction(system, contact, _MESH, 1.0, v)

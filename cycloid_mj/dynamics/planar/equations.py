@@ -45,9 +45,9 @@ class Equations(NamedTuple):
 
     Attributes
     ----------
-    matrix, right
+    matrix, rhs
         Equations of the other unknowns, shapes (n, n), (n,).
-    pins, pins_right
+    pins, pin_rhs
         Diagonal blocks and right sides of the pins, shapes (w N, w), (w N,), with w unknowns of each pin.
     pin_columns, pin_rows
         Coupling blocks: columns of each pin in the other equations, and rows of the others in its own, shapes (n N, w),
@@ -61,9 +61,9 @@ class Equations(NamedTuple):
     """
 
     matrix: Array
-    right: Array
+    rhs: Array
     pins: Array
-    pins_right: Array
+    pin_rhs: Array
     pin_columns: Array
     pin_rows: Array
     coupled: Integers
@@ -73,12 +73,12 @@ class Equations(NamedTuple):
 
 def allocate_equations(system: System) -> Equations:
     """Allocate the matrices and vectors of a step of the planar solver, for the reducer with the arrays `system`."""
-    size, pins, width = len(system.inertia), len(system.place) * system.free, 2 * len(system.pin_mass) + 1
+    size, pins, width = len(system.inertia), len(system.ring_centres) * system.free, 2 * len(system.pin_mass) + 1
     return Equations(
         matrix=np.zeros((size, size)),
-        right=np.zeros(size),
+        rhs=np.zeros(size),
         pins=np.zeros((width * pins, width)),
-        pins_right=np.zeros(width * pins),
+        pin_rhs=np.zeros(width * pins),
         pin_columns=np.zeros((size * pins, width)),
         pin_rows=np.zeros((width * pins, size)),
         coupled=np.zeros(pins, dtype=np.int64),
@@ -137,10 +137,10 @@ def solve_step(
         change_all, couple_friction = iterations <= NEWTON.block_iterations, iterations <= NEWTON.coupled_iterations
         _assemble(system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, couple_friction)
         _condense_pins(system, equations)
-        solve_linear(equations.matrix, equations.right, equations.right, 0.0)
-        size = len(equations.right)
+        solve_linear(equations.matrix, equations.rhs, equations.rhs, 0.0)
+        size = len(equations.rhs)
         for i in range(size):
-            v[i] = equations.right[i]
+            v[i] = equations.rhs[i]
         _recover_pins(equations, v)
         if not _update_states(
             system, contacts, count, equations, predicted, v, 0.5 * timestep, change_all, couple_friction
@@ -171,38 +171,38 @@ def _assemble(
     and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`. Sliding friction is in proportion
     to the normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
-    matrix, right = equations.matrix, equations.right
-    pins, pins_right = equations.pins, equations.pins_right
-    size, half = len(right), 0.5 * timestep
-    for i in range(size):
-        for k in range(size):
-            matrix[i, k] = 0.0
-        matrix[i, i] = system.inertia[i] / half
-        right[i] = matrix[i, i] * v0[i]
+    matrix, rhs = equations.matrix, equations.rhs
+    pins, pin_rhs = equations.pins, equations.pin_rhs
+    size, half_step = len(rhs), 0.5 * timestep
+    for unknown in range(size):
+        for column in range(size):
+            matrix[unknown, column] = 0.0
+        matrix[unknown, unknown] = system.inertia[unknown] / half_step
+        rhs[unknown] = matrix[unknown, unknown] * v0[unknown]
     gx, gy = system.gravity[0], system.gravity[1]
     for body in range(0, 3 * system.bodies, 3):
-        right[body] += system.inertia[body] * gx
-        right[body + 1] += system.inertia[body] * gy
-    for i in range(len(system.support)):
-        matrix[i, i] += system.support[i] * half
-        right[i] -= system.support[i] * q0[i]
+        rhs[body] += system.inertia[body] * gx
+        rhs[body + 1] += system.inertia[body] * gy
+    for unknown in range(len(system.support)):
+        matrix[unknown, unknown] += system.support[unknown] * half_step
+        rhs[unknown] -= system.support[unknown] * q0[unknown]
     for shaft in range(2):
-        _add_shaft_torques(system, equations, shaft, q0, predicted, command[shaft], half)
+        _add_shaft_torques(system, equations, shaft, q0, predicted, command[shaft], half_step)
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
     width = pins.shape[1]
-    for i in range(len(coupled)):
-        pin_unknown, row = size + width * i, width * i
-        for m in range(row, row + width):
-            pins_right[m] = 0.0
-            for k in range(width):
-                pins[m, k] = 0.0
+    for unknown in range(len(coupled)):
+        pin_unknown, row = size + width * unknown, width * unknown
+        for pin_equation in range(row, row + width):
+            pin_rhs[pin_equation] = 0.0
+            for column in range(width):
+                pins[pin_equation, column] = 0.0
         _add_pin_inertia(system, equations, v0, row, pin_unknown, pin_span)
-        if coupled[i]:
-            for m in range(width):
-                for k in range(size):
-                    pin_columns[size * i + k, m] = 0.0
-                    pin_rows[row + m, k] = 0.0
-            coupled[i] = 0
+        if coupled[unknown]:
+            for pin_equation in range(width):
+                for column in range(size):
+                    pin_columns[size * unknown + column, pin_equation] = 0.0
+                    pin_rows[row + pin_equation, column] = 0.0
+            coupled[unknown] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
 
 
@@ -216,21 +216,23 @@ def _add_shaft_torques(
     their speeds at its middle, `command` is the angle [rad] that the servo has to hold, or the torque [N m] of a shaft
     without servo, and `half_step` half of the time step [s].
     """
-    matrix, right, i = equations.matrix, equations.right, system.shafts[shaft]
-    mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
-    if mx != 0.0 or my != 0.0:
-        angle = q0[i] + half_step * predicted[i]
-        s, c = math.sin(angle), math.cos(angle)
-        right[i] += (c * mx - s * my) * system.gravity[1] - (s * mx + c * my) * system.gravity[0]
+    matrix, rhs, unknown = equations.matrix, equations.rhs, system.shafts[shaft]
+    moment_x, moment_y = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
+    if moment_x != 0.0 or moment_y != 0.0:
+        angle = q0[unknown] + half_step * predicted[unknown]
+        sine, cosine = math.sin(angle), math.cos(angle)
+        rhs[unknown] += (cosine * moment_x - sine * moment_y) * system.gravity[1] - (
+            sine * moment_x + cosine * moment_y
+        ) * system.gravity[0]
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
-    matrix[i, i] += stiffness * half_step + damping
-    right[i] += stiffness * (command - q0[i]) if stiffness != 0.0 else command
+    matrix[unknown, unknown] += stiffness * half_step + damping
+    rhs[unknown] += stiffness * (command - q0[unknown]) if stiffness != 0.0 else command
     limit = system.drag[shaft, 0]
     if limit > 0.0:
         if equations.shaft_state[shaft] == STICKS:
-            matrix[i, i] += system.drag[shaft, 1]
+            matrix[unknown, unknown] += system.drag[shaft, 1]
         else:
-            right[i] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
+            rhs[unknown] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
 
 
 @njit
@@ -243,16 +245,16 @@ def _add_pin_inertia(
     unknowns at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate pins, see
     `solve_step`.
     """
-    pins, pins_right, gx, gy = equations.pins, equations.pins_right, system.gravity[0], system.gravity[1]
+    pins, pin_rhs, gx, gy = equations.pins, equations.pin_rhs, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
         x = plane_shift(plane)
-        for other in range(len(system.pin_mass)):
-            mass, k = system.pin_mass[plane, other], plane_shift(other)
-            pins[row + x, k], pins[row + x + 1, k + 1] = mass / pin_span, mass / pin_span
-            pins_right[row + x] += mass / pin_span * v0[pin_unknown + k] + mass * gx
-            pins_right[row + x + 1] += mass / pin_span * v0[pin_unknown + k + 1] + mass * gy
+        for other_plane in range(len(system.pin_mass)):
+            mass, other_x = system.pin_mass[plane, other_plane], plane_shift(other_plane)
+            pins[row + x, other_x], pins[row + x + 1, other_x + 1] = mass / pin_span, mass / pin_span
+            pin_rhs[row + x] += mass / pin_span * v0[pin_unknown + other_x] + mass * gx
+            pin_rhs[row + x + 1] += mass / pin_span * v0[pin_unknown + other_x + 1] + mass * gy
     pins[row + 2, 2] = system.pin_inertia / pin_span
-    pins_right[row + 2] = system.pin_inertia / pin_span * v0[pin_unknown + 2]
+    pin_rhs[row + 2] = system.pin_inertia / pin_span * v0[pin_unknown + 2]
 
 
 class LeverArms(NamedTuple):
@@ -355,9 +357,9 @@ def _add_contacts(
     `predicted` are the midpoint speeds at which the contacts were linearised. Sliding friction is in proportion to the
     normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
-    for k in range(count):
-        if contacts[k].state != OPEN:
-            _add_contact(contacts[k], _linearise_force(contacts[k], predicted, coupled_friction), equations)
+    for i in range(count):
+        if contacts[i].state != OPEN:
+            _add_contact(contacts[i], _linearise_force(contacts[i], predicted, coupled_friction), equations)
 
 
 @njit
@@ -367,8 +369,8 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
     These are disc, pin, shaft and crank, as far as the contact has them. `tangent` is the force as a linear function of
     the speeds.
     """
-    matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
-    size, disc, pin_unknown, sliding = len(right), contact.disc, contact.pin, tangent.sliding
+    matrix, rhs, pin_columns, pin_rows = equations.matrix, equations.rhs, equations.pin_columns, equations.pin_rows
+    size, disc, pin_unknown, sliding = len(rhs), contact.disc, contact.pin, tangent.sliding
     shaft, crank = contact.shaft, contact.crank
     shaft_arms = _shaft_arms(contact.shaft_normal, contact.shaft_tangent, contact.shaft_centre, sliding)
     crank_arms = _shaft_arms(contact.crank_normal, contact.crank_tangent, contact.crank_centre, sliding)
@@ -380,7 +382,7 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
     if disc >= 0:
         body = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
         _add_force_derivative(matrix, disc, disc, body, body, tangent, NONE, NONE)
-        _add_force(right, disc, body, tangent, NONE)
+        _add_force(rhs, disc, body, tangent, NONE)
         if shaft >= 0:
             _couple_shaft(shaft_arms, tangent, body, matrix, disc, shaft, matrix, shaft, disc, NONE)
         if crank >= 0:
@@ -392,14 +394,14 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
     if pin_unknown >= 0:
         body = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
         _add_force_derivative(equations.pins, pin_row, 0, body, body, tangent, shift, shift)
-        _add_force(equations.pins_right, pin_row, body, tangent, shift)
+        _add_force(equations.pin_rhs, pin_row, body, tangent, shift)
         if shaft >= 0:
             shaft_row = column_row + shaft
             _couple_shaft(shaft_arms, tangent, body, pin_rows, pin_row, shaft, pin_columns, shaft_row, 0, shift)
     if shaft >= 0:
-        _add_shaft(matrix, right, shaft, shaft_arms, tangent)
+        _add_shaft(matrix, rhs, shaft, shaft_arms, tangent)
     if crank >= 0:
-        _add_shaft(matrix, right, crank, crank_arms, tangent)
+        _add_shaft(matrix, rhs, crank, crank_arms, tangent)
         if shaft >= 0:
             matrix[shaft, crank] += _shaft_slope(shaft_arms, crank_arms, tangent)
             matrix[crank, shaft] += _shaft_slope(crank_arms, shaft_arms, tangent)
@@ -431,23 +433,25 @@ def _shaft_slope(loaded_shaft: ShaftArms, other: ShaftArms, tangent: Tangent) ->
 
 
 @njit
-def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent: Tangent) -> None:
+def _add_shaft(matrix: Array, rhs: Array, shaft: int, arms: ShaftArms, tangent: Tangent) -> None:
     """Add the torque of a contact on a shaft, and its derivative by the shaft's own speed."""
-    right[shaft] += tangent.force * arms.pushed + tangent.rolling_force * arms.centre - tangent.friction * arms.tangent
+    rhs[shaft] += tangent.force * arms.pushed + tangent.rolling_force * arms.centre - tangent.friction * arms.tangent
     matrix[shaft, shaft] += _shaft_slope(arms, arms, tangent)
 
 
 @njit
-def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
+def _add_force(rhs: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
     """Add the contact force at the predicted speeds to the right side of a body's equations of motion.
 
     `side` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
     speeds. `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the
     rotation.
     """
-    for a in range(3):
-        right[first_row + a + (shift if a < 2 else 0)] += (
-            tangent.force * side.pushed[a] + tangent.rolling_force * side.centre[a] - tangent.friction * side.tangent[a]
+    for component in range(3):
+        rhs[first_row + component + (shift if component < 2 else 0)] += (
+            tangent.force * side.pushed[component]
+            + tangent.rolling_force * side.centre[component]
+            - tangent.friction * side.tangent[component]
         )
 
 
@@ -468,17 +472,17 @@ def _add_force_derivative(
     lever arms of the contact about both bodies, which may be the same. `tangent` is the contact force as a linear
     function of the speeds. Rows and columns of x and y are displaced by `row_shift` and `column_shift`.
     """
-    for a in range(3):
+    for i in range(3):
         normal_term, creep_term, roll_term = (
-            tangent.slope * loaded_body.pushed[a],
-            tangent.creep * loaded_body.tangent[a],
-            tangent.geometric * loaded_body.centre[a],
+            tangent.slope * loaded_body.pushed[i],
+            tangent.creep * loaded_body.tangent[i],
+            tangent.geometric * loaded_body.centre[i],
         )
-        for b in range(3):
-            target[row + a + (row_shift if a < 2 else 0), column + b + (column_shift if b < 2 else 0)] += (
-                normal_term * moving_body.normal[b]
-                + creep_term * moving_body.tangent[b]
-                + roll_term * moving_body.centre[b]
+        for j in range(3):
+            target[row + i + (row_shift if i < 2 else 0), column + j + (column_shift if j < 2 else 0)] += (
+                normal_term * moving_body.normal[j]
+                + creep_term * moving_body.tangent[j]
+                + roll_term * moving_body.centre[j]
             )
 
 
@@ -502,14 +506,14 @@ def _couple_shaft(
     `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body, `tangent` is the
     contact force as a linear function of the speeds. Rows and columns of the body's x and y are displaced by `shift`.
     """
-    for a in range(3):
-        creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
-        moved = a + (shift if a < 2 else 0)
-        columns[row + moved, column] += (
-            tangent.slope * body.pushed[a] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
+    for i in range(3):
+        creep_term, roll_term = tangent.creep * body.tangent[i], tangent.geometric * body.centre[i]
+        index = i + (shift if i < 2 else 0)
+        columns[row + index, column] += (
+            tangent.slope * body.pushed[i] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
         )
-        rows[shaft_row, first_column + moved] += (
-            tangent.slope * arms.pushed * body.normal[a] + creep_term * arms.tangent + roll_term * arms.centre
+        rows[shaft_row, first_column + index] += (
+            tangent.slope * arms.pushed * body.normal[i] + creep_term * arms.tangent + roll_term * arms.centre
         )
 
 
@@ -517,35 +521,41 @@ def _couple_shaft(
 def _condense_pins(system: System, equations: Equations) -> None:
     """Eliminate the unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
 
-    `system` has the arrays of the reducer. For `_recover_pins`, `pins_right` and `pin_rows` of the equations are
+    `system` has the arrays of the reducer. For `_recover_pins`, `pin_rhs` and `pin_rows` of the equations are
     multiplied by the inverse of each pin's own block.
     """
     if equations.pins.shape[1] > 3:
         _condense_tilting_pins(system, equations)
         return
-    matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
+    matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    size = len(right)
+    size = len(rhs)
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
-    for i in range(len(coupled)):
-        pin_row, column_row = 3 * i, size * i
+    for pin in range(len(coupled)):
+        pin_row, column_row = 3 * pin, size * pin
         inverse = _invert(pins, pin_row)
-        x, y, z = _multiply(inverse, pins_right[pin_row], pins_right[pin_row + 1], pins_right[pin_row + 2])
-        pins_right[pin_row], pins_right[pin_row + 1], pins_right[pin_row + 2] = x, y, z
-        if not coupled[i]:
+        x, y, z = _multiply(inverse, pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2])
+        pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2] = x, y, z
+        if not coupled[pin]:
             continue
-        for b in range(coupled_size):
-            pin_rows[pin_row, b], pin_rows[pin_row + 1, b], pin_rows[pin_row + 2, b] = _multiply(
-                inverse, pin_rows[pin_row, b], pin_rows[pin_row + 1, b], pin_rows[pin_row + 2, b]
+        for unknown in range(coupled_size):
+            pin_rows[pin_row, unknown], pin_rows[pin_row + 1, unknown], pin_rows[pin_row + 2, unknown] = _multiply(
+                inverse, pin_rows[pin_row, unknown], pin_rows[pin_row + 1, unknown], pin_rows[pin_row + 2, unknown]
             )
-        for a in range(coupled_size):
-            p0, p1, p2 = pin_columns[column_row + a, 0], pin_columns[column_row + a, 1], pin_columns[column_row + a, 2]
-            if p0 == 0.0 and p1 == 0.0 and p2 == 0.0:
+        for equation in range(coupled_size):
+            factor_x, factor_y, factor_z = (
+                pin_columns[column_row + equation, 0],
+                pin_columns[column_row + equation, 1],
+                pin_columns[column_row + equation, 2],
+            )
+            if factor_x == 0.0 and factor_y == 0.0 and factor_z == 0.0:
                 continue
-            right[a] -= p0 * x + p1 * y + p2 * z
-            for b in range(coupled_size):
-                matrix[a, b] -= (
-                    p0 * pin_rows[pin_row, b] + p1 * pin_rows[pin_row + 1, b] + p2 * pin_rows[pin_row + 2, b]
+            rhs[equation] -= factor_x * x + factor_y * y + factor_z * z
+            for unknown in range(coupled_size):
+                matrix[equation, unknown] -= (
+                    factor_x * pin_rows[pin_row, unknown]
+                    + factor_y * pin_rows[pin_row + 1, unknown]
+                    + factor_z * pin_rows[pin_row + 2, unknown]
                 )
 
 
@@ -556,33 +566,33 @@ def _condense_tilting_pins(system: System, equations: Equations) -> None:
     This is `_condense_pins` for tilting pins; there is no pivoting. The block of a pin is its positive definite mass
     matrix with the slopes of its contacts. `system` has the arrays of the reducer.
     """
-    matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
+    matrix, rhs, pins, pin_rhs = equations.matrix, equations.rhs, equations.pins, equations.pin_rhs
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    size, width = len(right), pins.shape[1]
+    size, width = len(rhs), pins.shape[1]
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
-    for i in range(len(coupled)):
-        first, column_row = width * i, size * i
-        columns = coupled_size if coupled[i] else 0
+    for pin in range(len(coupled)):
+        pin_row, column_row = width * pin, size * pin
+        columns = coupled_size if coupled[pin] else 0
         for pivot in range(width):
-            scale = 1.0 / pins[first + pivot, pivot]
-            _scale_row(pins, first + pivot, scale, width)
-            _scale_row(pin_rows, first + pivot, scale, columns)
-            pins_right[first + pivot] *= scale
+            scale = 1.0 / pins[pin_row + pivot, pivot]
+            _scale_row(pins, pin_row + pivot, scale, width)
+            _scale_row(pin_rows, pin_row + pivot, scale, columns)
+            pin_rhs[pin_row + pivot] *= scale
             for row in range(width):
-                factor = pins[first + row, pivot]
+                factor = pins[pin_row + row, pivot]
                 if row == pivot or factor == 0.0:
                     continue
-                _subtract_row(pins, first + row, first + pivot, factor, width)
-                _subtract_row(pin_rows, first + row, first + pivot, factor, columns)
-                pins_right[first + row] -= factor * pins_right[first + pivot]
-        for a in range(columns):
-            for m in range(width):
-                factor = pin_columns[column_row + a, m]
+                _subtract_row(pins, pin_row + row, pin_row + pivot, factor, width)
+                _subtract_row(pin_rows, pin_row + row, pin_row + pivot, factor, columns)
+                pin_rhs[pin_row + row] -= factor * pin_rhs[pin_row + pivot]
+        for equation in range(columns):
+            for pin_equation in range(width):
+                factor = pin_columns[column_row + equation, pin_equation]
                 if factor == 0.0:
                     continue
-                right[a] -= factor * pins_right[first + m]
-                for b in range(columns):
-                    matrix[a, b] -= factor * pin_rows[first + m, b]
+                rhs[equation] -= factor * pin_rhs[pin_row + pin_equation]
+                for unknown in range(columns):
+                    matrix[equation, unknown] -= factor * pin_rows[pin_row + pin_equation, unknown]
 
 
 @njit
@@ -637,15 +647,15 @@ def _recover_pins(equations: Equations, v: Array) -> None:
 
     `equations` has the products with the inverse of each pin's block that the elimination leaves.
     """
-    coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
-    size, width = len(equations.right), equations.pins.shape[1]
-    for i in range(len(coupled)):
-        for m in range(width):
-            value = pins_right[width * i + m]
-            if coupled[i]:
-                for b in range(size):
-                    value -= pin_rows[width * i + m, b] * v[b]
-            v[size + width * i + m] = value
+    coupled, pin_rows, pin_rhs = equations.coupled, equations.pin_rows, equations.pin_rhs
+    size, width = len(equations.rhs), equations.pins.shape[1]
+    for pin in range(len(coupled)):
+        for component in range(width):
+            speed = pin_rhs[width * pin + component]
+            if coupled[pin]:
+                for unknown in range(size):
+                    speed -= pin_rows[width * pin + component, unknown] * v[unknown]
+            v[size + width * pin + component] = speed
 
 
 @njit
@@ -668,22 +678,22 @@ def _update_states(
     does not agree with the normal force. `predicted` are the midpoint speeds at which the `count` contacts were
     linearised, `half_step` is half of the time step [s].
     """
-    changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
-    size, width, no_change = len(equations.right), equations.pins.shape[1], equations.settled
+    has_changed, no_other_changed, largest_force, largest_change = False, True, 0.0, 0.0
+    size, width, no_change = len(equations.rhs), equations.pins.shape[1], equations.settled
     for i in range(len(no_change)):
         no_change[i] = 1
-    for k in range(count):
-        contact = contacts[k]
+    for i in range(count):
+        contact = contacts[i]
         old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - size) // width
         one_at_a_time = pin >= 0 or not change_all
         normal_force = _update_forces(contact, predicted, v, half_step)
-        largest = max(largest, contact.normal_force)
+        largest_force = max(largest_force, contact.normal_force)
         if old_state in (SLIDES, SLIDES_BACK):
             largest_change = max(largest_change, abs(contact.normal_force - old_force))
         new_state = _next_state(contact, normal_force, one_at_a_time, coupled_friction)
         if new_state == old_state:
             continue
-        changed = True
+        has_changed = True
         if not one_at_a_time or (no_change[pin] if pin >= 0 else no_other_changed):
             contact.state = new_state
         if pin >= 0:
@@ -699,8 +709,8 @@ def _update_states(
                 new_state = SLIDES if speed > 0.0 else SLIDES_BACK
             if new_state != equations.shaft_state[shaft] and (change_all or no_other_changed):
                 equations.shaft_state[shaft] = new_state
-                changed, no_other_changed = True, False
-    return changed or (not coupled_friction and largest_change > NEWTON.friction_rtol * largest)
+                has_changed, no_other_changed = True, False
+    return has_changed or (not coupled_friction and largest_change > NEWTON.friction_rtol * largest_force)
 
 
 @njit

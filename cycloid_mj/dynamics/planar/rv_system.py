@@ -29,9 +29,11 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
     """
     masses, discs, cranks = moving_masses(reducer), len(reducer.mechanism.discs), reducer.cranks.count
     sun, crank, output = masses[names.SUN], masses[names.CRANK], total_output_inertia(reducer)
-    planar = [masses[disc.part] for disc in reducer.mechanism.discs] + [sun]
+    planar_masses = [masses[disc.part] for disc in reducer.mechanism.discs] + [sun]
     sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
-    by_unknown = [value for body in planar for value in (body.mass, body.mass, float(body.inertia[2, 2]))]
+    inertia_by_unknown = [
+        inertia for body in planar_masses for inertia in (body.mass, body.mass, float(body.inertia[2, 2]))
+    ]
     output_unknown, sun_unknown = 3 * (discs + 1), 3 * discs + 2
     is_floating = reducer.planet.sun_support == "floating"
     fixed_support = [*np.zeros(3 * discs), FIXED_SUN_STIFFNESS, FIXED_SUN_STIFFNESS, 0.0]
@@ -55,7 +57,7 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         stud=0.0,
         bore=0.0,
         cam=0.0,
-        inertia=np.array([*by_unknown[:-1], sun_inertia, output, *[float(crank.inertia[2, 2])] * cranks]),
+        inertia=np.array([*inertia_by_unknown[:-1], sun_inertia, output, *[float(crank.inertia[2, 2])] * cranks]),
         unbalance=np.zeros((2, 2)),
         film=film_table(reducer),
         **teeth_and_ring(reducer, output_unknown),

@@ -23,21 +23,21 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
     position, velocity = joint_state(reducer, crank, speed)
     discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]
     if isinstance(reducer, RvReducer):
-        order, cranks = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT], reducer.cranks.count
+        joint_names, cranks = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT], reducer.cranks.count
     else:
-        order, cranks = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
+        joint_names, cranks = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
     positions, speeds = (
-        [*(joints.get(joint, 0.0) for joint in order), *[float(reducer.member.crank_angle(driven))] * cranks]
+        [*(joints.get(joint, 0.0) for joint in joint_names), *[float(reducer.member.crank_angle(driven))] * cranks]
         for joints, driven in ((position, crank), (velocity, speed))
     )
     ring_angle, ring_speed = (
         float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
     )
-    s, c = np.sin(ring_angle), np.cos(ring_angle)
+    sine, cosine = np.sin(ring_angle), np.cos(ring_angle)
     other_planes = len(pin_mass_matrix(reducer)) - 1 if reducer.mechanism.pins else 0
     for pin in reducer.mechanism.pins:
         x, y = pin.place + [position.get(joint, 0.0) for joint in pin.joints[:2]]
-        x, y = c * x - s * y, s * x + c * y
+        x, y = cosine * x - sine * y, sine * x + cosine * y
         positions += [x, y, ring_angle + position.get(pin.joints[2], 0.0), *[x, y] * other_planes]
         speeds += [-ring_speed * y, ring_speed * x, ring_speed, *[-ring_speed * y, ring_speed * x] * other_planes]
     return np.array(positions), np.array(speeds)

@@ -90,7 +90,7 @@ class Stepper:
         self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
-        discs, teeth = len(system.offset), len(system.place)
+        discs, teeth = len(system.offset), len(system.ring_centres)
         pairs = teeth * (discs + system.free) + len(system.cams) * (1 + len(system.studs)) + system.cranks * (discs + 1)
         self._motion = Motion(
             q=positions - 0.5 * timestep * speeds,
@@ -170,7 +170,7 @@ def _compile_steps() -> Any:
         agree. `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear;
         `train` is None without cranks. Forces accelerate pins in `pin_span`: half a `timestep`, or one [s].
         """
-        size, half = len(equations.right), 0.5 * timestep
+        size, half = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         row, max_iterations, unconverged = 0, 0, 0
@@ -265,8 +265,8 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
     for i in range(len(system.inner)):
         tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
         for plane in range(planes):
-            k = size + (2 * planes + 1) * i + plane_shift(plane)
-            x, y = midpoint[k] - predicted[k], midpoint[k + 1] - predicted[k + 1]
+            pin_x = size + (2 * planes + 1) * i + plane_shift(plane)
+            x, y = midpoint[pin_x] - predicted[pin_x], midpoint[pin_x + 1] - predicted[pin_x + 1]
             if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
                 return True
     return False
@@ -278,10 +278,10 @@ def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> N
 
     `count` is the number of contacts. `sums` (pairs,) is working memory, zero before and after.
     """
-    for k in range(count):
-        sums[contacts[k].pair] += contacts[k].normal_force
-    for k in range(count):
-        pair = contacts[k].pair
+    for i in range(count):
+        sums[contacts[i].pair] += contacts[i].normal_force
+    for i in range(count):
+        pair = contacts[i].pair
         peak[pair] = max(peak[pair], sums[pair])
         sums[pair] = 0.0
 
@@ -339,30 +339,30 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
     size, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
     if system.floating:
-        for m in range(2):
-            row[column + m], row[column + 2 + m] = q[sun + m], v[sun + m]
+        for axis in range(2):
+            row[column + axis], row[column + 2 + axis] = q[sun + axis], v[sun + axis]
         column += 4
     for body in range(0, sun, 3):
-        for m in range(3):
-            row[column + m], row[column + 3 + m] = q[body + m], v[body + m]
+        for axis in range(3):
+            row[column + axis], row[column + 3 + axis] = q[body + axis], v[body + axis]
         column += 6
     column = _write_shaft(system, 0, system.shafts[0], q, v, command, row, column)
     carrier = system.stud_shaft
-    angle, speed = (q[carrier], v[carrier]) if carrier >= 0 else (0.0, 0.0)
+    carrier_angle, member_speed = (q[carrier], v[carrier]) if carrier >= 0 else (0.0, 0.0)
     for crank in range(size - system.cranks, size):
-        row[column], row[column + 1] = q[crank] - angle, v[crank] - speed
+        row[column], row[column + 1] = q[crank] - carrier_angle, v[crank] - member_speed
         column += 2
-    ring_angle, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
-    s, c = math.sin(ring_angle), math.cos(ring_angle)
+    ring_angle, member_speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
+    sine, cosine = math.sin(ring_angle), math.cos(ring_angle)
     width = 2 * len(system.pin_mass) + 1
     for pin_unknown in range(size, len(q), width):
         pin = (pin_unknown - size) // width
         x, y = q[pin_unknown], q[pin_unknown + 1]
         if width > 3:
             x, y = 0.5 * (x + q[pin_unknown + 3]), 0.5 * (y + q[pin_unknown + 4])
-        row[column] = c * x + s * y - system.seated[pin, 0]
-        row[column + 1] = c * y - s * x - system.seated[pin, 1]
-        row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - speed
+        row[column] = cosine * x + sine * y - system.seat_centres[pin, 0]
+        row[column + 1] = cosine * y - sine * x - system.seat_centres[pin, 1]
+        row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - member_speed
         column += 4
     return column
 
@@ -374,15 +374,15 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: i
     The values for all contacts start at `solver_column`, those of each pair at `pairs_column`, where the row must be
     zero before; see `sample_layout`.
     """
-    active, deepest, largest = 0, 0.0, 0.0
-    for k in range(count):
-        contact = contacts[k]
-        deepest = max(deepest, -contact.gap)
+    active_contacts, max_depth, largest_force = 0, 0.0, 0.0
+    for i in range(count):
+        contact = contacts[i]
+        max_depth = max(max_depth, -contact.gap)
         if contact.state == OPEN:
             continue
         normal_force, friction_force = contact.normal_force, contact.friction_force
-        active += 1
-        largest = max(largest, math.hypot(normal_force, friction_force))
+        active_contacts += 1
+        largest_force = max(largest_force, math.hypot(normal_force, friction_force))
         column = pairs_column + sample_layout.OF_PAIR * contact.pair
         arms = contact.disc_normal, contact.disc_tangent
         if contact.disc < 0:
@@ -397,9 +397,9 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: i
         row[solver_column + sample_layout.PENETRATION],
         row[solver_column + sample_layout.LARGEST_FORCE],
     ) = (
-        active,
-        deepest,
-        largest,
+        active_contacts,
+        max_depth,
+        largest_force,
     )
 
 
@@ -443,17 +443,17 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
         potential += 0.5 * system.support[i] * q[i] * q[i]
     for shaft in range(2):
         angle = q[system.shafts[shaft]]
-        s, c = math.sin(angle), math.cos(angle)
-        mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
-        potential -= gx * (c * mx - s * my) + gy * (s * mx + c * my)
+        sine, cosine = math.sin(angle), math.cos(angle)
+        moment_x, moment_y = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
+        potential -= gx * (cosine * moment_x - sine * moment_y) + gy * (sine * moment_x + cosine * moment_y)
     planes = len(system.pin_mass)
     for pin_unknown in range(size, len(q), 2 * planes + 1):
         translation = 0.0
         for plane in range(planes):
-            k = pin_unknown + plane_shift(plane)
-            for other in range(planes):
-                mass, m = system.pin_mass[plane, other], pin_unknown + plane_shift(other)
-                potential -= mass * (gx * q[m] + gy * q[m + 1])
-                translation += 0.5 * mass * (v[k] * v[m] + v[k + 1] * v[m + 1])
+            pin_x = pin_unknown + plane_shift(plane)
+            for other_plane in range(planes):
+                mass, other_x = system.pin_mass[plane, other_plane], pin_unknown + plane_shift(other_plane)
+                potential -= mass * (gx * q[other_x] + gy * q[other_x + 1])
+                translation += 0.5 * mass * (v[pin_x] * v[other_x] + v[pin_x + 1] * v[other_x + 1])
         kinetic += translation + 0.5 * system.pin_inertia * v[pin_unknown + 2] ** 2
     return potential, kinetic

@@ -65,13 +65,13 @@ class System(NamedTuple):
         Stiffness of springs that hold the unknowns of bodies at 0 [N/m], shape (3 bodies,); of a fixed sun, else (0,).
     teeth
         Teeth of every disc, except for their offset.
-    offset, turned
+    offset, tooth_rotation
         Distance of each disc's flanks from the trochoid [m], and clockwise rotation of its teeth [rad], shape (D,).
     ring
         Values of `contact_search.RingPin` for each pin or lobe, shape (N, 6).
-    place, home
+    ring_centres, outward
         Positions on the ring [m] of pins, lobes or seats, and their outward directions, shapes (N, 2).
-    seated
+    seat_centres
         Positions on the ring of the joint frames of moving pins [m], shape (N, 2).
     lobes, free, sleeved
         Whether the ring has lobes, moving pins, sleeves.
@@ -115,11 +115,11 @@ class System(NamedTuple):
     support: Array
     teeth: Teeth
     offset: Array
-    turned: Array
+    tooth_rotation: Array
     ring: Array
-    place: Array
-    home: Array
-    seated: Array
+    ring_centres: Array
+    outward: Array
+    seat_centres: Array
     lobes: bool
     free: bool
     sleeved: bool
@@ -207,11 +207,11 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
     return {
         "teeth": teeth[0],
         "offset": np.array([tooth.flank.offset for tooth in teeth]),
-        "turned": np.array([mating.on.angle[0] for mating in mesh]),
+        "tooth_rotation": np.array([mating.on.angle[0] for mating in mesh]),
         "ring": _ring_values(reducer, ring),
-        "place": seats.place,
-        "home": unit(seats.angle),
-        "seated": np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
+        "ring_centres": seats.place,
+        "outward": unit(seats.angle),
+        "seat_centres": np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
         "lobes": ring.role == Role.LOBE,
         "free": design.ring.has_pin_bodies,
         "sleeved": design.ring.has_pin_bodies and design.ring.has_sleeves,
@@ -276,12 +276,12 @@ def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     The columns are the fields of `contact_search.RingPin`: radius [m], outward direction, and play, compliance ratio
     and opening of the seat of a massless pin. Lobes have only the radius; other values are 0.
     """
-    values = np.zeros((len(ring.names), len(RingPin._fields)))
-    values[:, 0] = ring.radius
+    ring_values = np.zeros((len(ring.names), len(RingPin._fields)))
+    ring_values[:, 0] = ring.radius
     for i in range(len(ring.names) if ring.role == Role.PIN else 0):
-        pin_rows = collider_attributes(reducer, ring, i)["userdata"]
-        values[i, 1 : 1 + len(pin_rows)] = pin_rows
-    return values
+        pin_values = collider_attributes(reducer, ring, i)["userdata"]
+        ring_values[i, 1 : 1 + len(pin_values)] = pin_values
+    return ring_values
 
 
 def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
