@@ -222,10 +222,12 @@ class Calibration(Presented):
         best, sentences = self.preferred, list(self._worst_sections())
         if best is None or best.key == model_selection.DESIGN_MODEL:
             return tuple(sentences)
-        design_fit = next(item for item in self.candidates if item.key == model_selection.DESIGN_MODEL)
-        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values)
-        better = (
-            f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
+        design_fit = next(fit for fit in self.candidates if fit.key == model_selection.DESIGN_MODEL)
+        extra_values = ", ".join(
+            f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values
+        )
+        text = (
+            f"{best.meaning}{f' ({extra_values})' if extra_values else ''} explains the loops better than the design's "
             f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best.bayesian:.3g}, residual "
             f"{_percent(best.shares)} instead of {_percent(design_fit.shares)} of the heights"
         )
@@ -233,7 +235,7 @@ class Calibration(Presented):
             "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
             f"--fit {','.join(best.values)}"
         )
-        return (*sentences, better + (remedy if best.key == "load" else ""))
+        return (*sentences, text + (remedy if best.key == "load" else ""))
 
     def _worst_sections(self) -> Iterator[str]:
         """Yield a sentence for each loop on the section of it that deviates most from the fitted model.
@@ -241,16 +243,16 @@ class Calibration(Presented):
         A loop has six sections: unloading, crossing of the play and loading, with rising and with falling torque. Loops
         within the model error are skipped.
         """
-        sections = self.stretches
+        all_sections = self.stretches
         for loop in self.fitted.loops:
-            loop_sections = [item for item in sections if item.loop == loop.name]
-            deviating_sections = [item for item in loop_sections if not item.is_within_model_error]
+            loop_sections = [section for section in all_sections if section.loop == loop.name]
+            deviating_sections = [section for section in loop_sections if not section.is_within_model_error]
             if deviating_sections:
                 worst = max(deviating_sections, key=attrgetter("share"))
-                limit = (
+                count_text = (
                     f"{len(deviating_sections)} of {len(loop_sections)} stretches differ by more than {MODEL_ERROR:.0%}"
                 )
-                yield f"{worst.sentence} ({limit})"
+                yield f"{worst.sentence} ({count_text})"
 
     @property
     def measure_next(self) -> tuple[str, ...]:
@@ -279,11 +281,15 @@ class Calibration(Presented):
         intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
         header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
         rows: list[tuple[str | float, ...]] = []
-        for key, item in self.estimates.items():
-            interval, noise = (f"{low:.4g} to {high:.4g}" for low, high in (item.ci95, item.noise95))
-            texts = noise if np.isfinite(item.noise95[0]) else "-", item.unit, "yes" if item.identified else "no"
-            prior = f"{item.drawn:.4g} +- {item.deviation:.3g} ({item.source})" if item.source else ""
-            rows.append((key, item.value, interval, *texts, prior))
+        for key, estimate in self.estimates.items():
+            interval, noise = (f"{low:.4g} to {high:.4g}" for low, high in (estimate.ci95, estimate.noise95))
+            texts = (
+                noise if np.isfinite(estimate.noise95[0]) else "-",
+                estimate.unit,
+                "yes" if estimate.identified else "no",
+            )
+            prior = f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else ""
+            rows.append((key, estimate.value, interval, *texts, prior))
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _quantity_table(self) -> Table:
@@ -310,8 +316,8 @@ class Calibration(Presented):
             *("without an offset of torque", "torque range [N m]"),
         )
         rows: list[tuple[str | float, ...]] = []
-        for number, loop in enumerate(self.fitted.loops):
-            rms, without_offset = self.fitted.rms(number), self.fitted.rms_without_offset(number)
+        for loop_index, loop in enumerate(self.fitted.loops):
+            rms, without_offset = self.fitted.rms(loop_index), self.fitted.rms_without_offset(loop_index)
             shares = f"{rms / loop.height:.1%}", f"{without_offset / loop.height:.1%}"
             degrees = loop.height / DEGREE, rms / DEGREE
             rows.append((loop.name, float(len(loop.torque)), *degrees, *shares, 2.0 * loop.most))
@@ -508,8 +514,8 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     torque_offset, offset_gain = None, math.nan
     try:
         if with_candidates:
-            for key, item in model_selection.fit_candidates(model, loops, condition, trials):
-                fits[key] = item
+            for key, candidate_fit in model_selection.fit_candidates(model, loops, condition, trials):
+                fits[key] = candidate_fit
             compared = model_selection.compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
             best = fits[model_selection.select_model(compared).key]
@@ -562,7 +568,7 @@ def compare_losses(
             "the losses of an RV reducer cannot be compared (--losses), because its loops are computed without "
             "friction of the contacts: remove --losses"
         )
-    common = [
+    common_keys = [
         "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
         for parameter in fitted.parameters
         if parameter.key not in (*CONTACT_FRICTION, *WIND_UP_FRICTION)
@@ -570,16 +576,16 @@ def compare_losses(
     frictionless = fitted.model.reducer.but(friction=NO_FRICTION).design
     trials = Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
-    for key, meaning, extra, has_friction in LOSSES:
+    for key, meaning, extra_keys, has_friction in LOSSES:
         base_model = replace(
             fitted.model,
             reducer=Reducer(fitted.model.reducer.design if has_friction else frictionless),
             contact_friction=True,
         )
-        chosen = fit_parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
+        parameters = fit_parameters(fitted.model.reducer, [*common_keys, *extra_keys], fitted.loops)
         loops, offset = fitted.loops, fitted.torque_offset
         fits[key, meaning] = fit_loops(
-            base_model, chosen, loops, fitted.condition, trials, intervals=False, torque_offset=offset
+            base_model, parameters, loops, fitted.condition, trials, intervals=False, torque_offset=offset
         )
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
         calibration = replace(calibration, variants=model_selection.compare_fits(fits))
@@ -602,15 +608,22 @@ def _build_calibration(fitted: Fitted) -> Calibration:
     The loop quantities are play, width, stiffness and Coulomb torque of the measured loops and of the fitted model.
     """
     count = len(fitted.parameters)
-    estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}
+    estimates = {parameter.key: _estimate_value(fitted, index) for index, parameter in enumerate(fitted.parameters)}
     parameter_correlations = correlations(fitted)
     keys = list(estimates)
     pairs = [
-        (i, j) for i in range(count) for j in range(i) if abs(parameter_correlations[i, j]) > LIMITS.max_correlation
+        (row, column)
+        for row in range(count)
+        for column in range(row)
+        if abs(parameter_correlations[row, column]) > LIMITS.max_correlation
     ]
-    indistinguishable = tuple((keys[i], keys[j], float(parameter_correlations[i, j])) for i, j in pairs)
+    indistinguishable = tuple(
+        (keys[row], keys[column], float(parameter_correlations[row, column])) for row, column in pairs
+    )
     calibrated_design = _writable_design(fitted.calibrated_model.reducer)
-    modelled_loops = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
+    modelled_loops = [
+        replace(loop, deflection=rotation) for loop, rotation in zip(fitted.loops, fitted.turns, strict=True)
+    ]
     return Calibration(
         fitted=fitted,
         design=calibrated_design.but(name=calibrated_name(calibrated_design)),
@@ -643,12 +656,14 @@ def _estimate_value(fitted: Fitted, index: int) -> Estimate:
     least the share `LIMITS.max_prior_share` to it, or if `ci95` is at least as wide as the value.
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
-    value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
-    lower, upper = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
+    value, low, high = (parameter.from_scale(float(scaled)) for scaled in (scaled_value, *interval))
+    lower_bound, upper_bound = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
     margin = SETTINGS.difference_step
-    is_bounded = lower + margin < interval[0] and interval[1] < upper - margin
-    at_bound, prior = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
-    is_identified = bool(not at_bound and is_bounded and prior < LIMITS.max_prior_share and high - low < abs(value))
+    is_bounded = lower_bound + margin < interval[0] and interval[1] < upper_bound - margin
+    at_bound, prior_share = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
+    is_identified = bool(
+        not at_bound and is_bounded and prior_share < LIMITS.max_prior_share and high - low < abs(value)
+    )
     likeliest, half_width = float(fitted.likeliest[index]), float(fitted.uncertainty.half_widths[index])
     noise = math.nan, math.nan
     if not at_bound:
@@ -667,34 +682,34 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
     The columns are the residuals of each loop, the information criteria minus the lowest of all models, and the fitted
     values. `title` is the heading of the table, `compared` are the fits.
     """
-    bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
+    min_bayesian, min_akaike = (min(getattr(fit, key) for fit in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
         (
-            item.meaning,
-            *(f"{share:.1%}" for share in item.shares),
-            item.bayesian - bayesian,
-            item.akaike - akaike,
-            ", ".join(f"{key} {value:.3g}" for key, value in item.values.items()),
+            fit.meaning,
+            *(f"{share:.1%}" for share in fit.shares),
+            fit.bayesian - min_bayesian,
+            fit.akaike - min_akaike,
+            ", ".join(f"{key} {value:.3g}" for key, value in fit.values.items()),
         )
-        for item in compared
+        for fit in compared
     )
     return Table(title, header, rows)
 
 
-def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert the fit `item` of one of several compared models to JSON values.
+def _variant_json(fit: model_selection.ModelFit) -> dict[str, Any]:
+    """Convert the fit `fit` of one of several compared models to JSON values.
 
     ``residual_shares`` are the rms deviations from the loops over their heights, ``bic`` and ``aic`` the Bayesian and
     Akaike's information criterion, and ``values`` the fitted values in the units of the parameters.
     """
-    criteria = {"bic": item.bayesian, "aic": item.akaike}
+    criteria = {"bic": fit.bayesian, "aic": fit.akaike}
     return {
-        "key": item.key,
-        "meaning": item.meaning,
-        "residual_shares": list(item.shares),
+        "key": fit.key,
+        "meaning": fit.meaning,
+        "residual_shares": list(fit.shares),
         **criteria,
-        "values": item.values,
+        "values": fit.values,
     }
 
 
@@ -710,19 +725,19 @@ def _advise_loops(
     `fitted` is the result of the fit. `undetermined_keys` are the keys of undetermined values, `indistinguishable`
     pairs of keys with their correlation. There are recommendations for play, friction and stiffness only.
     """
-    open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
+    uncertain_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, condition = max(loop.most for loop in fitted.loops), fitted.condition
-    lowest = min(fitted.loops, key=attrgetter("height"))
-    coulomb, advice = loop_coulomb_torque(lowest).value, []
-    if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
+    smallest_loop = min(fitted.loops, key=attrgetter("height"))
+    coulomb_torque, advice = loop_coulomb_torque(smallest_loop).value, []
+    if any(key == "play" or key.endswith(("_play", "_um")) for key in uncertain_keys):
         design = fitted.model.reducer.design
         turns = design.lobes if isinstance(fitted.model.reducer, RvReducer) else design.reduction
         angle = condition.crank / DEGREE + 180.0 / design.ring.teeth * turns
         advice.append(
             f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
         )
-    if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *CONTACT_FRICTION} & open_keys:
-        small_torque = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * max_torque
+    if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *CONTACT_FRICTION} & uncertain_keys:
+        small_torque = 1.5 * coulomb_torque if np.isfinite(coulomb_torque) else 0.2 * max_torque
         advice.append(
             f"losses: a loop of +-{small_torque:.2g} N m, in which constant friction is most of the torque, in "
             f"addition to one of +-{max_torque:.4g} N m"
@@ -732,7 +747,7 @@ def _advise_loops(
             f"friction: the same loop with the {other_shaft} locked (--held {other_shaft}), where friction acts in the "
             "other direction"
         )
-    if {"tooth_stiffness", "structure_stiffness", "bearing_stiffness", "hysteresis_travel"} & open_keys:
+    if {"tooth_stiffness", "structure_stiffness", "bearing_stiffness", "hysteresis_travel"} & uncertain_keys:
         advice.append(
             f"stiffness: a loop of +-{2.0 * max_torque:.4g} N m, of which play and friction are a smaller part"
         )
@@ -744,9 +759,9 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 
     `fitted` is the result of the fit.
     """
-    notes, sign = [], "counts deflection against the torque: its sign was changed"
+    notes, sign_text = [], "counts deflection against the torque: its sign was changed"
     for loop in fitted.loops:
-        notes += [f"{loop.name} {sign}"] if loop.flipped else []
+        notes += [f"{loop.name} {sign_text}"] if loop.flipped else []
     for loop in fitted.loops:
         notes += (
             [f"{loop.name}: the first {loop.points_left_out} points lead to the loop and are not used"]
@@ -754,17 +769,17 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
             else []
         )
     notes += [
-        f"{item.key} is at the limit of the search, {value:.4g} {item.unit}: its interval is one-sided"
-        for item, value, scaled_value in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
-        if min(scaled_value - item.to_scale(item.lower), item.to_scale(item.upper) - scaled_value)
+        f"{parameter.key} is at the limit of the search, {value:.4g} {parameter.unit}: its interval is one-sided"
+        for parameter, value, scaled_value in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
+        if min(scaled_value - parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper) - scaled_value)
         < PROFILE.bound_distance
     ]
     notes.append(INTERVALS)
     if math.isfinite(fitted.offset_gain):
-        exact, word = "the zero of torque is taken as exact", "with" if fitted.torque_offset else "without"
-        offset_note = "each loop has a fitted zero offset of torque" if fitted.torque_offset else exact
-        gain = f"{abs(fitted.offset_gain):.3g}"
-        notes.append(f"{offset_note}: the Bayesian criterion {word} such offsets is lower by {gain}")
+        no_offset_note, word = "the zero of torque is taken as exact", "with" if fitted.torque_offset else "without"
+        offset_note = "each loop has a fitted zero offset of torque" if fitted.torque_offset else no_offset_note
+        gain_text = f"{abs(fitted.offset_gain):.3g}"
+        notes.append(f"{offset_note}: the Bayesian criterion {word} such offsets is lower by {gain_text}")
     return tuple(notes)
 
 
@@ -779,10 +794,10 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], condition: LoopC
     for loop in loops:
         require_torque(loop, rated_torque)
         try:
-            turn = np.concatenate([turn for _, turn in model_branches(model, condition, loop)])
+            rotation = np.concatenate([rotation for _, rotation in model_branches(model, condition, loop)])
         except RunError:
             continue
-        expected = float(np.ptp(turn))
+        expected = float(np.ptp(rotation))
         if loop.height * LIMITS.radians_factor < expected < loop.height / DEGREE * LIMITS.radians_factor:
             raise UsageError(
                 f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but the model "
@@ -799,8 +814,12 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], condition: LoopC
 
 def _require_sensitivity(problem: FitProblem) -> None:
     """Raise UsageError if no parameter of the fit `problem` changes any loop (central differences of the residuals)."""
-    start = np.array([item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops)))
-    if not np.any(np.abs(problem.slopes(start, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity):
+    start_values = np.array(
+        [item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops))
+    )
+    if not np.any(
+        np.abs(problem.slopes(start_values, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity
+    ):
         raise UsageError(
             f"--fit {','.join(item.key for item in problem.parameters)}: none of these parameters affects the "
             f"modelled loop. Fit parameters that do, such as {','.join(default_keys(problem.model.reducer))}"

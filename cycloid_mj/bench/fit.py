@@ -138,11 +138,11 @@ class Fitted:
         Models are comparable only by criteria with the same numbers. The numbers of `independent` differ between
         models, since a model without a relevant effect has correlated residuals.
         """
-        return _misfit(self.residuals, independent_counts) + self.free_values * float(np.log(sum(independent_counts)))
+        return _deviance(self.residuals, independent_counts) + self.free_values * float(np.log(sum(independent_counts)))
 
     def akaike_criterion(self, independent: Sequence[float]) -> float:
         """Compute Akaike's information criterion by the same residuals."""
-        return _misfit(self.residuals, independent) + 2.0 * self.free_values
+        return _deviance(self.residuals, independent) + 2.0 * self.free_values
 
     def values_at(self, scaled: Array) -> Array:
         """Compute the parameters' values from scaled ones."""
@@ -209,17 +209,17 @@ def fit_loops(
     try:
         problem.trials.expect(problem.usual_trials(intervals))
         starts = problem.starts() if start is None else [start]
-        without_offset = len(starts) if torque_offset is None else 0
-        for number, item in enumerate(starts):
+        again = len(starts) if torque_offset is None else 0
+        for index, start_values in enumerate(starts):
             problem.trials.expect(
-                problem.expected_trials(starts=len(starts) - number, again=without_offset, long=1, **interval_searches)
+                problem.expected_trials(starts=len(starts) - index, again=again, long=1, **interval_searches)
             )
-            solutions.append(problem.minimise(item, SETTINGS.max_steps_from_start, "trf"))
+            solutions.append(problem.minimise(start_values, SETTINGS.max_steps_from_start, "trf"))
         solutions.sort(key=itemgetter(0))
-        gain = math.nan
+        offset_gain = math.nan
         if torque_offset is None:
-            problem, gain, solutions = _choose_offset(problem, solutions)
-        scaled_values = _continue_search(problem, solutions, fits, gain, interval_searches)
+            problem, offset_gain, solutions = _choose_offset(problem, solutions)
+        scaled_values = _continue_search(problem, solutions, fits, offset_gain, interval_searches)
         if not intervals:
             return fits[-1]
         return replace(fits[-1], scaled=problem.fit_deflections(scaled_values, *fits[-1].ends.T))
@@ -297,8 +297,8 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     loop_residuals = problem.residuals_by_loop(scaled_values)
     failed_loops = [
         loop.name
-        for loop, part in zip(problem.loops, loop_residuals, strict=True)
-        if np.all(part == SETTINGS.failed_residual)
+        for loop, residuals in zip(problem.loops, loop_residuals, strict=True)
+        if np.all(residuals == SETTINGS.failed_residual)
     ]
     if failed_loops:
         raise RunError(
@@ -310,15 +310,15 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     slopes = problem.slopes(scaled_values, range(len(scaled_values)), central=True)[: sum(map(len, loop_residuals))]
     prior = MODEL_ERROR * problem.prior_weights
     at_bound = ~((scaled_values > low + PROFILE.bound_distance) & (scaled_values < high - PROFILE.bound_distance))
-    by_loop = np.split(slopes, np.cumsum([len(part) for part in loop_residuals])[:-1])
-    weighted = [part / np.sqrt(len(part)) for part in loop_residuals]
-    free = estimate_uncertainty(by_loop, weighted, ~at_bound, prior)
-    all_free = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
+    slopes_by_loop = np.split(slopes, np.cumsum([len(residuals) for residuals in loop_residuals])[:-1])
+    weighted = [residuals / np.sqrt(len(residuals)) for residuals in loop_residuals]
+    free = estimate_uncertainty(slopes_by_loop, weighted, ~at_bound, prior)
+    all_free = estimate_uncertainty(slopes_by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
     estimates = (all_free if bound else free for bound in at_bound.tolist())
     half_width = np.array(
         [
-            item.half_widths[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5
-            for index, item in enumerate(estimates)
+            estimate.half_widths[index] + MODEL_ERROR * estimate.inverse[index, index] ** 0.5
+            for index, estimate in enumerate(estimates)
         ]
     )
     ends = np.clip(
@@ -341,8 +341,8 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     )
 
 
-def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Compute twice the negative log-likelihood of a fit, without a constant.
+def _deviance(residuals: Sequence[Array], independent: Sequence[float]) -> float:
+    """Compute the deviance of a fit: twice its negative log-likelihood, without a constant.
 
     It is the sum over all loops of n times the logarithm of the mean square of the loop's residuals [1]. `residuals`
     has the array of each loop, `independent` the number n of its independent residuals.
@@ -377,11 +377,13 @@ def _choose_offset(
         problem.residuals_by_loop(solutions[0][1]),
         problem_without_offset.residuals_by_loop(solutions_without[0][1]),
     )
-    independent = [len(part) / autocorrelation_time(part) for part in residuals_with]
+    independent_counts = [
+        len(loop_residuals) / autocorrelation_time(loop_residuals) for loop_residuals in residuals_with
+    ]
     gain = (
-        _misfit(residuals_without, independent)
-        - _misfit(residuals_with, independent)
-        - len(problem.loops) * math.log(sum(independent))
+        _deviance(residuals_without, independent_counts)
+        - _deviance(residuals_with, independent_counts)
+        - len(problem.loops) * math.log(sum(independent_counts))
     )
     return (problem, gain, solutions) if gain > 0.0 else (problem_without_offset, gain, solutions_without)
 
@@ -408,26 +410,24 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, minima: Sequence[tuple[
         Scaled values (v,) with a lower cost than the solution; None if no search reached any.
     """
     inverse, lowest_cost = fitted.uncertainty.inverse, minima[0][0]
-    is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in minima[1:]]
+    is_distinct = [np.any(np.abs(values - fitted.likeliest) > fitted.uncertainty.errors) for _, values in minima[1:]]
     minima = [minima[0], *(minimum for minimum, distinct in zip(minima[1:], is_distinct, strict=True) if distinct)]
-    unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
-    open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(problem.parameters)])
+    is_unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
+    indices = np.flatnonzero(~(fitted.at_bound | is_unknown)[: len(problem.parameters)])
     trials_before, ends_done, usual_trials = problem.trials.done, 0, problem.expected_trials(ends=1)
-    for index in open_values:
+    for index in indices:
         for side, end in enumerate(fitted.ends[index].tolist()):
             trials_per_end = (problem.trials.done - trials_before + usual_trials) / (ends_done + 1)
-            problem.trials.expect(
-                (2 * len(open_values) - ends_done) * trials_per_end + problem.expected_trials(nearest=1)
-            )
+            problem.trials.expect((2 * len(indices) - ends_done) * trials_per_end + problem.expected_trials(nearest=1))
             ends_done += 1
             linear_distance = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
-            allowed, reached_distances = 0.5 * linear_distance**2 / inverse[index, index], []
+            allowed_rise, reached_distances = 0.5 * linear_distance**2 / inverse[index, index], []
             for cost, minimum_values in minima:
-                if (remaining := allowed - (cost - lowest_cost)) <= 0.0:
+                if (remaining_rise := allowed_rise - (cost - lowest_cost)) <= 0.0:
                     continue
                 distance, better_values = _profile_distance(
-                    problem, fitted, (cost, minimum_values), int(index), side, remaining
+                    problem, fitted, (cost, minimum_values), int(index), side, remaining_rise
                 )
                 if better_values is not None and better_values[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
                     return better_values[1]
@@ -467,22 +467,22 @@ def _profile_distance(
     limit = float(problem.bounds[side][index] - minimum_values[index])
     distance = (2.0 * allowed_rise * float(inverse[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
-    rise_before = last_distance = rise = 0.0
+    last_rise = last_distance = rise = 0.0
     better_values = None
     for _ in range(PROFILE.max_doublings):
         start = np.clip(minimum_values + distance * direction, *problem.bounds)
-        new_cost, trial = problem.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
+        new_cost, trial_values = problem.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
         if new_cost < cost:
-            better_values = new_cost, trial
+            better_values = new_cost, trial_values
         rise = max(new_cost - cost, 0.0)
         if rise >= allowed_rise or distance == limit:
             break
-        last_distance, rise_before = distance, rise
+        last_distance, last_rise = distance, rise
         distance = min(2.0 * distance, limit) if side else max(2.0 * distance, limit)
     else:
         # nothing that was tried ends the interval
         distance = limit
     if rise > allowed_rise:
-        ratio = (allowed_rise**0.5 - rise_before**0.5) / (rise**0.5 - rise_before**0.5)
+        ratio = (allowed_rise**0.5 - last_rise**0.5) / (rise**0.5 - last_rise**0.5)
         distance = last_distance + ratio * (distance - last_distance)
     return distance, better_values

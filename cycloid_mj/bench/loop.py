@@ -173,18 +173,18 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
         raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement}") from error
     numbered_lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
-    columns = (
+    first_line = (
         ", ".join(numbered_lines[0][1].lstrip("# ").split(",")) if numbered_lines else "no line: the file is empty"
     )
     if header is None:
         raise UsageError(
-            f"{path}: no header line with the column names was found; the first line is {columns[:80]!r}. Add the "
+            f"{path}: no header line with the column names was found; the first line is {first_line[:80]!r}. Add the "
             f"header: {requirement}"
         )
     keys = [key.strip() for key in numbered_lines[header][1].lstrip("# ").split(",")]
-    if absent := [name for name in names if name not in keys]:
+    if missing := [name for name in names if name not in keys]:
         raise UsageError(
-            f"{path}: the column {absent[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
+            f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
             f"{requirement}"
         )
     rows = [(number, row) for number, row in numbered_lines[header + 1 :] if not row.lstrip().startswith("#")]
@@ -337,12 +337,12 @@ def _mean_opening(loop: MeasuredLoop) -> float:
     """
     directions = [loop.moving(direction) for direction in (1, -1)]
     common_range = (
-        max(loop.torque[side].min() for side in directions),
-        min(loop.torque[side].max() for side in directions),
+        max(loop.torque[is_moving].min() for is_moving in directions),
+        min(loop.torque[is_moving].max() for is_moving in directions),
     )
     levels = np.linspace(*common_range, len(loop.torque))
     rising_branch, falling_branch = (
-        _interpolate(loop.torque[side], loop.deflection[side], levels) for side in directions
+        _interpolate(loop.torque[is_moving], loop.deflection[is_moving], levels) for is_moving in directions
     )
     return float(np.mean(falling_branch - rising_branch))
 
@@ -365,14 +365,16 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
-    start = float(np.median(deflection[: SETTINGS.median_window]))
+    start_deflection = float(np.median(deflection[: SETTINGS.median_window]))
     start_torque = float(np.median(torque[: SETTINGS.median_window]))
     later_deflection, opposite_deflection = (
-        float(_interpolate(torque[item], deflection[item], start_torque)) for item in (same_direction, first_branch)
+        float(_interpolate(torque[is_on_branch], deflection[is_on_branch], start_torque))
+        for is_on_branch in (same_direction, first_branch)
     )
     return (
         int(np.sum(branch == 0))
-        if abs(start - later_deflection) > SETTINGS.lead_distance * abs(opposite_deflection - later_deflection)
+        if abs(start_deflection - later_deflection)
+        > SETTINGS.lead_distance * abs(opposite_deflection - later_deflection)
         else 0
     )
 
@@ -407,30 +409,36 @@ def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
     medians = _median_filter(torque)
     min_reversal = SETTINGS.reversal * float(np.ptp(medians))
     reversals: list[int] = []
-    extreme = low = high = 0
+    extreme_index = min_index = max_index = 0
     direction = 0
     for index, value in enumerate(medians):
         if direction == 0:
-            low = index if value < medians[low] else low
-            high = index if value > medians[high] else high
-            if medians[high] - medians[low] > min_reversal:
-                direction, extreme = (1, index) if high > low else (-1, index)
-        elif direction * (value - medians[extreme]) > 0.0:
-            extreme = index
-        elif direction * (medians[extreme] - value) > min_reversal:
-            reversals.append(extreme)
-            direction, extreme = -direction, index
+            min_index = index if value < medians[min_index] else min_index
+            max_index = index if value > medians[max_index] else max_index
+            if medians[max_index] - medians[min_index] > min_reversal:
+                direction, extreme_index = (1, index) if max_index > min_index else (-1, index)
+        elif direction * (value - medians[extreme_index]) > 0.0:
+            extreme_index = index
+        elif direction * (medians[extreme_index] - value) > min_reversal:
+            reversals.append(extreme_index)
+            direction, extreme_index = -direction, index
     if not reversals:
         return (), np.zeros(len(torque), int)
-    inner = [_reversal_torque(torque, medians, index) for index in reversals]
+    reversal_torques = [_reversal_torque(torque, medians, index) for index in reversals]
     # torques at which the first branch begins and the last one ends: the other ends of the loop
-    first_extreme = inner[1] if len(inner) > 1 else float(medians[: reversals[0] + 1][0])
-    last = inner[-2] if len(inner) > 1 else float(medians[reversals[-1] :][-1])
-    beginning, end = medians[: reversals[0] + 1], medians[reversals[-1] :]
-    start = (
-        min(first_extreme, float(beginning.min()))
-        if inner[0] > first_extreme
-        else max(first_extreme, float(beginning.max()))
+    first_extreme = reversal_torques[1] if len(reversal_torques) > 1 else float(medians[: reversals[0] + 1][0])
+    last_extreme = reversal_torques[-2] if len(reversal_torques) > 1 else float(medians[reversals[-1] :][-1])
+    initial_branch, last_branch = medians[: reversals[0] + 1], medians[reversals[-1] :]
+    start_torque = (
+        min(first_extreme, float(initial_branch.min()))
+        if reversal_torques[0] > first_extreme
+        else max(first_extreme, float(initial_branch.max()))
     )
-    branch_end = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
-    return (start, *inner, branch_end), np.searchsorted(reversals, np.arange(len(torque)), side="left")
+    end_torque = (
+        min(last_extreme, float(last_branch.min()))
+        if reversal_torques[-1] > last_extreme
+        else max(last_extreme, float(last_branch.max()))
+    )
+    return (start_torque, *reversal_torques, end_torque), np.searchsorted(
+        reversals, np.arange(len(torque)), side="left"
+    )

@@ -173,11 +173,15 @@ def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
         _find_crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
         for direction in (1, -1)
     ]
-    branches = [branch for side in crossings if side for branch in side]
-    if len(branches) < 4:
+    branch_crossings = [crossing for side in crossings if side for crossing in side]
+    if len(branch_crossings) < 4:
         return NO_FIGURE
-    value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
-    half_width = _quantile(min(item[2] for item in branches)) * 0.5 * sum(item[1] for item in branches) ** 0.5
+    value = 0.5 * (branch_crossings[0][0] + branch_crossings[1][0] - branch_crossings[2][0] - branch_crossings[3][0])
+    half_width = (
+        _quantile(min(branch_crossing[2] for branch_crossing in branch_crossings))
+        * 0.5
+        * sum(branch_crossing[1] for branch_crossing in branch_crossings) ** 0.5
+    )
     return LoopFigure.about(value, half_width)
 
 
@@ -188,21 +192,22 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     zero torque by a line through its points between 3 % and 0.5 % of `rated_torque` [N m], before it crosses the play.
     With too few points there, the branch is interpolated at zero torque. NaN if a branch does not cross zero torque.
     """
-    readings = []
+    zero_crossings = []
     for direction in (1, -1):
         torque, is_unloading = direction * loop.torque, loop.moving(-direction)
         if not is_unloading.any() or not torque[is_unloading].min() < 0.0 < torque[is_unloading].max():
             return NO_FIGURE
         is_near_zero = (torque >= READING.min_unloaded * rated_torque) & (torque <= LOST_MOTION_SHARE * rated_torque)
         line = _fit_line(loop.torque, loop.deflection, is_unloading & is_near_zero)
-        readings.append(
+        zero_crossings.append(
             (*line.at(0.0), line.freedom)
             if line
             else _interpolate_crossing(loop.torque[is_unloading], loop.deflection[is_unloading], 0.0)
         )
-    (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = readings
+    (upper_value, upper_variance, upper_freedom), (lower_value, lower_variance, lower_freedom) = zero_crossings
     return LoopFigure.about(
-        upper - lower, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
+        upper_value - lower_value,
+        _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5,
     )
 
 
@@ -217,8 +222,10 @@ def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
     It is half the torque between the rising and the falling branch at the middle deflection. NaN if a branch does not
     cross that deflection.
     """
-    inner = loop.deflection[loop.points_left_out :]
-    value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
+    loop_deflection = loop.deflection[loop.points_left_out :]
+    value, low, high = _branch_distance(
+        loop, loop.deflection, loop.torque, 0.5 * float(loop_deflection.max() + loop_deflection.min())
+    )
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
 
 

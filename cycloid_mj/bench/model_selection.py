@@ -85,15 +85,15 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
     criteria use the same number of independent residuals: that of the model with the most parameters, because its
     residuals are nearest to noise.
     """
-    independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
+    independent_counts = max(fits.values(), key=lambda fit: len(fit.parameters)).independent
     return tuple(
         ModelFit(
             key,
             meaning,
-            tuple(fitted.rms(number) / loop.height for number, loop in enumerate(fitted.loops)),
-            fitted.bayesian_criterion(independent),
-            fitted.akaike_criterion(independent),
-            {name.key: float(value) for name, value in zip(fitted.parameters, fitted.values, strict=True)},
+            tuple(fitted.rms(index) / loop.height for index, loop in enumerate(fitted.loops)),
+            fitted.bayesian_criterion(independent_counts),
+            fitted.akaike_criterion(independent_counts),
+            {parameter.key: float(value) for parameter, value in zip(fitted.parameters, fitted.values, strict=True)},
         )
         for (key, meaning), fitted in fits.items()
     )
@@ -120,18 +120,20 @@ def fit_candidates(
     FitStopped
         Ctrl-C was pressed.
     """
-    common = [key for key in default_keys(model.reducer) if key not in WIND_UP_FRICTION]
+    common_keys = [key for key in default_keys(model.reducer) if key not in WIND_UP_FRICTION]
     parameters_by_model = {
-        key: fit_parameters(model.reducer, (*common, *extra), loops) for key, (_, extra) in CANDIDATES.items()
+        key: fit_parameters(model.reducer, (*common_keys, *extra_keys), loops)
+        for key, (_, extra_keys) in CANDIDATES.items()
     }
     problems = {
-        key: FitProblem(model, values, tuple(loops), condition, trials) for key, values in parameters_by_model.items()
+        key: FitProblem(model, parameters, tuple(loops), condition, trials)
+        for key, parameters in parameters_by_model.items()
     }
-    expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
+    trials_by_model = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
     final_trials = problems[DESIGN_MODEL].usual_trials(intervals=True)
-    for fitted_count, (key, values) in enumerate(parameters_by_model.items(), 1):
-        trials.later = sum(list(expected.values())[fitted_count:]) + final_trials
-        yield key, fit_loops(model, values, loops, condition, trials, intervals=False)
+    for fitted_count, (key, parameters) in enumerate(parameters_by_model.items(), 1):
+        trials.later = sum(list(trials_by_model.values())[fitted_count:]) + final_trials
+        yield key, fit_loops(model, parameters, loops, condition, trials, intervals=False)
     trials.later = 0.0
 
 
@@ -150,14 +152,14 @@ def compare_sections(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """
     rows = []
     for loop, modelled_deflection in zip(fitted.loops, fitted.turns, strict=True):
-        coulomb = loop_coulomb_torque(loop).value
-        loaded_torque = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
+        coulomb_torque = loop_coulomb_torque(loop).value
+        loaded_torque = READING.loaded_coulomb * coulomb_torque if np.isfinite(coulomb_torque) else 0.0
         for direction, direction_text in ((1, "torque rising"), (-1, "torque falling")):
             is_moving, signed_torque = loop.moving(direction), direction * loop.torque
-            crossing = (signed_torque >= 0.0) & (signed_torque < loaded_torque)
+            is_across_play = (signed_torque >= 0.0) & (signed_torque < loaded_torque)
             sections = {
                 "unloading": signed_torque < 0.0,
-                "across the play": crossing,
+                "across the play": is_across_play,
                 "loading": signed_torque >= loaded_torque,
             }
             for section, is_inside in sections.items():

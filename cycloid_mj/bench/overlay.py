@@ -82,29 +82,31 @@ def _branches_with_contact_friction(
     neighbouring points, and `condition` is that of the measurement. Two branches, from rest to the second reversal and
     back to the first, are computed first and omitted from the result.
     """
-    spans = list(pairwise(reversals))
-    lead = [
+    torque_spans = list(pairwise(reversals))
+    lead_torques = [
         np.linspace(start, end, SETTINGS.lead_points, endpoint=False)
         for start, end in ((0.0, reversals[1]), (reversals[1], reversals[0]))
     ]
-    distinct = list(dict.fromkeys(spans))
-    torque_path = np.concatenate([*lead, *(np.linspace(start, end, SETTINGS.points) for start, end in distinct)])
-    positions, turn = follow_torque_path(
+    distinct_spans = list(dict.fromkeys(torque_spans))
+    torque_path = np.concatenate(
+        [*lead_torques, *(np.linspace(start, end, SETTINGS.points) for start, end in distinct_spans)]
+    )
+    positions, rotation = follow_torque_path(
         model.reducer, torque_path, condition.crank, model.losses, condition.held, max_turn
     )
     load = np.interp(positions, np.arange(len(torque_path)), torque_path)
-    starts = np.searchsorted(positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct) + 1))
-    branches = [(load[start:end], turn[start:end]) for start, end in pairwise(starts)]
+    starts = np.searchsorted(positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct_spans) + 1))
+    branches = [(load[start:end], rotation[start:end]) for start, end in pairwise(starts)]
     # a closed loop repeats its branches
-    return [branches[distinct.index(span)] for span in spans]
+    return [branches[distinct_spans.index(span)] for span in torque_spans]
 
 
 def interpolate_deflections(loop: MeasuredLoop, branches: Branches) -> Array:
     """Interpolate the model's deflection [rad] at every measured point, on its branch at the same torque, (n,)."""
     deflection_at_points = np.empty(len(loop.torque))
-    for number, (torque, deflection) in enumerate(branches):
-        inside, order = loop.branch == number, np.argsort(torque)
-        deflection_at_points[inside] = np.interp(loop.torque[inside], torque[order], deflection[order])
+    for branch_index, (torque, deflection) in enumerate(branches):
+        is_on_branch, order = loop.branch == branch_index, np.argsort(torque)
+        deflection_at_points[is_on_branch] = np.interp(loop.torque[is_on_branch], torque[order], deflection[order])
     return deflection_at_points
 
 
@@ -120,9 +122,9 @@ def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: floa
     distance = np.zeros(len(loop.torque))
     points = loop.torque / ranges[0], loop.deflection / ranges[1]
     with announce_compilation():
-        for number, (loads, turns) in enumerate(branches):
+        for branch_index, (loads, turns) in enumerate(branches):
             polyline = (loads + torque_offset) / ranges[0], (turns + deflection_offset) / ranges[1]
-            _write_distances(points, loop.branch == number, polyline, distance)
+            _write_distances(points, loop.branch == branch_index, polyline, distance)
     return distance[loop.points_left_out :]
 
 
@@ -134,12 +136,15 @@ def _write_distances(points: tuple[Array, Array], mask: Mask, polyline: tuple[Ar
     (n,) selects the points; only their values in `distance` (n,) are changed, in place.
     """
     for index in np.flatnonzero(mask):
-        nearest = np.inf
-        for begin in range(len(polyline[0]) - 1):
-            along_x, along_y = polyline[0][begin + 1] - polyline[0][begin], polyline[1][begin + 1] - polyline[1][begin]
-            x, y = points[0][index] - polyline[0][begin], points[1][index] - polyline[1][begin]
-            share = min(max((x * along_x + y * along_y) / max(along_x**2 + along_y**2, 1e-30), 0.0), 1.0)
-            offset = math.hypot(x - share * along_x, y - share * along_y)
-            if offset < nearest:
-                nearest = offset
-                distance[index] = offset if along_x * y - along_y * x >= 0.0 else -offset
+        min_offset = np.inf
+        for vertex in range(len(polyline[0]) - 1):
+            edge_x, edge_y = (
+                polyline[0][vertex + 1] - polyline[0][vertex],
+                polyline[1][vertex + 1] - polyline[1][vertex],
+            )
+            x, y = points[0][index] - polyline[0][vertex], points[1][index] - polyline[1][vertex]
+            edge_share = min(max((x * edge_x + y * edge_y) / max(edge_x**2 + edge_y**2, 1e-30), 0.0), 1.0)
+            offset = math.hypot(x - edge_share * edge_x, y - edge_share * edge_y)
+            if offset < min_offset:
+                min_offset = offset
+                distance[index] = offset if edge_x * y - edge_y * x >= 0.0 else -offset

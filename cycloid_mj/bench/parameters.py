@@ -287,8 +287,8 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
     The tolerances of the design are the priors.
     """
     design = reducer.design
-    tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
-    mesh = getattr(clearance, tooth) + design.pin_play
+    tooth_pair, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
+    mesh_play = getattr(clearance, tooth_pair) + design.pin_play
     to_micrometres, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
@@ -297,7 +297,9 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
         `key` and `meaning` are those of the parameter, `start` is the design's clearance [m].
         """
         tolerances = [
-            item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds
+            item
+            for item in SHIFTING
+            if item in zones and {"teeth": tooth_pair}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]
         scale, apply = max(0.3 * to_micrometres(start), 0.1), _play_setter(kinds)
         parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, apply)
@@ -309,11 +311,14 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
     return (
         make_play(
-            "mesh_play", "clearance between disc and ring, including that of pins in their seats", mesh, *tooth_kinds
+            "mesh_play",
+            "clearance between disc and ring, including that of pins in their seats",
+            mesh_play,
+            *tooth_kinds,
         ),
         make_play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
         make_play("cam_play", "clearance of the cam in the disc's bore", clearance.cam, "cam"),
-        make_play("play", "clearance of teeth and holes, the same for both", mesh, *tooth_kinds, "output"),
+        make_play("play", "clearance of teeth and holes, the same for both", mesh_play, *tooth_kinds, "output"),
     )
 
 
@@ -363,9 +368,9 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
     starts from the Coulomb torque of the loop with the smallest range of deflection, that for the rotation from 5 % of
     that range.
     """
-    max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
-    height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value
-    start_drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * max_torque else 0.02 * max_torque
+    max_torque, smallest_loop = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
+    height_deg, coulomb_torque = smallest_loop.height / DEGREE, loop_coulomb_torque(smallest_loop).value
+    start_drag = coulomb_torque if 0.0 < coulomb_torque < BOUNDS.max_drag * max_torque else 0.02 * max_torque
     friction = reducer.design.friction_of(reducer.design.tooth_pair) or 0.05
     return (
         Parameter(
@@ -466,15 +471,15 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     this clearance, divided in the ratio of the design; output holes have all of it.
     """
 
-    def apply(model: Model, value: float) -> Model:
-        clearance, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
+    def set_clearance(model: Model, value: float) -> Model:
+        clearance, new_clearance = model.reducer.design.clearance, MICROMETRE.to_si(value)
         tooth_kinds = [kind for kind in kinds if kind != "output"]
         total_clearance = sum(getattr(clearance, kind) for kind in tooth_kinds)
-        change = {kind: total * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
-        change |= {"output": total} if "output" in kinds else {}
+        change = {kind: new_clearance * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
+        change |= {"output": new_clearance} if "output" in kinds else {}
         return replace(model, reducer=reducer_of(model.reducer.design.but(clearance=change)))
 
-    return apply
+    return set_clearance
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
@@ -484,12 +489,12 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     rated load.
     """
 
-    def apply(model: Model, value: float) -> Model:
+    def set_stiffness(model: Model, value: float) -> Model:
         rated_reducer = model.reducer.at_rated_load
         change = {kind: value * rated_reducer.contacts[kind].stiffness for kind in kinds}
         return replace(model, reducer=reducer_of(model.reducer.design.but(stiffness=change)))
 
-    return apply
+    return set_stiffness
 
 
 def _set_structure_stiffness(model: Model, value: float) -> Model:
@@ -513,14 +518,14 @@ def _max_structure_stiffness(reducer: Reducer) -> float:
 
 def _set_friction(model: Model, value: float) -> Model:
     """Return a model with a Coulomb coefficient of all sliding pairs; rolling cams and output pins keep theirs."""
-    kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
+    kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling_pairs(model.reducer)]
     friction = {"law": "coulomb", **dict.fromkeys(kinds, value)}
     return replace(model, reducer=reducer_of(model.reducer.design.but(friction=friction)))
 
 
-def _rolling(reducer: Reducer) -> set[str]:
-    rolls = {"cam": reducer.design.gear.bearing == "rolling", "output": reducer.design.output.has_needles}
-    return {kind for kind, rolling in rolls.items() if rolling}
+def _rolling_pairs(reducer: Reducer) -> set[str]:
+    is_rolling_by_kind = {"cam": reducer.design.gear.bearing == "rolling", "output": reducer.design.output.has_needles}
+    return {kind for kind, is_rolling in is_rolling_by_kind.items() if is_rolling}
 
 
 def _set_drag(model: Model, value: float) -> Model:
@@ -546,7 +551,7 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     """Return a number of the design file, by its key ``table.key``, as a parameter of a fit.
 
-    It has the unit and the bounds of the file. The scale is a fifth of the design's value.
+    It has the unit and the bounds of the file. Its scale in the search is a fifth of the design's value.
 
     Raises
     ------
@@ -556,30 +561,36 @@ def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None
-    names = {file_key(item, declared): item for item, declared in section.model_fields.items()} if section else {}
+    names = (
+        {file_key(field_name, field_info): field_name for field_name, field_info in section.model_fields.items()}
+        if section
+        else {}
+    )
     if name not in names:
         raise UsageError(
             f"--fit: unknown parameter {key!r}. Choose from {', '.join(names_of(reducer))}, or any numeric key of the "
             f"design file, such as {_example_key(reducer)}"
         )
-    declared: FieldInfo = section.model_fields[names[name]]
+    field_info: FieldInfo = section.model_fields[names[name]]
     value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
         raise UsageError(
             f"--fit: {key} is {value!r}, but only keys with a single real (non-integer) value can be fitted. Choose "
             f"another key, such as {_example_key(reducer)}"
         )
-    unit = unit_of(declared)
+    unit = unit_of(field_info)
     start = unit.from_si(value)
-    bounds = bounds_of(declared)
-    lower = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
-    upper = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
-    scale = 0.2 * abs(start) or 1e-3 * min(abs(upper), 1e3)
+    bounds = bounds_of(field_info)
+    lower_bound = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
+    upper_bound = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
+    scale = 0.2 * abs(start) or 1e-3 * min(abs(upper_bound), 1e3)
 
-    def apply(model: Model, value: float) -> Model:
+    def set_value(model: Model, value: float) -> Model:
         try:
             return replace(model, reducer=reducer_of(override(model.reducer.design, {key: value})))
         except DesignError as error:
             raise UsageError(f"--fit {key}: {error}") from error
 
-    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, lower, upper, apply)
+    return Parameter(
+        key, unit.suffix or "1", str(field_info.description), start, scale, lower_bound, upper_bound, set_value
+    )

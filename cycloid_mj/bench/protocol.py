@@ -453,7 +453,7 @@ def _model_quantities(reducer: Reducer, rated_torque: float) -> dict[str, LoopFi
 
 
 def _model_notes(reducer: Reducer, rated_torque: float, angles: int) -> Iterator[str]:
-    """Yield the assumptions of the computed test quantities, for an RV reducer also deviations from definitions.
+    """Yield the assumptions of the computed test quantities, for an RV reducer also deviations from their definitions.
 
     Each is a clause for the notes of the result. `rated_torque` [N m] is that on the output, and `angles` the number of
     crank angles at which loops are computed.

@@ -127,8 +127,10 @@ class FitProblem:
 
     def expected_trials(self, **searches: int) -> float:
         """Estimate the evaluations of some searches, given the number of each kind of `TYPICAL_STEPS`."""
-        per_step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
-        return float(per_step * sum(TYPICAL_STEPS[kind] * count for kind, count in searches.items()))
+        trials_per_step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
+        return float(
+            trials_per_step * sum(TYPICAL_STEPS[search_kind] * count for search_kind, count in searches.items())
+        )
 
     @cached_property
     def start_factors(self) -> list[dict[str, float]]:
@@ -144,9 +146,9 @@ class FitProblem:
 
     @cached_property
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Cached function that returns the model with the values of the first k parameters, in units of their scales.
+        """Return a cached function from the values of the first k parameters to the model with these values.
 
-        k is the number of the values; the other parameters are those of the attribute `model`.
+        The values are in units of their scales, k is their number; other parameters are as in the attribute `model`.
         """
 
         @lru_cache(maxsize=8 * len(self.parameters))
@@ -298,17 +300,22 @@ class FitProblem:
         starts = []
         for start_factors in self.start_factors:
             candidates = []
-            for play, stiffness in product(play_factors, stiffness_factors):
-                factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
-                factors |= {"structure_stiffness": stiffness} | start_factors
+            for play_factor, stiffness_factor in product(play_factors, stiffness_factors):
+                factors = {
+                    "mesh_play": play_factor,
+                    "output_play": play_factor,
+                    "play": play_factor,
+                    "tooth_stiffness": stiffness_factor,
+                }
+                factors |= {"structure_stiffness": stiffness_factor} | start_factors
                 values = [
                     min(max(item.start * factors.get(item.key, 1.0), item.lower), item.upper)
                     for item in self.parameters
                 ]
-                start = [item.to_scale(value) for item, value in zip(self.parameters, values, strict=True)]
-                scaled_values = np.concatenate([start, *offset_starts])
+                scaled_start = [item.to_scale(value) for item, value in zip(self.parameters, values, strict=True)]
+                scaled_values = np.concatenate([scaled_start, *offset_starts])
                 self.trials()
-                cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled_values))
+                cost = sum(float(np.mean(np.abs(residuals))) for residuals in self.residuals_by_loop(scaled_values))
                 candidates.append((cost, scaled_values))
             starts.append(min(candidates, key=itemgetter(0))[1])
         return starts
@@ -338,16 +345,16 @@ class FitProblem:
 
         low, high = self.bounds
         start = np.clip(start, low, high)
-        free = [index for index in np.flatnonzero(high - low > SETTINGS.fixed_width).tolist() if index != fixed]
-        fill = _make_filler(start, free)
+        free_indices = [index for index in np.flatnonzero(high - low > SETTINGS.fixed_width).tolist() if index != fixed]
+        insert_free = _make_filler(start, free_indices)
 
         def residuals(free_values: Array) -> Array:
-            return self.residuals(fill(free_values))
+            return self.residuals(insert_free(free_values))
 
         def slopes(free_values: Array) -> Array:
-            return self.slopes(fill(free_values), free)
+            return self.slopes(insert_free(free_values), free_indices)
 
-        def robust(squares: Array) -> Array:
+        def soft_l1_loss(squares: Array) -> Array:
             """Compute the soft L1 loss and its first and second derivative by the squares of residuals, shape (3, n).
 
             `squares` are the n squared residuals, shape (n,). The threshold applies to residuals without the weight of
@@ -357,12 +364,12 @@ class FitProblem:
             weights = self.point_weights
             return np.stack([2.0 * weights * (root - 1.0), 1.0 / root, -0.5 / (weights * root**3)])
 
-        loss: Any = robust  # the stubs ask for a protocol with a name of theirs
+        loss: Any = soft_l1_loss  # the stubs ask for a protocol with a name of theirs
         solution = least_squares(
             residuals,
-            np.clip(start, low + 1e-9, high - 1e-9)[free],
+            np.clip(start, low + 1e-9, high - 1e-9)[free_indices],
             jac=slopes,
-            bounds=(low[free], high[free]),
+            bounds=(low[free_indices], high[free_indices]),
             method=method,
             loss=loss,
             f_scale=SETTINGS.outlier,
@@ -371,7 +378,7 @@ class FitProblem:
             gtol=1e-9,
             max_nfev=max_steps,
         )
-        return float(solution.cost), np.clip(fill(solution.x), low, high)
+        return float(solution.cost), np.clip(insert_free(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
         """Return the v scaled values within their intervals, (v,), with the least rms deviation of the deflections.
@@ -383,30 +390,30 @@ class FitProblem:
         """
         from scipy.optimize import least_squares
 
-        free = np.flatnonzero(high - low > SETTINGS.fixed_width)
+        free_indices = np.flatnonzero(high - low > SETTINGS.fixed_width)
         weights = np.zeros_like(start)
-        weights[free] = MODEL_ERROR * (4.0 / (high - low)[free])
-        fill = _make_filler(np.clip(start, low, high), free)
+        weights[free_indices] = MODEL_ERROR * (4.0 / (high - low)[free_indices])
+        insert_free = _make_filler(np.clip(start, low, high), free_indices)
 
         def residuals(scaled_values: Array) -> Array:
             return np.concatenate([self.deflection_errors(scaled_values), weights * (scaled_values - start)])
 
         def slopes(values: Array) -> Array:
-            return self.slopes(fill(values), free.tolist(), limits=(low, high), residuals=residuals)
+            return self.slopes(insert_free(values), free_indices.tolist(), limits=(low, high), residuals=residuals)
 
         def filled_residuals(values: Array) -> Array:
-            return residuals(fill(values))
+            return residuals(insert_free(values))
 
         solution = least_squares(
             filled_residuals,
-            np.clip(start, low + 1e-9, high - 1e-9)[free],
+            np.clip(start, low + 1e-9, high - 1e-9)[free_indices],
             jac=slopes,
-            bounds=(low[free], high[free]),
+            bounds=(low[free_indices], high[free_indices]),
             xtol=SETTINGS.deflection_rtol,
             ftol=SETTINGS.deflection_rtol,
             max_nfev=SETTINGS.max_steps,
         )
-        return fill(solution.x)
+        return insert_free(solution.x)
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:

@@ -244,26 +244,26 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
             "torque other than 0"
         )
     turns = _crank_turns(reducer)
-    ideal = compute_model_error(reducer, torque)
-    zero = _fit_zero(ideal, measured, turns)
-    model = _interpolate_error(ideal, measured.crank + zero, turns)
+    model_curve = compute_model_error(reducer, torque)
+    zero_angle = _fit_zero(model_curve, measured, turns)
+    model = _interpolate_error(model_curve, measured.crank + zero_angle, turns)
     order = _resolved_orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
             f"{measured.name}: {len(measured.crank)} points are too few to resolve {len(order)} orders; at least "
             f"{2 * len(order) + 1} points are needed. Record more points"
         )
-    waves = np.exp(1j * np.outer(measured.crank, order))
-    basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)
-    coefficients = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
+    harmonics = np.exp(1j * np.outer(measured.crank, order))
+    design_matrix = np.concatenate([np.ones((len(harmonics), 1)), harmonics.real, harmonics.imag], axis=1)
+    coefficients = np.linalg.lstsq(design_matrix, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = coefficients[1 : len(order) + 1] - 1j * coefficients[len(order) + 1 :]
     possible_causes = causes(reducer)
     names = tuple(
-        ", ".join(item.name for item in possible_causes if item.has(float(compared_order))) or "none"
+        ", ".join(cause.name for cause in possible_causes if cause.has(float(compared_order))) or "none"
         for compared_order in order
     )
     name, model = reducer.design.name, model - model.mean()
-    return BenchComparison(name, torque, zero, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
+    return BenchComparison(name, torque, zero_angle, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
 
 
 def compute_model_error(reducer: Reducer, torque: float) -> Array:
@@ -304,10 +304,10 @@ def _convert_to_cranks(reducer: Reducer, measured: MeasuredError) -> MeasuredErr
         return measured
     converted = replace(measured, crank=reducer.member.crank_angle(measured.crank))
     if converted.turns < 1.0 - 2.0 / len(measured.crank):
-        needed = abs(float(reducer.member.driven_angle(360.0)))
+        min_angle_deg = abs(float(reducer.member.driven_angle(360.0)))
         raise UsageError(
             f"{measured.name}: {CRANK} covers {360.0 * measured.turns:.4g} deg of the sun, but a turn of the cranks "
-            f"takes {needed:.4g} deg. Record at least one turn of the cranks"
+            f"takes {min_angle_deg:.4g} deg. Record at least one turn of the cranks"
         )
     return converted
 
@@ -346,11 +346,13 @@ def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
     binned_sums, counts = np.zeros(count), np.zeros(count)
     np.add.at(binned_sums, bins, error)
     np.add.at(counts, bins, 1.0)
-    spectrum, counted = np.fft.rfft(ideal), np.conj(np.fft.rfft(counts))
-    cross = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * spectrum, count)
-    power = np.fft.irfft(counted * np.fft.rfft(ideal**2), count)
-    model_sum = np.fft.irfft(counted * spectrum, count)
-    residual = power - 2.0 * cross - model_sum**2 / counts.sum()  # about the mean of the model at the measured angles
+    model_spectrum, count_spectrum = np.fft.rfft(ideal), np.conj(np.fft.rfft(counts))
+    cross_correlation = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * model_spectrum, count)
+    model_power = np.fft.irfft(count_spectrum * np.fft.rfft(ideal**2), count)
+    model_sum = np.fft.irfft(count_spectrum * model_spectrum, count)
+    residual = (
+        model_power - 2.0 * cross_correlation - model_sum**2 / counts.sum()
+    )  # about the mean of the model at the measured angles
     index = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
     neighbours = [residual[(index + shift) % count] for shift in (-1, 0, 1)]
     curvature = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
