@@ -70,9 +70,16 @@ SOURCE = "exact curves"
 
 def design_with_errors(layout: str, *changes: str) -> Design:
     """Return the paper's disc on fixed pins with all errors, in a layout of `LAYOUTS`, without friction and gravity."""
-    still = (*rig.without_friction(), *rig.without_gravity(), "drive.speed_rpm=1.0", f"load.torque_nm={rig.RATED_LOAD}")
-    uniform = 'contact.stiffness_law="uniform"'
-    return override(PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *still, uniform, *changes])
+    static_changes = (
+        *rig.without_friction(),
+        *rig.without_gravity(),
+        "drive.speed_rpm=1.0",
+        f"load.torque_nm={rig.RATED_LOAD}",
+    )
+    stiffness_law = 'contact.stiffness_law="uniform"'
+    return override(
+        PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *static_changes, stiffness_law, *changes]
+    )
 
 
 def springs_and_reference(
@@ -157,10 +164,10 @@ def sample_rows() -> list[ValidationRow]:
     The static results are those of the solver for random samples (`solve_samples`): rotations, largest forces and the
     number of loaded teeth, as means, ranges and maxima over the three crank angles `TURN`. The drive has two discs.
     """
-    design, count = design_with_errors(TWO), len(TURN)
+    design, angle_count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=stiffness)
-    figures = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
+    figures = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [rig.RATED_LOAD], angle_count)[0]
     springs = springs_of(Reducer(design), TURN, friction=False)
     contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     poses, forces = [], []
@@ -169,18 +176,18 @@ def sample_rows() -> list[ValidationRow]:
         poses.append(reference.solve_equilibrium(load[angle_index], contact_loads.departures[angle_index]))
         forces.append(reference.forces(poses[-1]))
     pose_array, force_array = np.array(poses), np.array(forces)
-    gear, output = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]
-    rotations = [value for arcs in (gear, output) for value in (arcs.mean(), np.ptp(arcs))]
-    teeth = 2 * design.ring.teeth
-    peaks = [force_array[:, rows].max() for rows in (slice(teeth), slice(teeth, -2), slice(-2, None))]
-    loaded_share = np.sum(force_array[:, :teeth] > 0.01 * peaks[0]) / count
+    disc_arcs, output_arcs = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]
+    rotations = [value for arcs in (disc_arcs, output_arcs) for value in (arcs.mean(), np.ptp(arcs))]
+    tooth_count = 2 * design.ring.teeth
+    peaks = [force_array[:, rows].max() for rows in (slice(tooth_count), slice(tooth_count, -2), slice(-2, None))]
+    loaded_share = np.sum(force_array[:, :tooth_count] > 0.01 * peaks[0]) / angle_count
     urad_per_metre = 1e6 / design.output.pin_circle_radius
     rotation_names = ("gear_mean", "gear_range", "output_mean", "output_range")
     sample = {name: getattr(figures, name) for name in (*rotation_names, "tooth", "output_pin", "cam", "carrying")}
     return [
         *(
-            deviation_row(f"{name.replace('_', ', ')} of a sample", 1e6 * sample[name], turn, "urad", SOURCE, 0.1)
-            for name, turn in zip(
+            deviation_row(f"{name.replace('_', ', ')} of a sample", 1e6 * sample[name], rotation, "urad", SOURCE, 0.1)
+            for name, rotation in zip(
                 rotation_names, np.reshape(urad_per_metre * np.array(rotations), (-1, 1)), strict=True
             )
         ),
@@ -242,19 +249,21 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
     parameters = np.zeros(len(path) + spare_rows)
     poses = np.zeros((parameters.size, path.shape[1]))
-    rows = follow_path(springs, friction_elements, path, max_travel, parameters, poses)[1]
-    parameters, poses = parameters[:rows], poses[:rows]
+    row_count = follow_path(springs, friction_elements, path, max_travel, parameters, poses)[1]
+    parameters, poses = parameters[:row_count], poses[:row_count]
     load = np.stack([np.interp(parameters, range(len(path)), column) for column in path.T], axis=1)
     residual = load + np.array(list(_reference_forces(reference, friction_elements, poses)))
-    largest_load, label = np.abs(load).max(), f"{layout}, {rows} steps"
+    largest_load, label = np.abs(load).max(), f"{layout}, {row_count} steps"
     deviations = [
         deviation_row(
             f"a loop with friction, {label}", load + largest_load, load + largest_load - residual, "N", SOURCE, 0.1
         )
     ]
     if spare_rows > len(path):
-        excess = 1e6 * max(np.abs(np.diff(poses[:, -1])).max() - max_travel, 0.0)
-        deviations.append(absolute(f"travel beyond the limit, {label}", excess, 0.0, "um", "no step is longer", 0.0))
+        excess_travel = 1e6 * max(np.abs(np.diff(poses[:, -1])).max() - max_travel, 0.0)
+        deviations.append(
+            absolute(f"travel beyond the limit, {label}", excess_travel, 0.0, "um", "no step is longer", 0.0)
+        )
     return deviations
 
 
@@ -267,11 +276,11 @@ def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionEl
     in ``reducer.gaps``, in which rotations are arc lengths; a generalised force on a rotation is therefore a torque
     divided by the radius of the circle of output pins.
     """
-    count, discs = friction_elements.stiffness.size, reference.design.gear.discs
+    element_count, discs = friction_elements.stiffness.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs
     previous_pose, friction_force, hysteresis_force, previous_depth = (
         np.zeros(path.shape[1]),
-        np.zeros(count),
+        np.zeros(element_count),
         np.zeros(normal_count),
         np.zeros(normal_count),
     )
@@ -280,17 +289,21 @@ def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionEl
         for disc, (x, y) in enumerate(cam_offsets(Reducer(reference.design), reference.crank, previous_pose)):
             # a disc slides across its cam at right angles to its offset from the centre of the cam
             slip[normal_count - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
-        (gaps, slopes), spring = reference.contacts(pose), reference.forces(pose)
+        (gaps, slopes), spring_force = reference.contacts(pose), reference.forces(pose)
         depth = np.maximum(-gaps, 0.0)
         hysteresis_force = slip_force(
             hysteresis_force,
             depth - previous_depth,
-            friction_elements.retained_share[:normal_count] * spring,
+            friction_elements.retained_share[:normal_count] * spring_force,
             friction_elements.retained_stiffness[:normal_count],
         )
-        normal_force = spring + hysteresis_force
-        limit = np.concatenate([friction_elements.coefficient[:normal_count] * normal_force, friction_elements.drag])
-        friction_force = slip_force(friction_force, slip @ (pose - previous_pose), limit, friction_elements.stiffness)
+        normal_force = spring_force + hysteresis_force
+        friction_limit = np.concatenate(
+            [friction_elements.coefficient[:normal_count] * normal_force, friction_elements.drag]
+        )
+        friction_force = slip_force(
+            friction_force, slip @ (pose - previous_pose), friction_limit, friction_elements.stiffness
+        )
         yield slopes.T @ normal_force - slip.T @ friction_force
         previous_pose, previous_depth = pose, depth
 

@@ -84,19 +84,26 @@ def _rated_rows() -> list[ValidationRow]:
     """
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
-    crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
+    crank, cam_force = run["crank_angle"], run.forces("cam")[:, 0]
     disc_force = body_force(reducer, crank, run["crank_speed"])
-    balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - disc_force
+    balancing_force = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - disc_force
     # The vibration of the disc has zero mean in the rotating frame.
-    mean_cam, mean_balance = (np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam, balance))
+    mean_cam, mean_balancing_force = (
+        np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam_force, balancing_force)
+    )
     ideal_force = statics_load(reducer, crank, disc_force)
     return [
         deviation_row(
-            "load of the cam, rated, free pins", mean_cam, mean_balance, "N", "m (g - a), ring, output, logged", 0.01
+            "load of the cam, rated, free pins",
+            mean_cam,
+            mean_balancing_force,
+            "N",
+            "m (g - a), ring, output, logged",
+            0.01,
         ),
         relative(
             "load of the cam, rated, free pins",
-            float(rig.vector_lengths(cam).mean()),
+            float(rig.vector_lengths(cam_force).mean()),
             float(rig.vector_lengths(ideal_force).mean()),
             "N",
             "ideal, closed form",

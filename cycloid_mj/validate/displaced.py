@@ -79,8 +79,8 @@ def exact_gaps(reducer: Reducer, crank: float, z: Array, pin_shift: Array | floa
 def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | float = 0.0) -> tuple[Array, Array]:
     """Compute the gaps of `exact_gaps` [m], shape (n,), and their gradients [1], shape (n, u)."""
     discs, functions = range(reducer.design.gear.discs), (partial(_tooth_contacts, pin_shift=pin_shift), _hole_contacts)
-    parts = [function(reducer, crank, z, disc) for function in functions for disc in discs]
-    return np.concatenate([gaps for gaps, _ in parts]), np.concatenate([slopes for _, slopes in parts])
+    contacts = [function(reducer, crank, z, disc) for function in functions for disc in discs]
+    return np.concatenate([gaps for gaps, _ in contacts]), np.concatenate([slopes for _, slopes in contacts])
 
 
 def _tooth_contacts(
@@ -131,9 +131,9 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     tuple of Array
         Gaps [m], shape (n,), and gradients [1], shape (n, u).
     """
-    output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
+    output, ideal_angle = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    disc_angle, output_angle = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
+    disc_angle, output_angle = (ideal_angle + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
     holes, pins = (
         rotate(ideal_positions + reducer.deviations.hole_displacement[disc], disc_angle),
         rotate(ideal_positions, output_angle),
@@ -155,7 +155,8 @@ def _moment(arms: Array, forces: Array) -> Array:
 def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
     """Compute the offset of the centre of each of D discs from that of its cam [m], (D, 2), in the frame of the ring.
 
-    `crank` is the crank angle relative to the ring [rad], `z` the pose [m] by the unknowns of ``reducer.gaps``.
+    `crank` is the crank angle relative to the ring [rad]. `z` is the pose [m]: x, y and rotation of each disc, then the
+    rotation of the output; rotations are multiplied by the radius of the circle of output pins.
     """
     design = reducer.design
     errors, offsets = reducer.deviations, []
@@ -201,11 +202,11 @@ class DisplacedSprings:
         """
         gaps, slopes = exact_contacts(Reducer(self.design), self.crank, unknowns)
         offsets = cam_offsets(Reducer(self.design), self.crank, unknowns)
-        distances, cam_gradients = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), unknowns.size))
+        cam_distances, cam_gradients = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), unknowns.size))
         for disc, offset in enumerate(offsets):
-            cam_gradients[disc, 3 * disc : 3 * disc + 2] = -offset / (distances[disc] or 1.0)
-        cams = self.design.clearance.cam - distances
-        return np.concatenate([gaps + self.play, cams]), np.concatenate([slopes, cam_gradients])
+            cam_gradients[disc, 3 * disc : 3 * disc + 2] = -offset / (cam_distances[disc] or 1.0)
+        cam_gaps = self.design.clearance.cam - cam_distances
+        return np.concatenate([gaps + self.play, cam_gaps]), np.concatenate([slopes, cam_gradients])
 
     def gaps(self, z: Array) -> Array:
         """Compute the gaps of contacts, then of cams [m], shape (n + D,)."""
@@ -300,9 +301,9 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
     )
 
 
-def slip_force(force: Array, stretch: Array, limit: Array, stick: npt.ArrayLike) -> Array:
-    """Compute the force [N] of springs that slip at a `limit` [N] after a `stretch` [m]; `force` is that before it.
+def slip_force(force: Array, displacement: Array, limit: Array, stiffness: npt.ArrayLike) -> Array:
+    """Compute the force [N] after a `displacement` [m] of springs that slip at the forces +-`limit` [N].
 
-    `stick` is the stiffness before slip [N/m].
+    `force` is the force before the displacement [N], `stiffness` the stiffness of the springs [N/m].
     """
-    return np.clip(force + np.asarray(stick) * stretch, -limit, limit)
+    return np.clip(force + np.asarray(stiffness) * displacement, -limit, limit)

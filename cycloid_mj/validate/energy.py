@@ -39,10 +39,10 @@ class EnergyBalance:
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare input work with output, dissipated and stored energy, for a kind of ring; `quick` has no effect."""
-    cycle = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
-    works = balance(_logged_at_every_step(kind, *cycle))
+    drive_changes = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
+    energy_balance = balance(_logged_at_every_step(kind, *drive_changes))
     source = "output + friction + normal + stored"
-    return [relative(f"input work, {kind}", works.supplied, works.total_output, "J", source, 1e-5)]
+    return [relative(f"input work, {kind}", energy_balance.supplied, energy_balance.total_output, "J", source, 1e-5)]
 
 
 def idle_rows(quick: bool) -> list[ValidationRow]:
@@ -54,11 +54,15 @@ def idle_rows(quick: bool) -> list[ValidationRow]:
 
 def jolt_rows(quick: bool) -> list[ValidationRow]:
     """Compare the work of the normal forces under a sudden load with the energy balance; `quick` has no effect."""
-    jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
-    works = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
-    missing = works.supplied - works.delivered - works.stored
+    drive_changes = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
+    energy_balance = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *drive_changes))
+    lost_work = energy_balance.supplied - energy_balance.delivered - energy_balance.stored
     source = "input - output - stored"
-    return [relative("work of the normal forces in a jolt", 1e3 * works.normal, 1e3 * missing, "mJ", source, 1e-4)]
+    return [
+        relative(
+            "work of the normal forces in a jolt", 1e3 * energy_balance.normal, 1e3 * lost_work, "mJ", source, 1e-4
+        )
+    ]
 
 
 def _logged_at_every_step(kind: str, *changes: str) -> Run:

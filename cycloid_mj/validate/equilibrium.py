@@ -156,10 +156,10 @@ def _solve_equilibrium(locked: LockedReducer, start: Array) -> tuple[Array, floa
         The pose z [m], shape (u,), and the largest residual force [N].
     """
 
-    def imbalance(x: Array) -> Array:
-        return _residual_force(locked, _SCALE * x)
+    def residual_force(scaled_pose: Array) -> Array:
+        return _residual_force(locked, _SCALE * scaled_pose)
 
-    solution = root(imbalance, start / _SCALE, method="hybr", tol=1e-10)
+    solution = root(residual_force, start / _SCALE, method="hybr", tol=1e-10)
     return _SCALE * np.asarray(solution.x), float(np.abs(solution.fun).max())
 
 
@@ -171,14 +171,14 @@ def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
     `method` is a trust-region method of `scipy.optimize.minimize`.
     """
 
-    def gradient(x: Array) -> Array:
-        return -_residual_force(locked, _SCALE * x, uniform=True)
+    def gradient(scaled_pose: Array) -> Array:
+        return -_residual_force(locked, _SCALE * scaled_pose, uniform=True)
 
-    def hessian(x: Array) -> Array:
-        return _stiffness_matrix(locked, _SCALE * x) * _SCALE
+    def hessian(scaled_pose: Array) -> Array:
+        return _stiffness_matrix(locked, _SCALE * scaled_pose) * _SCALE
 
-    def energy(x: Array) -> float:
-        return _energy(locked, _SCALE * x) / _SCALE
+    def energy(scaled_pose: Array) -> float:
+        return _energy(locked, _SCALE * scaled_pose) / _SCALE
 
     start = np.zeros(locked.load.size)
     # a rough minimum, from which the equilibrium is solved
@@ -205,19 +205,22 @@ def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank
 def _energy(locked: LockedReducer, z: Array) -> float:
     """Compute the elastic energy at uniform stiffness minus the work of the load [J]."""
     springs = _springs_at_pose(locked, z, True).values()
-    elastic = sum(0.5 * np.sum(s.stiffness * np.minimum(s.gap, 0.0) ** 2) for s in springs)
+    elastic = sum(0.5 * np.sum(spring.stiffness * np.minimum(spring.gap, 0.0) ** 2) for spring in springs)
     return float(elastic - locked.load @ z)
 
 
 def _residual_force(locked: LockedReducer, z: Array, uniform: bool = False) -> Array:
     """Compute the generalised residual force of springs and load [N], shape (unknowns,)."""
-    pushes = [s.slope.T @ s.force for s in _springs_at_pose(locked, z, uniform).values()]
-    return np.asarray(locked.load + np.sum(pushes, axis=0))
+    spring_forces = [spring.slope.T @ spring.force for spring in _springs_at_pose(locked, z, uniform).values()]
+    return np.asarray(locked.load + np.sum(spring_forces, axis=0))
 
 
 def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
     """Compute the stiffness matrix of the closed springs [N/m], shape (unknowns, unknowns), at fixed directions."""
-    closed = [(s.slope[s.gap < 0], s.stiffness[s.gap < 0]) for s in _springs_at_pose(locked, z, True).values()]
+    closed = [
+        (spring.slope[spring.gap < 0], spring.stiffness[spring.gap < 0])
+        for spring in _springs_at_pose(locked, z, True).values()
+    ]
     return np.asarray(np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed], axis=0))
 
 

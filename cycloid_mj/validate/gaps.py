@@ -159,7 +159,7 @@ def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]
         difference, curvature_vector = curve - points, profile.trochoid_derivatives(flanks.gear, t)[1]
         t = t - _dot(difference, tangent) / (_dot(tangent, tangent) + _dot(difference, curvature_vector))
     curve, tangent = _waved_curve(flanks, t)
-    normals = _outwards(tangent)
+    normals = _outward_normals(tangent)
     return _dot(points - curve, normals), normals, t
 
 
@@ -189,9 +189,9 @@ def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
     return curve, tangent
 
 
-def _outwards(along: Array) -> Array:
+def _outward_normals(tangents: Array) -> Array:
     """Compute the outward unit normals (n, 2) of a clockwise curve from its derivative."""
-    return rotate(along / np.linalg.norm(along, axis=1, keepdims=True), np.pi / 2)
+    return rotate(tangents / np.linalg.norm(tangents, axis=1, keepdims=True), np.pi / 2)
 
 
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
@@ -215,7 +215,7 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
     phase = np.clip(side * t - lobe_number * pitch, -ends.valley, pitch / 2 - ends.tip)
     t = side * (phase + lobe_number * pitch)
     curve, tangent = _waved_curve(flanks, t)
-    difference = rotated_points - curve + flanks.offset * _outwards(tangent)
+    difference = rotated_points - curve + flanks.offset * _outward_normals(tangent)
     distance = np.linalg.norm(difference, axis=1)
     return distance - flanks.offset, rotate(difference / distance[:, np.newaxis], -side * flanks.rotation), t
 
@@ -246,9 +246,9 @@ def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks 
     The gap is their distance plus the clearance. The first rows are the arcs that the disc can touch. The others are
     local minima of the distance in the roots with the indices `roots`. The disc can touch an arc only where its normal
     is at most asin(c N/E) from the radial direction, with the eccentricity c, N lobes of the ring and the pin-circle
-    radius E. Root k is counter-clockwise of lobe k. Its points have phases B from B0 to 2 pi - B0, as in
-    ``envelope.Sigma``; those beyond pi belong to the next lobe. `flanks` are those of the disc, by default the ideal
-    flanks of `gear`.
+    radius E. Root k is counter-clockwise of lobe k. The phase B of a point in a root (``envelope.Sigma``) is between
+    B0 = `CycloidGear.best_phase` and 2 pi - B0; beyond pi, the point belongs to the next lobe. `flanks` are those of
+    the disc, by default the ideal flanks of `gear`.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
@@ -276,25 +276,27 @@ def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flan
     samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
     distances = flank_distance(flanks, samples.reshape(-1, 2))[0].reshape(roots.size, B.size)
     row, columns = np.nonzero((distances[:, 1:-1] < distances[:, :-2]) & (distances[:, 1:-1] <= distances[:, 2:]))
-    triple = [columns, columns + 1, columns + 2]
-    vertices = _parabola_minimum(*(B[column] for column in triple), *(distances[row, column] for column in triple))
-    points = offset_root(gear, roots[row], vertices)
+    sample_columns = [columns, columns + 1, columns + 2]
+    phases = _parabola_minimum(
+        *(B[column] for column in sample_columns), *(distances[row, column] for column in sample_columns)
+    )
+    points = offset_root(gear, roots[row], phases)
     distance, normals, t = flank_distance(flanks, pose.to_gear(points))
     return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=points,
         t=t,
-        owner=(roots[row] - (vertices > np.pi)) % gear.ring_teeth,
-        B=vertices,
-        ring_curvature=-1 / envelope.Sigma(gear, vertices).radius,
+        owner=(roots[row] - (phases > np.pi)) % gear.ring_teeth,
+        B=phases,
+        ring_curvature=-1 / envelope.Sigma(gear, phases).radius,
     )
 
 
 def _parabola_minimum(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
     """Compute the position of the minimum of parabolas through three points each."""
-    left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
-    return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
+    left_slope, right_slope = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    return (x0 + x1) / 2 - left_slope * (x2 - x0) / (2 * (right_slope - left_slope))
 
 
 def _ideal(gear: CycloidGear) -> Flanks:

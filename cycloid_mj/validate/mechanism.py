@@ -82,9 +82,13 @@ def gap_rows(kind: str) -> list[ValidationRow]:
     )  # corners have no second derivative
     reducer = Reducer(design)
     springs = springs_of(reducer, BALANCE.crank, friction=False).contacts
-    width = np.array([gap(springs, 0, i, POSE).width for i in range(springs.disc.size)])
-    exact = exact_gaps(reducer, BALANCE.crank, POSE)
-    return [deviation_row(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", "exact curves", 0.08)]
+    gap_widths = np.array([gap(springs, 0, contact, POSE).width for contact in range(springs.disc.size)])
+    exact_widths = exact_gaps(reducer, BALANCE.crank, POSE)
+    return [
+        deviation_row(
+            f"gaps of displaced parts, {kind}", 1e6 * gap_widths, 1e6 * exact_widths, "um", "exact curves", 0.08
+        )
+    ]
 
 
 def hole_rows() -> list[ValidationRow]:
@@ -93,10 +97,14 @@ def hole_rows() -> list[ValidationRow]:
     Such displacements have effects of second order on the gaps.
     """
     reducer = Reducer(design_with_errors(FIXED))
-    springs, teeth = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
-    width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])
-    exact, source = exact_gaps(reducer, BALANCE.crank, FAR_POSE)[teeth:], "exact circles"
-    return [deviation_row("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3)]
+    springs, tooth_count = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
+    gap_widths = np.array(
+        [gap(springs, 0, contact, FAR_POSE).width for contact in range(tooth_count, springs.disc.size)]
+    )
+    exact_widths, source = exact_gaps(reducer, BALANCE.crank, FAR_POSE)[tooth_count:], "exact circles"
+    return [
+        deviation_row("gaps of far displaced output pins", 1e6 * gap_widths, 1e6 * exact_widths, "um", source, 1e-3)
+    ]
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
@@ -117,8 +125,8 @@ def model_rows(pins: str) -> list[ValidationRow]:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
     with install():
         mujoco.mj_forward(model.model, data)
-    pair_of = {frozenset(model.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in model.pairs}
-    pair_names = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
+    pair_by_geoms = {frozenset(model.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in model.pairs}
+    pair_names = [pair_by_geoms[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
     # a pin may touch both edges of its socket: the deeper contact is its distance
     distance_by_pair = dict(sorted(zip(pair_names, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
     collider_depths = np.array([distance_by_pair.get(pair.name, 0.0) for pair in model.pairs])
@@ -130,10 +138,10 @@ def model_rows(pins: str) -> list[ValidationRow]:
         exact_gap[:tooth_count] += np.tile(design.clearance.pin_socket - pin_oversize, design.gear.discs)
     seat_gap = equilibrium.seat_gaps(reducer, np.tile(PIN_SHIFT, (pin_oversize.size, 1)))[0]
     seat_gap -= pin_oversize if design.ring.has_sockets else 0.0
-    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, pose), axis=1)
+    cam_gaps = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, pose), axis=1)
     depths = np.minimum(
         np.concatenate(
-            [exact_gap[:tooth_count], *([seat_gap] if has_moving_pins else []), cams, exact_gap[tooth_count:]]
+            [exact_gap[:tooth_count], *([seat_gap] if has_moving_pins else []), cam_gaps, exact_gap[tooth_count:]]
         ),
         0.0,
     )
@@ -147,7 +155,8 @@ def model_rows(pins: str) -> list[ValidationRow]:
 def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
     """Return the positions of the joints of crank, discs and output by name, [rad] or [m], at `BALANCE.crank`.
 
-    `unknowns` is the pose [m] by the unknowns of ``reducer.gaps``.
+    `unknowns` is the pose [m]: x, y and rotation of each disc, then the rotation of the output. Rotations are
+    multiplied by the radius of the circle of output pins.
     """
     angles = (
         float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
@@ -173,7 +182,7 @@ def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[Validatio
     stiffness = {pair: rated_reducer.contacts[pair].stiffness for pair in rated_reducer.design.pair_kinds}
     contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), rig.RATED_LOAD)
     equilibria = [equilibrium.solve(reducer, stiffness, crank) for crank in crank_angles]
-    cam, output = (
+    cam_forces, output_turns = (
         np.array([getattr(solution, name) for solution in equilibria]) for name in ("cam_force", "output_turn")
     )
     # An arc and a flank in one contact patch are one spring here, and up to two in the search.
@@ -186,9 +195,14 @@ def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[Validatio
         ]
     return [
         *tooth_rows,
-        deviation_row(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam, "N", SEARCH, bounds[0]),
+        deviation_row(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam_forces, "N", SEARCH, bounds[0]),
         deviation_row(
-            f"turn of the output, {kind}", 1e6 * contact_loads.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]
+            f"turn of the output, {kind}",
+            1e6 * contact_loads.output_turn,
+            1e6 * output_turns,
+            "urad",
+            SEARCH,
+            bounds[1],
         ),
     ]
 
@@ -265,18 +279,18 @@ def stop_rows(kind: str) -> list[ValidationRow]:
     pins with the clearances added, which is equivalent for rigid parts.
     """
     design = design_with_errors(kind, *WIDE_CLEARANCES)
-    variant = design
+    loaded_design = design
     if kind == FREE:
         design = rig.with_changes(Reducer(design), "errors.pin_radius_um=0.0").design
         total_clearance = design.clearance.pin_gear + design.clearance.pin_socket
-        variant = rig.with_changes(
+        loaded_design = rig.with_changes(
             Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * total_clearance!r}"
         ).design
     stop_angles = 1e6 * np.array(stops(Reducer(design), BALANCE.crank))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
-    loaded_reducers = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    loaded_reducers = [rig.with_changes(Reducer(loaded_design), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
     loaded_angles = 1e6 * np.array(
-        [equilibrium.solve(drive, stiffness, BALANCE.crank).output_turn for drive in loaded_reducers]
+        [equilibrium.solve(loaded_reducer, stiffness, BALANCE.crank).output_turn for loaded_reducer in loaded_reducers]
     )
     return [deviation_row(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
 

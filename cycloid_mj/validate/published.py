@@ -182,17 +182,19 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
         Pressure at the lobe's tip, in the valley and on an output sleeve [Pa].
     """
     lobes, pins = case.pins - 1, case.pins
-    eccentricity, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
-    gear = CycloidGear(pins, eccentricity, eccentricity * pins / case.shortening, rho)
+    eccentricity, pin_radius, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
+    gear = CycloidGear(pins, eccentricity, eccentricity * pins / case.shortening, pin_radius)
     tip_curvature, valley_curvature = profile.curvature(gear, [np.pi / lobes, 0.0])
     ring_force = 4.0 * case.moment * lobes / (eccentricity * lobes * pins)
     output_force = 2.0 * case.moment * lobes * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
-    sleeve = 1e3 / case.sleeve_radius - 1e3 / case.hole_radius
+    sleeve_curvature = 1e3 / case.sleeve_radius - 1e3 / case.hole_radius
     modulus = ideal_loads.contact_modulus(200e9, 0.3)
     forces = [ring_force, ring_force, output_force]
-    curvatures = [1.0 / rho + tip_curvature, 1.0 / rho + valley_curvature, sleeve]
-    lobe, pit, output = ideal_loads.hertz_line_contact(forces, width, curvatures, modulus).peak_pressure
-    return float(lobe), float(pit), float(output)
+    curvatures = [1.0 / pin_radius + tip_curvature, 1.0 / pin_radius + valley_curvature, sleeve_curvature]
+    lobe_pressure, valley_pressure, output_pressure = ideal_loads.hertz_line_contact(
+        forces, width, curvatures, modulus
+    ).peak_pressure
+    return float(lobe_pressure), float(valley_pressure), float(output_pressure)
 
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
@@ -210,19 +212,19 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
         )
         rows.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
     case = WANG[0]
-    formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
-    ideal, ideal_design = wang_run(case, True, quick)
-    built, built_design = wang_run(case, False, quick)
-    closed_form = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
-    ideal_efficiency, built_efficiency = (100.0 * mean_powers(run).efficiency for run in (ideal, built))
-    expected_power = coulomb_friction_power(built, Reducer(built_design))
-    simulated_power = float(np.mean(built["pin_gear_friction_power"]))
+    formula_efficiency = 100.0 * mesh_efficiency(case) * output_efficiency(case)
+    ideal_run, ideal_design = wang_run(case, True, quick)
+    built_run, built_design = wang_run(case, False, quick)
+    closed_form = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal_run["crank_angle"], case.mesh_friction)))
+    ideal_efficiency, built_efficiency = (100.0 * mean_powers(run).efficiency for run in (ideal_run, built_run))
+    expected_power = coulomb_friction_power(built_run, Reducer(built_design))
+    simulated_power = float(np.mean(built_run["pin_gear_friction_power"]))
     return [
         *rows,
         absolute(
             "efficiency, simulated, ideal",
             ideal_efficiency,
-            formula,
+            formula_efficiency,
             "%",
             "Wang et al. 2016",
             None,
@@ -239,7 +241,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
         absolute(
             "efficiency, simulated, as built",
             built_efficiency,
-            formula,
+            formula_efficiency,
             "%",
             "Wang et al. 2016",
             None,
@@ -351,7 +353,7 @@ def coulomb_friction_power(run: Run, reducer: Reducer) -> float:
     gear = tooth_profile(design)
     phase = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
     inward = -profile.unit(profile.pin_angles(gear) - profile.conjugate_alpha(gear, phase))
-    normal = np.sum(run.forces(design.tooth_pair) * inward, axis=-1)
+    normal_force = np.sum(run.forces(design.tooth_pair) * inward, axis=-1)
     sliding_radius = profile.pitch_distance(gear, phase) - gear.pin_radius
-    speed = design.drive.speed / gear.lobes
-    return float(design.friction.pin_gear * speed * np.mean(np.sum(normal * sliding_radius, axis=1)))
+    disc_speed = design.drive.speed / gear.lobes
+    return float(design.friction.pin_gear * disc_speed * np.mean(np.sum(normal_force * sliding_radius, axis=1)))

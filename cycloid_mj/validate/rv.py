@@ -71,14 +71,15 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
     displaced crank bore with a published formula.
     """
     torque = reducer.design.load.torque
-    stiff = RvReducer(reducer.design.but(cranks=dict.fromkeys(("needle_stiffness", "taper_stiffness"), 2e11)))
+    stiff_reducer = RvReducer(reducer.design.but(cranks=dict.fromkeys(("needle_stiffness", "taper_stiffness"), 2e11)))
     spring_mean, ideal_mean = (
         max(mean_force(force) for force in loads.bearings.reshape(len(loads.bearings), -1).T)
-        for loads in (solve_rv_equilibrium(stiff, torque), ideal_rv(reducer, torque))
+        for loads in (solve_rv_equilibrium(stiff_reducer, torque), ideal_rv(reducer, torque))
     )
-    displaced = RvReducer(reducer.design.but(crank_errors={"bore_x": (CONDITIONS.error, *([0.0] * 5))}))
-    perfect, wrong = (
-        solve_rv_equilibrium(item, torque, CONDITIONS.error_angles).carrier_turn for item in (reducer, displaced)
+    displaced_reducer = RvReducer(reducer.design.but(crank_errors={"bore_x": (CONDITIONS.error, *([0.0] * 5))}))
+    ideal_turn, displaced_turn = (
+        solve_rv_equilibrium(case_reducer, torque, CONDITIONS.error_angles).carrier_turn
+        for case_reducer in (reducer, displaced_reducer)
     )
     return [
         relative(
@@ -91,8 +92,8 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
         ),
         relative(
             "p-p rotation by a crank bore displaced by 10 um, rv80e",
-            ARCSECONDS * peak_to_peak(wrong - perfect),
-            ARCSECONDS * peak_to_peak(closed_rotation(displaced)),
+            ARCSECONDS * peak_to_peak(displaced_turn - ideal_turn),
+            ARCSECONDS * peak_to_peak(closed_rotation(displaced_reducer)),
             "arcsec",
             "Yang et al. 2021, Eq. 30, rigid parts",
             bound=3.0,

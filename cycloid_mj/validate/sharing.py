@@ -168,7 +168,7 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
     """
     slow_drive = _at_slow_speed(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow_drive, cam_stiffness, False)
-    stiffness = {kind: law.stiffness for kind, law in build(slow_drive.design).laws.items()}
+    stiffness = {kind: contact_law.stiffness for kind, contact_law in build(slow_drive.design).laws.items()}
     stiffness["cam"] = cam_stiffness or stiffness["cam"]
     samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
     equilibria: list[equilibrium.Equilibrium] = []

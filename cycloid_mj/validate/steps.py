@@ -70,8 +70,11 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
     are only the automatic step and half of it.
     """
     automatic_step = 1e6 * timestep(Reducer(rated_design(kind)))
-    shares = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
-    figures_by_step = {share * automatic_step: _try_run(kind, share * automatic_step, quick) for share in shares}
+    step_factors = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
+    figures_by_step = {
+        step_factor * automatic_step: _try_run(kind, step_factor * automatic_step, quick)
+        for step_factor in step_factors
+    }
     rows = judge_study(kind, figures_by_step, automatic_step)
     if kind == FREE:
         rows += massless_rows(figures_by_step[automatic_step], quick)
@@ -126,15 +129,15 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
     RunError
         The run with the shortest step failed.
     """
-    finest = min(figures_by_step)
-    reference = figures_by_step[finest]
+    shortest_step = min(figures_by_step)
+    reference = figures_by_step[shortest_step]
     if isinstance(reference, RunError):
         raise reference
     rows = []
     for step, figures in figures_by_step.items():
-        if step == finest:
+        if step == shortest_step:
             continue
-        source = f"{finest:g} us"
+        source = f"{shortest_step:g} us"
         if isinstance(figures, RunError):
             bound = BOUNDS.efficiency if step <= automatic_step else None
             rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
@@ -144,9 +147,9 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
         if step <= automatic_step:
             rows += step_rows
         else:
-            worst = max(step_rows, key=lambda row: row.difference / (row.bound or math.inf))
-            measured_result = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
-            rows.append(replace(worst, measured=measured_result, bound=None))
+            worst_row = max(step_rows, key=lambda row: row.difference / (row.bound or math.inf))
+            measured_result = replace(worst_row.measured, name=f"{worst_row.measured.name} (the worst of five)")
+            rows.append(replace(worst_row, measured=measured_result, bound=None))
     return [*rows, *_order_rows(kind, figures_by_step)]
 
 
@@ -180,12 +183,12 @@ def _run_quantities(kind: str, periods: int, *changes: str) -> StepFigures:
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
-    cam = run.forces("cam")[:, 0]
+    cam_force = run.forces("cam")[:, 0]
     return StepFigures(
         gear_speed=1e3 * findings.gear_speed.rms_error_rad_s,
         mean_error=findings.gear_transmission_error.mean_arcsec,
         peak_to_peak=findings.gear_transmission_error.peak_to_peak_arcsec,
-        cam_force=rms(cam),
+        cam_force=rms(cam_force),
         efficiency=100.0 * (findings.efficiency or math.nan),
     )
 
@@ -232,10 +235,10 @@ def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
     """
     steps = sorted(figures_by_step)[:3]
     values = [figures_by_step[step] for step in steps]
-    means = [value.mean_error for value in values if isinstance(value, StepFigures)]
-    if len(means) < 3:
+    mean_errors = [value.mean_error for value in values if isinstance(value, StepFigures)]
+    if len(mean_errors) < 3:
         return []
-    order = observed_order((steps[0], steps[1], steps[2]), (means[0], means[1], means[2]))
+    order = observed_order((steps[0], steps[1], steps[2]), (mean_errors[0], mean_errors[1], mean_errors[2]))
     source = "semi-implicit Euler"
     note = f"of the mean transmission error over {', '.join(f'{step:g}' for step in steps)} us"
     return [absolute(f"observed order of the step, {kind}", order, 1.0, "", source, None, note)]

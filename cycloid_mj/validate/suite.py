@@ -88,7 +88,7 @@ class Validation(Presented):
     @property
     def line(self) -> str:
         """Number of rows by verdict."""
-        return ", ".join(f"{sum(row.verdict is each for row in self.rows)} {each}" for each in RowOutcome)
+        return ", ".join(f"{sum(row.verdict is outcome for row in self.rows)} {outcome}" for outcome in RowOutcome)
 
 
 PARTS = tuple(_validation_parts())
@@ -155,10 +155,10 @@ def _run_part(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], l
         Rows, and the texts of the warnings, which would not leave a parallel process.
     """
     part, quick = task
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
             rows = part.rows(quick)
         except CycloidError as error:
             rows = [failed_part(str(error))]
-    return [replace(row, rung=part.rung) for row in rows], [str(warning.message) for warning in caught]
+    return [replace(row, rung=part.rung) for row in rows], [str(warning.message) for warning in caught_warnings]

@@ -53,16 +53,16 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     There is no gravity. With `quick` the runs last 4 mesh periods instead of 12.
     """
     periods = 4 if quick else 12
-    forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
+    forward_run, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
     reducer = Reducer(design)
-    backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
+    backward_run, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
     bounds, source = _bounds(kind), "mirror image"
-    forward_ripple, backward_ripple = mean_ripple(forward, reducer, 1.0), -mean_ripple(backward, reducer, -1.0)
+    forward_ripple, backward_ripple = mean_ripple(forward_run, reducer, 1.0), -mean_ripple(backward_run, reducer, -1.0)
     ripple_pair = backward_ripple - float(np.mean(forward_ripple)), forward_ripple - float(np.mean(forward_ripple))
-    forward_forces = forward.forces(design.tooth_pair)
+    forward_forces = forward_run.forces(design.tooth_pair)
     mirrored_index = -np.arange(design.ring.teeth) % design.ring.teeth
-    backward_forces = backward.forces(design.tooth_pair)[:, mirrored_index] * [-1.0, 1.0]
-    efficiencies = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
+    backward_forces = backward_run.forces(design.tooth_pair)[:, mirrored_index] * [-1.0, 1.0]
+    efficiencies = 100.0 * mean_powers(backward_run).efficiency, 100.0 * mean_powers(forward_run).efficiency
     return [
         deviation_row(f"reversed: ripple of the gear, {kind}", *ripple_pair, "arcsec", source, bounds.mirrored_ripple),
         deviation_row(
@@ -87,22 +87,22 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
     run_without_gravity, design = rated_run(kind, SPEED, PERIODS, *step_changes, *rig.without_gravity())
     reducer = Reducer(design)
-    downward, _ = rated_run(kind, SPEED, PERIODS, *step_changes, f"environment.gravity_y_m_s2={-GRAVITY}")
-    sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
-    sideward, _ = rated_run(kind, SPEED, PERIODS, *step_changes, *sideways)
+    downward_run, _ = rated_run(kind, SPEED, PERIODS, *step_changes, f"environment.gravity_y_m_s2={-GRAVITY}")
+    sideways_changes = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
+    sideways_run, _ = rated_run(kind, SPEED, PERIODS, *step_changes, *sideways_changes)
     bounds = _bounds(kind)
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
     forces = {
         name: mean_force(run, reducer)
-        for name, run in (("off", run_without_gravity), ("down", downward), ("turned", sideward))
+        for name, run in (("off", run_without_gravity), ("down", downward_run), ("turned", sideways_run))
     }
     harmonics = (
-        first_harmonic(downward, run_without_gravity, reducer) * -1j,
-        first_harmonic(sideward, run_without_gravity, reducer),
+        first_harmonic(downward_run, run_without_gravity, reducer) * -1j,
+        first_harmonic(sideways_run, run_without_gravity, reducer),
     )
-    harmonic_down, harmonic_aside = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in harmonics)
-    mean_errors = [float(np.mean(gear_arcsec(run, reducer))) for run in (downward, run_without_gravity)]
-    efficiencies = 100.0 * mean_powers(downward).efficiency, 100.0 * mean_powers(run_without_gravity).efficiency
+    harmonic_down, harmonic_sideways = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in harmonics)
+    mean_errors = [float(np.mean(gear_arcsec(run, reducer))) for run in (downward_run, run_without_gravity)]
+    efficiencies = 100.0 * mean_powers(downward_run).efficiency, 100.0 * mean_powers(run_without_gravity).efficiency
     return [
         relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
         relative(f"gravity turned: sideward force, {kind}", -forces["turned"][0], weight, "N", "m g", bounds.sideward),
@@ -111,7 +111,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
         ),
         deviation_row(
             f"gravity turned: its ripple, {kind}",
-            harmonic_aside,
+            harmonic_sideways,
             harmonic_down,
             "arcsec",
             "a quarter turn later",
@@ -145,9 +145,9 @@ def mean_ripple(run: Run, reducer: Reducer, direction: float) -> Array:
     sign of the crank speed.
     """
     phase = np.mod(direction * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
-    bins = np.minimum((BINS * phase).astype(int), BINS - 1)
+    bin_indices = np.minimum((BINS * phase).astype(int), BINS - 1)
     error = gear_arcsec(run, reducer)
-    return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
+    return np.asarray(np.bincount(bin_indices, error, BINS) / np.bincount(bin_indices, minlength=BINS))
 
 
 def mean_force(run: Run, reducer: Reducer) -> Array:

@@ -58,9 +58,9 @@ def rows(quick: bool) -> list[ValidationRow]:
 
     The last rows compare the secant stiffness and have no bounds. `quick` is ignored.
     """
-    stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
+    stiffness, damping_ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
-    contact_parameters = contact_law(stiffness, ratio, TWO_BODIES.mass, 0.0, 0.0, step)
+    contact_parameters = contact_law(stiffness, damping_ratio, TWO_BODIES.mass, 0.0, 0.0, step)
     undamped_parameters = replace(contact_parameters, damping=0.0, added_mass=0.3 * TWO_BODIES.mass)
     depth, force = static_deflection(contact_parameters, step)
     return [
@@ -90,9 +90,9 @@ def rows(quick: bool) -> list[ValidationRow]:
             0.01,
         ),
         relative(
-            f"restitution at {ratio:g} of critical damping",
-            measure_restitution(contact_law(stiffness, ratio, TWO_BODIES.mass, 0.0, 0.0, 2e-7), 2e-7),
-            linear_restitution(ratio),
+            f"restitution at {damping_ratio:g} of critical damping",
+            measure_restitution(contact_law(stiffness, damping_ratio, TWO_BODIES.mass, 0.0, 0.0, 2e-7), 2e-7),
+            linear_restitution(damping_ratio),
             "",
             "Nagurka and Huang 2004",
             0.3,
@@ -182,7 +182,7 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
     These rows have no bound: they show the range of the secant stiffness.
     """
     drive = RATED
-    working, length, radius = (
+    working_force, length, radius = (
         drive.contacts["pin_gear"].force,
         drive.design.gear.face_width,
         drive.design.ring.pin_radius,
@@ -192,8 +192,8 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
     def hertz(force: float) -> float:
         return float(ideal_loads.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))
 
-    palmgren = float(ideal_loads.palmgren_stiffness(working, length))
-    secant = "the model uses the secant stiffness at the working force of ideal load sharing"
+    palmgren_stiffness = float(ideal_loads.palmgren_stiffness(working_force, length))
+    secant_note = "the model uses the secant stiffness at the working force of ideal load sharing"
 
     def row(force: float, reference: float, source: str, note: str) -> ValidationRow:
         return relative(
@@ -201,9 +201,12 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
         )
 
     return [
-        row(0.2 * working, hertz(0.2 * working), "Johnson 1985, 5.6", secant),
-        row(1.5 * working, hertz(1.5 * working), "Johnson 1985, 5.6", secant),
+        row(0.2 * working_force, hertz(0.2 * working_force), "Johnson 1985, 5.6", secant_note),
+        row(1.5 * working_force, hertz(1.5 * working_force), "Johnson 1985, 5.6", secant_note),
         row(
-            working, palmgren, "Palmgren", "Palmgren measured the approach of rollers and rings between distant points"
+            working_force,
+            palmgren_stiffness,
+            "Palmgren",
+            "Palmgren measured the approach of rollers and rings between distant points",
         ),
     ]

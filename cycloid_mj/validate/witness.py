@@ -67,7 +67,7 @@ CASES = {"fixed pins, friction 0.3": high_friction, "two discs, 12 000 rpm": hig
 
 def rows(quick: bool) -> list[ValidationRow]:
     """Return the comparisons of this validation step, the rows of its table; `quick` has no effect."""
-    return [row for which, design in CASES.items() for row in comparison_rows(which, Reducer(design()))]
+    return [row for case, create_design in CASES.items() for row in comparison_rows(case, Reducer(create_design()))]
 
 
 def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
@@ -80,12 +80,12 @@ def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
         "efficiency",
         "rms gear speed error",
     )
-    judges = (relative, relative, relative, absolute, relative)
+    comparisons = (relative, relative, relative, absolute, relative)
     pairs = zip(figures(reducer, simulate(reducer.design)), planar_figures(reducer), strict=True)
     return [
         compare(f"{name}, {case}", value, reference, unit, "planar solver", bound)
         for (value, reference), name, unit, bound, compare in zip(
-            pairs, quantities, units, WITNESS.bounds, judges, strict=True
+            pairs, quantities, units, WITNESS.bounds, comparisons, strict=True
         )
     ]
 
@@ -135,11 +135,11 @@ def _compute_quantities(
     tuple of float
         Mean and peak-to-peak error [arcsec], mean cam force [N], efficiency [%], rms speed error [mrad/s].
     """
-    crank, output = (float(power.mean()) for power in powers)
+    crank_power, output_power = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),
         ARCSECONDS * peak_to_peak(error),
         float(np.hypot(cam_force[:, 0], cam_force[:, 1]).mean()),
-        100.0 * Powers(crank, output).efficiency,
+        100.0 * Powers(crank_power, output_power).efficiency,
         1e3 * rms(speed_error),
     )
