@@ -142,7 +142,7 @@ class LimitedConnection(H11Protocol):
     def _watch_progress(self, unsent: int) -> None:
         """Abort the connection if the client takes none of the `unsent` bytes of a response within the time-out."""
 
-        def check() -> None:
+        def abort_if_stalled() -> None:
             remaining = self.transport.get_write_buffer_size()
             if remaining < unsent:
                 self._watch_progress(remaining)
@@ -150,7 +150,7 @@ class LimitedConnection(H11Protocol):
                 self.transport.abort()
 
         self._cancel_stall()
-        self._stall_timer = self.loop.call_later(self.limits.timeout_s, check)
+        self._stall_timer = self.loop.call_later(self.limits.timeout_s, abort_if_stalled)
 
     def _cancel_stall(self) -> None:
         if self._stall_timer is not None:

@@ -159,24 +159,24 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
     A field without a limit (zero or infinite) is None.
     """
 
-    def limit(value: float) -> float | None:
+    def limit_or_none(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")
 
     values = {
         "layout": requirement.LAYOUT,
         "ratio": requirement.ratio,
-        "diameter_mm": limit(MILLIMETRES * requirement.diameter),
+        "diameter_mm": limit_or_none(MILLIMETRES * requirement.diameter),
         "torque_nm": requirement.torque,
         "life_h": requirement.life,
-        "speed_rpm": limit(requirement.speed / RPM),
-        "duty_percent": limit(100.0 * requirement.duty_share),
+        "speed_rpm": limit_or_none(requirement.speed / RPM),
+        "duty_percent": limit_or_none(100.0 * requirement.duty_share),
         "cooling": next((name for name, film in COOLING.items() if film == requirement.film), f"{requirement.film:g}"),
         "process": requirement.process,
         "discs": requirement.discs,
-        "length_mm": limit(MILLIMETRES * requirement.length),
-        "backlash_arcmin": limit(requirement.backlash),
+        "length_mm": limit_or_none(MILLIMETRES * requirement.length),
+        "backlash_arcmin": limit_or_none(requirement.backlash),
         "material": requirement.material,
-        "clearance_um": limit(MICROMETRES * requirement.clearance),
+        "clearance_um": limit_or_none(MICROMETRES * requirement.clearance),
         "fit": requirement.fit,
         "custom": requirement.custom,
     }
@@ -192,10 +192,10 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     motor = parse_options(form).motor
     requirement = parse_form(form)
 
-    def report(answer: Answer) -> None:
+    def report_answer(answer: Answer) -> None:
         on_progress({"answer": _answer_json(answer, motor)})
 
-    return _answer_json(FORM_KINDS[requirement.LAYOUT].search(requirement, report), motor)
+    return _answer_json(FORM_KINDS[requirement.LAYOUT].search(requirement, report_answer), motor)
 
 
 def load_search() -> None:

@@ -17,7 +17,7 @@ from cycloid_mj.statics.rv_sheet import torque_on_carrier
 def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]:
     """Compute the contact forces on the discs of a running RV reducer at m crank angles against the ring [rad], (m,).
 
-    `torque` is that on the output [N m]. The frame is that of the ring.
+    `torque` [N m] acts on the output. All vectors are in the frame of the ring.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
 def rv_error(reducer: RvReducer, crank: Array, torque: float) -> Array:
     """Compute the transmission error [arcsec], mean subtracted, at m angles of the cranks against the ground [rad].
 
-    `torque` is that on the output [N m]. There is no friction.
+    `torque` [N m] acts on the output. Friction is left out.
     """
     rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque)
     angle = ARCSECONDS * reducer.member.sense * rotations[:, 1]

@@ -99,7 +99,7 @@ def application(page: Page, token: str) -> ASGIApp:
 
     It serves the assets of the page, its requests, and the files and reports of jobs.
     """
-    assets = _assets()
+    assets = _read_assets()
 
     async def send_asset(request: Request) -> Response:
         name = request.path_params.get("name", "index.html")
@@ -123,31 +123,35 @@ def application(page: Page, token: str) -> ASGIApp:
         disposition = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
-    async def ask(request: Request) -> Response:
+    async def answer_request(request: Request) -> Response:
         """Answer a request in a thread; refuse it if it is too long or not JSON, or if too many are in progress."""
         try:
             body = await _read_body(request)
         except ClientDisconnect:
             return Response(status_code=HTTPStatus.REQUEST_TIMEOUT)
         if body is None:
-            return _error(
+            return _error_response(
                 HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
                 f"the request is too large: at most {LIMITS.body_bytes} bytes are allowed",
             )
         if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
-            return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request must be application/json")
+            return _error_response(
+                HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request must be application/json"
+            )
         if not page.slots.acquire(blocking=False):
-            return _error(HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again in a moment")
-        return await run_sync(_respond, page, request.path_params["name"], body, abandon_on_cancel=True)
+            return _error_response(
+                HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again in a moment"
+            )
+        return await run_sync(_answer_request, page, request.path_params["name"], body, abandon_on_cancel=True)
 
     routes = [
         Route("/", send_asset),
-        Route("/ask/{name}", ask, methods=["POST"]),
+        Route("/ask/{name}", answer_request, methods=["POST"]),
         Route("/file/{job}/{name}", send_file),
         Route("/report/{job}", send_report),
         Route("/{name}", send_asset),
     ]
-    handlers = {CycloidError: _no_job, Exception: _failure}
+    handlers = {CycloidError: _missing_job_response, Exception: _failure_response}
     return AccessControl(Starlette(routes=routes, exception_handlers=handlers), token)
 
 
@@ -272,7 +276,7 @@ def page_address(listener: socket.socket, token: str) -> str:
     return f"http://127.0.0.1:{listener.getsockname()[1]}/?token={token}"
 
 
-def _respond(page: Page, name: str, body: bytes) -> Response:
+def _answer_request(page: Page, name: str, body: bytes) -> Response:
     """Answer the request `name`, whose JSON text is `body`, with a JSON response; runs in a thread.
 
     At the end a slot of `page.slots`, which the caller has acquired, is released.
@@ -281,29 +285,29 @@ def _respond(page: Page, name: str, body: bytes) -> Response:
         content = json.loads(body)
         if not isinstance(content, dict):
             raise ValueError(f"send a JSON object, not a {type(content).__name__}")
-        return _json(HTTPStatus.OK, page.answer(name, content))
+        return _json_response(HTTPStatus.OK, page.answer(name, content))
     except CycloidError as error:  # status 200: browsers log every other status as an error of the page
-        return _json(HTTPStatus.OK, {"refused": sentence_in_words(str(error).removeprefix("override: "))})
+        return _json_response(HTTPStatus.OK, {"refused": sentence_in_words(str(error).removeprefix("override: "))})
     except KeyError:
-        return _error(HTTPStatus.NOT_FOUND, "unknown request: reload the page")
+        return _error_response(HTTPStatus.NOT_FOUND, "unknown request: reload the page")
     except (ValueError, RecursionError) as error:
-        return _error(HTTPStatus.BAD_REQUEST, f"the request is not a valid JSON object: {error}")
+        return _error_response(HTTPStatus.BAD_REQUEST, f"the request is not a valid JSON object: {error}")
     except Exception as error:  # a failure of one request must not end the server
-        return _failure(None, error)
+        return _failure_response(None, error)
     finally:
         page.slots.release()
         gc.collect()  # as the workers do
 
 
-def _failure(_request: Request | None, error: Exception) -> Response:
+def _failure_response(_request: Request | None, error: Exception) -> Response:
     """Log an unexpected exception in one line, and return it as a response."""
     *_, (frame, line) = traceback.walk_tb(error.__traceback__)
     reason = f"{type(error).__name__}: {error}"
     _log.error("error: %s (%s:%d)", reason, frame.f_code.co_filename, line)
-    return _error(HTTPStatus.INTERNAL_SERVER_ERROR, reason)
+    return _error_response(HTTPStatus.INTERNAL_SERVER_ERROR, reason)
 
 
-def _no_job(_request: Request, error: Exception) -> Response:
+def _missing_job_response(_request: Request, error: Exception) -> Response:
     return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
 
 
@@ -328,11 +332,11 @@ def _file_missing() -> Response:
     return PlainTextResponse("This file is no longer available: create it again.\n", HTTPStatus.NOT_FOUND)
 
 
-def _error(status: HTTPStatus, words: str) -> Response:
-    return _json(status, {"error": words})
+def _error_response(status: HTTPStatus, words: str) -> Response:
+    return _json_response(status, {"error": words})
 
 
-def _json(status: HTTPStatus, content: Any) -> Response:
+def _json_response(status: HTTPStatus, content: Any) -> Response:
     text = json.dumps(to_json_values(content), separators=(",", ":"))
     return Response(text, status, media_type="application/json; charset=utf-8")
 
@@ -342,7 +346,7 @@ def _media_response(content: bytes, media_type: str) -> Response:
     return Response(content, media_type=media_type, headers=headers)
 
 
-def _assets() -> dict[str, bytes]:
+def _read_assets() -> dict[str, bytes]:
     """Read the page's own files."""
     folder = resources.files("cycloid_mj.app").joinpath("assets")
     files = (file for file in folder.iterdir() if file.name.rpartition(".")[2] in MEDIA_TYPES)

@@ -143,7 +143,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
             "colour": list(tint(assembly.colours[names.family(name)], name)),
             "corners": _triangles(part),
             "copies": [
-                _component_json(component, axes, steps.get(component.name, 0), shifts[_group(name, assembly.along)])
+                _component_json(component, axes, steps.get(component.name, 0), shifts[_group_of(name, assembly.along)])
                 for component in assembly.components
                 if component.part == name
             ],
@@ -175,10 +175,10 @@ def _axis_positions(reducer: Reducer) -> dict[str, Array]:
 def _component_json(component: PlacedPart, axes: Mapping[str, Array], number: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    `axes` are those of `_axis_positions`, `number` is that of its assembly step from 1 (0: none), and `shift` is its
-    shift along the axis in the exploded view [m]. In the result, ``at`` is its position x, y, z [mm] relative to its
-    axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its motion: "disc", "crank",
-    "output" or "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
+    `axes` is the result of `_axis_positions`, `number` is the assembly step of the component from 1 (0: none), and
+    `shift` is its shift along the axis in the exploded view [m]. In the result, ``at`` is the position x, y, z [mm] of
+    the component relative to its axis ``axis`` [mm]. ``angle`` is its rotation [rad]. ``moves`` is the name of its
+    motion: "disc", "crank", "output" or "sun", or "" if it is fixed. ``apart`` is `shift` in mm.
     """
     position, moves, axis = np.array(component.origin), MOVES.get(component.body, ""), np.zeros(3)
     if component.body in axes:
@@ -228,7 +228,7 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
         yield parts_text if group_name in new_parts or group in counts else f"{parts_text} into the {group}"
 
 
-def _group(part: str, along: Sequence[str]) -> str:
+def _group_of(part: str, along: Sequence[str]) -> str:
     """Return the name by which a part moves in the exploded view: its own, if it is in `along`, or its family."""
     return part if part in along else names.family(part)
 
@@ -236,19 +236,19 @@ def _group(part: str, along: Sequence[str]) -> str:
 def _exploded_shifts(reducer: Reducer, assembly: _Assembly) -> dict[str, float]:
     """Compute the shift of each group of parts along the axis [m] in the exploded view, by the name of the group.
 
-    A group is a part with its numbered copies, such as all discs (`_group`). In the exploded view the groups follow one
-    another in the order of `_Assembly.along` (from input to output), unlisted groups last, with a gap between them, and
-    are centred about z = 0.
+    A group is a part with its numbered copies, such as all discs (`_group_of`). In the exploded view the groups follow
+    one another in the order of `_Assembly.along` (from input to output), unlisted groups last, with a gap between them,
+    and are centred about z = 0.
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     along, parts = assembly.along, assembly.parts
-    groups = {_group(component.part, along) for component in assembly.components}
+    groups = {_group_of(component.part, along) for component in assembly.components}
     end_heights = {name: [z for prism in part.segments for z in (prism.z0, prism.z1)] for name, part in parts.items()}
     for group in sorted(groups, key=lambda name: along.index(name) if name in along else len(along)):
         heights = [
             component.origin[2] + z
             for component in assembly.components
-            if _group(component.part, along) == group
+            if _group_of(component.part, along) == group
             for z in end_heights[component.part]
         ]
         shifts[group] = start - min(heights)

@@ -21,8 +21,8 @@ def njit(
 
     With `cache` the machine code is stored in a `KernelCache`. With `allocates` False, neither the function nor the
     functions that it calls may allocate arrays; numba then omits the costly reference counting. An `inner` function can
-    be called by kernels only and must not raise; its code is stored with that of its callers. `options` are those of
-    numba.
+    be called by kernels only and must not raise; its code is stored with the code of its callers. Further `options`
+    are passed to numba.
     """
     if inner:
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}

@@ -40,7 +40,7 @@ def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Re
         """Decorate a function so that it also accepts an argument under its former name, with a warning."""
 
         @wraps(function)
-        def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+        def call_with_new_name(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
             """Call the function; an argument under its former name is passed under its new name, with a warning."""
             if old in kwargs:
                 if new in kwargs:
@@ -50,6 +50,6 @@ def deprecated_argument(old: str, new: str) -> Callable[[Callable[Parameters, Re
                 kwargs[new] = kwargs.pop(old)
             return function(*args, **kwargs)
 
-        return call
+        return call_with_new_name
 
     return accept_old_name

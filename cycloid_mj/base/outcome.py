@@ -21,10 +21,10 @@ MOST_FIGURES = 12
 
 def headline(quantities: Iterable[Quantity]) -> dict[str, str]:
     """Write the first dozen quantities: name -> value with its unit."""
-    return {item.name: _written(item) for item in islice(quantities, MOST_FIGURES)}
+    return {item.name: _format_quantity(item) for item in islice(quantities, MOST_FIGURES)}
 
 
-def _written(quantity: Quantity) -> str:
+def _format_quantity(quantity: Quantity) -> str:
     if math.isnan(quantity.value):
         return "-"
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"

@@ -135,7 +135,7 @@ def note_input(path: Path) -> Path:
 def note_output(path: Path) -> None:
     """Note that a file, or all of a folder, is the command's own, of this call or of an earlier one."""
     if (command := _command.get()) is not None:
-        command.replaceable.add(_real(path))
+        command.replaceable.add(_real_path(path))
         with suppress(OSError, ValueError):
             command.read.pop(_identity(path), None)
 
@@ -152,7 +152,7 @@ def claim_outputs(*paths: Path, force: bool) -> None:
     command = _command.get()
     for path in paths:
         if force and command is not None:
-            command.replaceable.add(_real(path))
+            command.replaceable.add(_real_path(path))
         require_replaceable(path)
 
 
@@ -170,7 +170,7 @@ def require_replaceable(path: Path) -> None:
         raise TakenError(
             f"cannot write {path} over {source_text}, because this command reads that file: choose another file name"
         )
-    resolved_path = _real(path)
+    resolved_path = _real_path(path)
     if command.replaceable.isdisjoint((resolved_path, *resolved_path.parents)):
         raise TakenError(
             f"{path} already exists ({describe_file(path)}): choose another name (--out), or overwrite it with --force"
@@ -190,9 +190,13 @@ def require_ending(path: Path, ending: str) -> None:
 
 def describe_file(path: Path) -> str:
     """Describe a file in words: its type, the title or name in its first bytes if there is one, and when it changed."""
-    first_bytes = _head(path)
-    expected_kind = _own_kind(path)
-    kind_name = expected_kind.name if _begins(first_bytes, expected_kind) else _kind(first_bytes) or expected_kind.name
+    first_bytes = _first_bytes(path)
+    expected_kind = _kind_by_name(path)
+    kind_name = (
+        expected_kind.name
+        if _starts_like(first_bytes, expected_kind)
+        else _kind_by_content(first_bytes) or expected_kind.name
+    )
     match = NAMED.search(first_bytes)
     title = next((group for group in match.groups() if group), b"").decode(errors="replace") if match else ""
     modified = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
@@ -205,31 +209,31 @@ def _require_same_kind(path: Path) -> None:
     The type is identified by the first bytes. Empty files are accepted. For types without fixed first bytes, such as
     CSV, all files are accepted whose first bytes identify no other type.
     """
-    first_bytes, expected_kind = _head(path), _own_kind(path)
-    if not first_bytes or (expected_kind.start and _begins(first_bytes, expected_kind)):
+    first_bytes, expected_kind = _first_bytes(path), _kind_by_name(path)
+    if not first_bytes or (expected_kind.start and _starts_like(first_bytes, expected_kind)):
         return
-    if (kind := _kind(first_bytes)) or expected_kind.start:
+    if (kind := _kind_by_content(first_bytes)) or expected_kind.start:
         raise TakenError(
             f"cannot write {path}: the existing file is {kind or f'not {expected_kind.name}'}, and only files of the "
             "same type are replaced. Choose another file name"
         )
 
 
-def _own_kind(path: Path) -> Kind:
+def _kind_by_name(path: Path) -> Kind:
     """Return the type of a file by its name."""
     return KINDS.get(path.suffix.lower(), ANY)
 
 
-def _begins(head: bytes, kind: Kind) -> bool:
+def _starts_like(head: bytes, kind: Kind) -> bool:
     return head.lower().startswith(kind.start)
 
 
-def _kind(head: bytes) -> str:
+def _kind_by_content(head: bytes) -> str:
     """Return the type of a file in words by its first bytes; empty if no type with a fixed start matches."""
-    return next((kind.name for kind in KINDS.values() if kind.start and _begins(head, kind)), "")
+    return next((kind.name for kind in KINDS.values() if kind.start and _starts_like(head, kind)), "")
 
 
-def _head(path: Path) -> bytes:
+def _first_bytes(path: Path) -> bytes:
     """Read the start of a file, without blanks before it."""
     try:
         with path.open("rb") as stream:
@@ -244,5 +248,5 @@ def _identity(path: Path) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _real(path: Path) -> Path:
+def _real_path(path: Path) -> Path:
     return Path(os.path.realpath(path))

@@ -179,7 +179,7 @@ def compute_sampled(
 ) -> dict[str, Array]:
     """Compute catalogued quantities for random samples of a reducer: key -> values, shape (samples,).
 
-    `samples` have the manufacturing errors of the drives. `keys` are those of the quantities; keys that are not in
+    `samples` have the manufacturing errors of the drives. `keys` are the keys of the quantities; keys that are not in
     `SAMPLED` are ignored. `angles` is the number of crank angles over a turn.
     """
     rows = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}

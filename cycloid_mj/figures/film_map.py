@@ -155,7 +155,7 @@ def _compute_map_points(warm_reducer: Reducer, temperature: float, shares: Seque
 def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
     """Return two tables, of the efficiency and of the torques without load, each value with its interval.
 
-    `points` are those of `compute_film_map`.
+    `points` are the result of `compute_film_map`.
     """
 
     def format_row(point: MapPoint) -> tuple[str, ...]:

@@ -80,7 +80,7 @@ def _make_entry(key: str, name: str, unit: str, definition: str, sampled: Sample
     """Return the catalogue entry (`Figure`) of a quantity that can be computed for many random samples at once.
 
     For the design itself, it is computed from a single sample without random deviations.
-    Key, name, unit and definition are those of `Figure`; `sampled` computes the value.
+    Key, name, unit and definition are attributes of `Figure`; `sampled` computes the value.
     """
 
     def compute(reducer: Reducer) -> float:

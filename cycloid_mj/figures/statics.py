@@ -137,7 +137,7 @@ def _make_torque_entry(
 ) -> Figure:
     """Return the catalogue entry (`Figure`) of a torque [N m] that the static data sheet does not have.
 
-    Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
+    Key, name, definition and layouts are attributes of `Figure`. `function` computes the torque, `spread_function` its
     interval under the friction law ``film``. RV reducers have the quantity under this law only, because statics leaves
     out their weight.
     """

@@ -149,16 +149,16 @@ def rotate_curve(curve: Curve, angle: float) -> Curve:
     cos, sin = np.cos(angle), np.sin(angle)
     rotation = np.array([[cos, -sin], [sin, cos]])
 
-    def at(point: tuple[float, float]) -> tuple[float, float]:
+    def rotate_point(point: tuple[float, float]) -> tuple[float, float]:
         x, y = np.array(point) @ rotation
         return float(x), float(y)
 
     match curve:
         case Circle():
-            return Circle(at(curve.centre), curve.radius)
+            return Circle(rotate_point(curve.centre), curve.radius)
         case Arc():
-            return Arc(at(curve.centre), curve.radius, curve.start - angle, curve.end - angle)
+            return Arc(rotate_point(curve.centre), curve.radius, curve.start - angle, curve.end - angle)
         case LineSegment():
-            return LineSegment(at(curve.start), at(curve.end))
+            return LineSegment(rotate_point(curve.start), rotate_point(curve.end))
         case Spline():
             return Spline(curve.knots, curve.controls @ rotation)

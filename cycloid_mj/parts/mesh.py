@@ -75,7 +75,7 @@ def mesh(part: Prism | Solid) -> Mesh:
 def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
     """Extrude the outlines of a prism to a manifold; raise DesignError if they touch or cross.
 
-    Heights are rounded to `GRIDS.height`. `name` is that of the part, for the error.
+    Heights are rounded to `GRIDS.height`. `name` is the name of the part, for the error message.
     """
     rings = [np.round(ring / GRIDS.plane) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     scale = GRIDS.plane / GRIDS.unit

@@ -169,8 +169,8 @@ def _segments(reducer: Reducer) -> Mapping[str, Segment]:
 def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     """Return all parts of the mechanism as exact outlines, by name.
 
-    `chord_error` [m] is that of the polygons by which the counterweight of the crank is sized; None: that of mass
-    properties.
+    The counterweight of the crank is sized by polygons, whose chords deviate from the outlines by at most `chord_error`
+    [m]; None: the chord error of mass properties.
     """
     discs = reducer.design.gear.discs
     is_one_piece = reducer.design.has_one_piece_crank

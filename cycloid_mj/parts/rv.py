@@ -96,7 +96,7 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
         A part cannot be manufactured, or does not fit.
     """
     parts, axial = rv_parts(reducer), axial_layout(reducer)
-    sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))
+    sun, planet = (_shift_to_planets(reducer, parts[name]) for name in (SUN, PLANET))
     planet_segments = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
     flanges = [parts[name] for name in FLANGES]
     tapers = [
@@ -117,7 +117,7 @@ def planet_angle(reducer: RvReducer) -> float:
     return float(np.pi - np.pi / reducer.planet.planet_teeth)
 
 
-def _along_planets(reducer: RvReducer, part: Part) -> list[Segment]:
+def _shift_to_planets(reducer: RvReducer, part: Part) -> list[Segment]:
     """Return the segments of a gear that is centred on z = 0, at the planets along z."""
     middle = axial_layout(reducer).planet_middle
     return [replace(item, z0=item.z0 + middle, z1=item.z1 + middle) for item in part.segments]

@@ -62,7 +62,7 @@ def shaft_segments(reducer: Reducer, chord_error: float | None = None) -> Mappin
     With one disc they are journal, counterweight (which includes the shaft), journal across the gap, and cam. With
     several discs they are journal, cam 1, neck with the spacer around it, cam 2 and so on. A crank of two discs in one
     piece has a collar, with the name of the spacer, instead of neck and spacer. A straddled shaft also has a journal
-    beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
+    beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is explained in `crank_part`.
     """
     if reducer.design.gear.discs == 1:
         crank_segments = _single_disc_crank(reducer, checked_chord_error(reducer, chord_error))
@@ -133,7 +133,7 @@ class CounterweightContour:
 def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
     """Return the segments of the crank of one disc, with the counterweight that balances the disc.
 
-    `chord_error` [m] is that of the polygons by which the counterweight is sized.
+    The counterweight is sized by polygons, whose chords deviate from the outlines by at most `chord_error` [m].
     """
     design = reducer.design
     shaft, half_width = design.shaft, design.gear.face_width / 2

@@ -62,15 +62,15 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 def curves(motion: Series) -> dict[str, Array]:
     """Return the curves of a run over its n samples in the units of `SIGNALS`: name -> values (n,).
 
-    `motion` are the time series of the run. They are those of the charts that apply to the run. Names are keys of
-    `SIGNALS`; the name of a closed form is that of its signal with ``_theory`` appended.
+    `motion` are the time series of the run. Only charts that apply to the run have curves. Names are keys of `SIGNALS`;
+    the closed form of a signal has the name of the signal with ``_theory`` appended.
     """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
         signal = SIGNALS[key]
         by_name[key] = signal.simulated(motion)
         if signal.theory:
-            by_name[_theory(key)] = signal.theory(motion)
+            by_name[_theory_key(key)] = signal.theory(motion)
     return by_name
 
 
@@ -83,14 +83,14 @@ def _panel_json(key: str, height: float) -> dict[str, Any]:
     return {
         "label": signal.label,
         "curve": key,
-        "theory": _theory(key) if signal.theory else None,
+        "theory": _theory_key(key) if signal.theory else None,
         "is_error": signal.is_error,
         "theory_name": signal.theory_name,
         "height": height,
     }
 
 
-def _theory(key: str) -> str:
+def _theory_key(key: str) -> str:
     return f"{key}_theory"
 
 
@@ -114,7 +114,11 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "time": encode_array(time - time[0]),
         "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
         "paths": {path: _path_json(path, motion) for path in paths},
-        "spans": {"hold": _ends(evaluated_times), "turn": _ends(turn_times), "all": _ends(motion.time)},
+        "spans": {
+            "hold": _first_and_last(evaluated_times),
+            "turn": _first_and_last(turn_times),
+            "all": _first_and_last(motion.time),
+        },
         "mechanism": None if isinstance(motion.reducer, RvReducer) else mechanism(motion.reducer, item.shown),
         "spectrum": spectrum_data(item),
     }
@@ -133,7 +137,7 @@ def _path_json(key: str, motion: Series) -> dict[str, Any]:
     return path | ({"circle": 1e6 * motion.pin_1.clearance} if key == "pin_path" and motion.pin_1 else {})
 
 
-def _ends(time: Array) -> list[float]:
+def _first_and_last(time: Array) -> list[float]:
     return [float(time[0]), float(time[-1])]
 
 

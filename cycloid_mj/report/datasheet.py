@@ -12,7 +12,7 @@ from cycloid_mj.report.page import environment
 
 def datasheet_page(sheet: Datasheet) -> str:
     """Return a data sheet as one HTML page with diagrams and tables."""
-    diagrams = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
+    diagrams = {name: Markup(_inline(figure)) for name, figure in _draw_figures(sheet).items()}
     design = sheet.design
     return (
         environment()
@@ -30,7 +30,7 @@ def datasheet_page(sheet: Datasheet) -> str:
     )
 
 
-def _drawn(sheet: Datasheet) -> dict[str, str]:
+def _draw_figures(sheet: Datasheet) -> dict[str, str]:
     return {name: encode_figure(figure, "svg").decode() for name, figure in datasheet_pictures(sheet).items()}
 
 

@@ -48,7 +48,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             settled=all(item.motion.phase == "hold" for item in reviewed),
             conditions=_conditions(reviewed),
             warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
-            unmet=list(_unmet(reviewed)),
+            unmet=list(_failed_checks(reviewed)),
             numbers=_main_values,
             animated=any(mechanisms),
             magnified=min((mechanism["usual"] for mechanism in mechanisms if mechanism), default=1),
@@ -65,7 +65,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
     )
 
 
-def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
+def _failed_checks(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
     """Yield the checks of each design that has failures or warnings, by the names of the runs."""
     for item in reviewed:
         checks = check_design(item.motion.design)
@@ -88,23 +88,23 @@ def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
         ("output", findings.transmission_error, findings.output_speed),
         (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
     ):
-        yield f"{part}: transmission error, peak to peak", f"{_short(error.peak_to_peak_arcsec)} arcsec"
-        yield f"{part}: rms speed error", f"{_short(1e3 * speed.rms_error_rad_s)} mrad/s"
-    yield "largest contact force", f"{_short(findings.contact_summary.peak_force_n, 4)} N"
+        yield f"{part}: transmission error, peak to peak", f"{_format_number(error.peak_to_peak_arcsec)} arcsec"
+        yield f"{part}: rms speed error", f"{_format_number(1e3 * speed.rms_error_rad_s)} mrad/s"
+    yield "largest contact force", f"{_format_number(findings.contact_summary.peak_force_n, 4)} N"
     yield "mean number of contacts", f"{findings.contact_summary.mean_active:.3g}"
     with suppress(CycloidError):  # no static equilibrium: the checks among the warnings report it
-        yield from _statics(item.motion.reducer)
+        yield from _static_values(item.motion.reducer)
 
 
-def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:
+def _static_values(reducer: Reducer) -> Iterator[tuple[str, str]]:
     """Yield backlash and stiffness of the static equilibrium, which a run does not determine."""
     load, _ = load_of(reducer)
     for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
         entry = figure(key)
-        yield f"{name} (static)", f"{_short(entry.value(reducer))} {entry.unit}"
+        yield f"{name} (static)", f"{_format_number(entry.value(reducer))} {entry.unit}"
 
 
-def _short(value: float, digits: int = 3) -> str:
+def _format_number(value: float, digits: int = 3) -> str:
     """Format a number with significant digits, without an exponent below 1e7."""
     return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
 

@@ -20,10 +20,10 @@ MAX_SVG_BYTES = 150_000
 
 def outcome_page(outcome: Outcome) -> str:
     """Return an outcome as one HTML page."""
-    return environment().get_template("outcome.html").render(outcome=outcome, texts=TextTable.of, source=_source)
+    return environment().get_template("outcome.html").render(outcome=outcome, texts=TextTable.of, source=_data_url)
 
 
-def _source(picture: Picture) -> str:
+def _data_url(picture: Picture) -> str:
     """Return the address of a picture that is part of the page: SVG, or PNG where that is much smaller."""
     svg = picture("svg")
     kind, content = ("svg+xml", svg) if len(svg) < MAX_SVG_BYTES else ("png", picture("png"))

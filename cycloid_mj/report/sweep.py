@@ -35,7 +35,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
             tables=tabulate_quantities(sweep, tuple(quantities)),
             errors=list(sweep.errors.items())[:MAX_ERRORS],
             more_errors=max(0, len(sweep.errors) - MAX_ERRORS),
-            rows=_rows(sweep, quantities),
+            rows=_points_table(sweep, quantities),
             texts=TextTable.of,
             shown=min(len(sweep), MAX_ROWS),
             cpu=sum(row.cpu for row in sweep.rows.values()),
@@ -61,14 +61,14 @@ def _inputs_table(sweep: Sweep) -> Table:
     return Table("inputs", ("key of the design file", "values"), tuple(rows))
 
 
-def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
+def _points_table(sweep: Sweep, quantities: Sequence[str]) -> Table:
     """Tabulate the first `MAX_ROWS` points with inputs, linked keys, quantities and errors; NaN is an empty cell."""
     linked_keys = (link.key for link in sweep.task.links)
     names = ("point", *sweep.task.keys, *linked_keys, *quantities, "error")
     columns = [sweep[name][:MAX_ROWS].tolist() for name in names]
-    cells = ((str(point), *map(_cell, values)) for point, *values in zip(*columns, strict=True))
+    cells = ((str(point), *map(_format_cell, values)) for point, *values in zip(*columns, strict=True))
     return Table("points", names, tuple(cells))
 
 
-def _cell(value: float | str | bool) -> str:
+def _format_cell(value: float | str | bool) -> str:
     return "" if value != value else four_digits(value) if isinstance(value, float) else str(value)

@@ -64,7 +64,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
         units = {name: row.unit for run_rows in group_rows for name, row in run_rows.items()}
         rows.append((group,))
         rows += [
-            (name, _unit(unit), *(cell for run_rows in group_rows for cell in _cells(run_rows.get(name))))
+            (name, _unit_symbol(unit), *(cell for run_rows in group_rows for cell in _cells(run_rows.get(name))))
             for name, unit in units.items()
         ]
     return TextTable(head, rows)
@@ -116,8 +116,11 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
         " / ".join(f"{MILLIMETRE.from_si(length):g}" for length in lengths) + " mm",
     )
     kinds = design.pair_kinds
-    yield "clearances", _by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm"
-    yield "friction coefficients", _by_pair({kind: design.friction_of(kind) for kind in kinds})
+    yield (
+        "clearances",
+        _format_by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm",
+    )
+    yield "friction coefficients", _format_by_pair({kind: design.friction_of(kind) for kind in kinds})
     yield f"{item.motion.reducer.INPUT} speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
     x, y = item.findings.q_path.q_mm
@@ -137,11 +140,11 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "evaluated", evaluated_text
 
 
-def _by_pair(values: dict[str, float]) -> str:
+def _format_by_pair(values: dict[str, float]) -> str:
     return ", ".join(f"{kind.replace('_', '-')} {value:g}" for kind, value in values.items())
 
 
-def _unit(unit: str) -> str:
+def _unit_symbol(unit: str) -> str:
     return {"um": "µm", "1": ""}.get(unit, unit)
 
 

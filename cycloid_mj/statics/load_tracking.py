@@ -38,7 +38,7 @@ def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
 def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
     """Yield a warning if the inertia torque of the load exceeds its share `MAX_INERTIA_SHARE`; otherwise nothing.
 
-    `quantities` are those of the design's static data sheet, by key. The warning states by how much the static
+    `quantities` are the values of the design's static data sheet, by key. The warning states by how much the static
     efficiency of drives with such a share differed from simulations (`EFFICIENCY_ERRORS`).
     """
     share = quantities[INERTIA_SHARE].value

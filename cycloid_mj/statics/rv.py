@@ -280,7 +280,7 @@ def _pad_gradient(slope: Array, unknowns: int) -> Array:
     return np.concatenate([slope, np.zeros((*slope.shape[:2], unknowns - slope.shape[2]))], axis=2)
 
 
-def _unknowns(reducer: RvReducer) -> int:
+def _unknown_count(reducer: RvReducer) -> int:
     return 3 * len(reducer.phases) + 1 + reducer.cranks.count + 2
 
 
@@ -298,7 +298,7 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
-    slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
+    slope = np.zeros((crank.size, discs, cranks, 2, _unknown_count(reducer)))
     carrier_rate = quarter_turned(stage.crank_positions(crank)) / lever
     crank_rate = eccentricity / lever * quarter_turned(stage.eccentrics(crank))
     for disc in range(discs):
@@ -390,7 +390,7 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
         normal = sign * np.cos(planet.pressure_angle) * tangent + np.sin(planet.pressure_angle) * outward
-        slope = np.zeros((*outward.shape[:2], _unknowns(reducer)))
+        slope = np.zeros((*outward.shape[:2], _unknown_count(reducer)))
         tangent_share = sign * np.cos(planet.pressure_angle)
         slope[..., carrier] = tangent_share
         for number in range(stage.cranks):
@@ -420,7 +420,7 @@ def compute_rv_friction(
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     coefficients = coefficients or coulomb_coefficients(reducer)
-    teeth, count = mesh_gaps(reducer, crank), _unknowns(reducer)
+    teeth, count = mesh_gaps(reducer, crank), _unknown_count(reducer)
     discs, carrier, cranks = len(reducer.phases), 3 * len(reducer.phases), reducer.cranks.count
     slip = np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank))
     sliding = -coefficients.teeth * sense * np.sign(slip)[..., np.newaxis] * teeth.slip_slope

@@ -194,7 +194,7 @@ def closed_form_angles(reducer: RvReducer) -> Array:
 def closed_rotation(reducer: RvReducer) -> Array:
     """Compute the rotation of the output due to errors of cranks, bores and planets, in closed form [rad].
 
-    Clearance and load are not included, and the sun is fixed. The angles are those of `closed_form_angles`.
+    The shape is (n,), for n crank angles from `closed_form_angles`. The sun is fixed; clearance and load are left out.
     """
     crank = closed_form_angles(reducer)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))

@@ -170,7 +170,7 @@ def solve_samples(
     own_waves = np.array(samples.waves)
     own_waves[:, : len(common_profile)] -= common_profile
     individual_samples = replace(samples, waves=own_waves)
-    rows = _solve_rows(
+    rows = _solve_all_samples(
         ideal_reducer, springs, individual_samples, common_profile, reducer.share * np.array(torques), threads
     )
     rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
@@ -184,7 +184,7 @@ def solve_samples(
     return solved_batches
 
 
-def _solve_rows(
+def _solve_all_samples(
     ideal_reducer: Reducer, springs: Springs, samples: Samples, common_waves: Array, torques: Array, threads: int
 ) -> Array:
     """Solve for the equilibria of all samples by the compiled kernel.

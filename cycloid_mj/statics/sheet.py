@@ -225,7 +225,7 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
     `parts` are functions from the reducer and its load to the quantities of a part of the sheet.
     """
     _, source = load_of(reducer, load)
-    reducer, load = _with_load(reducer, load)
+    reducer, load = _apply_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
@@ -250,7 +250,7 @@ def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> 
     `part` is "motions", "errors", "loads" or "losses". `load` is the torque on the output [N m]; by default that of
     `load_of`. Raises as `sheet`.
     """
-    return dict(_compute_part(*_with_load(reducer, load), part))
+    return dict(_compute_part(*_apply_load(reducer, load), part))
 
 
 @once
@@ -285,7 +285,7 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
     return design.rated_torque, "rated torque"
 
 
-def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
+def _apply_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     """Return the reducer with a `load` on the output [N m] in its design; None: the default of `load_of`.
 
     Returns

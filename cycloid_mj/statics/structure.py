@@ -39,9 +39,9 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     pin_circle = output.pin_circle_radius
     torsion_constant = math.pi * shaft.radius**4 / (2.0 * shaft.length) * shaft.section_share
     stiffness_by_shape = {
-        "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * pin_circle, pin_circle),
+        "carrier": _ring_stiffness(design.material_of("output"), output.disc_thickness, HUB * pin_circle, pin_circle),
         "shaft": shear_modulus(design.material_of("shaft")) * torsion_constant,
-        "housing": _ring(
+        "housing": _ring_stiffness(
             design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outer_radius
         ),
     }
@@ -120,5 +120,5 @@ def structure_text(reducer: Reducer) -> str:
     )
 
 
-def _ring(material: Material, thickness: float, inner: float, outer: float) -> float:
+def _ring_stiffness(material: Material, thickness: float, inner: float, outer: float) -> float:
     return 4.0 * math.pi * shear_modulus(material) * thickness / (inner**-2 - outer**-2)

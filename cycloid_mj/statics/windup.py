@@ -135,17 +135,17 @@ def solve_windups(
     crank_angles = springs.crank[:, np.newaxis] + np.array(reducer.phases)
     tangents = -np.stack([np.cos(crank_angles), np.sin(crank_angles)], axis=-1)
 
-    def leads(departures: Array) -> Array:
+    def mean_lead(departures: Array) -> Array:
         """Compute the displacement of the disc centres along their circle, as the mean of all discs [m], shape (m,)."""
         poses = departures[:, :-1].reshape(*crank_angles.shape, 3)
         return np.asarray((poses[..., :2] * tangents).sum(axis=-1).mean(axis=-1))
 
     low, high = STRAIGHT
-    sides = [_spring_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
-    work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in SPRINGS}
+    work_by_sign = [_spring_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
+    work = {spring: (work_by_sign[0][spring] + work_by_sign[1][spring]).tolist() for spring in SPRINGS}
     turns = {share: contact_loads.output_turn.tolist() for share, contact_loads in by_torque.items()}
     gear_turns = {share: contact_loads.gear_turn.tolist() for share, contact_loads in by_torque.items()}
-    centre_leads = {share: leads(contact_loads.departures).tolist() for share, contact_loads in by_torque.items()}
+    centre_leads = {share: mean_lead(contact_loads.departures).tolist() for share, contact_loads in by_torque.items()}
 
     def select_angle(index: int, values: dict[float, list[float]]) -> dict[float, float]:
         return {share: rotations[index] for share, rotations in values.items()}

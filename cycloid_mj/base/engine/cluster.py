@@ -53,7 +53,10 @@ def run_on_cluster(
         index_of: dict[Any, int] = {}
 
         def submit_work(count: int) -> list[Any]:
-            futures = {client.submit(_piece, work, item, pure=False): index for index, item in islice(waiting, count)}
+            futures = {
+                client.submit(_run_with_versions, work, item, pure=False): index
+                for index, item in islice(waiting, count)
+            }
             index_of.update(futures)
             return list(futures)
 
@@ -78,7 +81,7 @@ def run_on_cluster(
             completed_futures.update(submit_work(1))
 
 
-def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
+def _run_with_versions(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
     return versions(), work(item)
 
 
@@ -142,7 +145,7 @@ def _connection_error(scheduler: str) -> RunError:
 def _require_workers(client: Any, scheduler: str) -> None:
     """Raise RunError if a cluster has no workers, or workers with other versions of the packages.
 
-    `client` is that of Dask, `scheduler` the address of the cluster, for messages.
+    `client` is a client of Dask, `scheduler` the address of the cluster, for messages.
     """
     try:
         client.wait_for_workers(1, timeout=SECONDS_TO_CONNECT)

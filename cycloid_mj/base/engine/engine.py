@@ -98,7 +98,7 @@ class Engine:
         from cycloid_mj.base.engine.processes import run_in_processes
         from cycloid_mj.base.engine.threads import run_in_threads
 
-        piece = partial(_piece, function)
+        piece = partial(_run_item, function)
         if self.scheduler:
             return run_on_cluster(piece, items, self.scheduler, on_lost)
         if self.local_workers == 1:
@@ -132,7 +132,7 @@ def all_in_threads(tasks: Mapping[K, Callable[[], R]], progress: Progress = sile
     return dict(zip(tasks, each_in_threads(lambda task: task(), tasks.values(), progress), strict=True))
 
 
-def _piece(function: Callable[[T], R], item: T) -> R:
+def _run_item(function: Callable[[T], R], item: T) -> R:
     """Apply the function to one item; nested work runs serially, because all cores are in use."""
     token = _within_a_piece.set(True)
     try:

@@ -78,23 +78,23 @@ def _run_pool(
     """
     from joblib import Parallel, delayed, parallel_config
 
-    def pieces() -> Iterator[Any]:
+    def delayed_items() -> Iterator[Any]:
         for index, item in items.items():
             started_indices.add(index)
-            yield delayed(_piece)(work, index, item)
+            yield delayed(_run_with_index)(work, index, item)
 
     # The thread of joblib that replaces a worker which ended, idle or grown, warns of it first: where warnings are
     # errors that ends the thread, and the work waits for ever.
     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
-    with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
+    with parallel_config("loky", inner_max_num_threads=1, initializer=_initialize_worker):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
-    yield from forward_results(pool(pieces()))
+    yield from forward_results(pool(delayed_items()))
 
 
-def _begin() -> None:
+def _initialize_worker() -> None:
     serve_parent()
     collect_rarely()
 
 
-def _piece(work: Callable[[T], R], index: int, item: T) -> tuple[int, R]:
+def _run_with_index(work: Callable[[T], R], index: int, item: T) -> tuple[int, R]:
     return index, work(item)

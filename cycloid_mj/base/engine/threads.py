@@ -26,14 +26,14 @@ def run_in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> 
     """
     stop_requested = threading.Event()
 
-    def do(index: int, item: T) -> tuple[int, R]:
+    def run_item(index: int, item: T) -> tuple[int, R]:
         with interrupt_on_event(stop_requested):
             check_interrupt()
             return index, work(item)
 
     with ThreadPoolExecutor(workers) as pool:
         try:
-            for future in as_completed([pool.submit(do, index, item) for index, item in enumerate(items)]):
+            for future in as_completed([pool.submit(run_item, index, item) for index, item in enumerate(items)]):
                 yield future.result()
         finally:
             stop_requested.set()

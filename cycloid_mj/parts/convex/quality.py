@@ -146,7 +146,7 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
     """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m].
 
-    `name` is that of the surface, for the message; `overfill` and `underfill` are the bounds. `quality` has the
+    `name` is the name of the surface, for the message; `overfill` and `underfill` are the bounds. `quality` has the
     deviations.
     """
     sides = (

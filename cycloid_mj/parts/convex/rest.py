@@ -49,8 +49,8 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     """Return sectors of disc, housing, shaft and output that represent the material behind their contact surfaces.
 
     A sector, repeated around the axis, fills a part up to the convex slices of its contact surfaces (`surfaces`).
-    `settings` are those of these slices. Spacers and output pins have no sectors. A bore through the shaft is filled,
-    because nothing touches it.
+    `settings` are the settings of these slices. Spacers and output pins have no sectors. A bore through the shaft is
+    filled, because nothing touches it.
     """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
@@ -62,7 +62,7 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
         inner, outer = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
         # so narrow that its inner arc is as good as straight
         count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / inner, 0.0)))
-        wedge = Prism(_wedge(inner, outer, math.pi / count, error), (), plate.z0, plate.z1)
+        wedge = Prism(_ring_sector(inner, outer, math.pi / count, error), (), plate.z0, plate.z1)
         output.append(Sector("output", wedge, bound, count))
     return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft, *output)
 
@@ -112,7 +112,7 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
     mid_radius = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base_outline, axis=1).min()))
     inner = design.gear.bore_radius + design.clearance.cam + depth
     hole_outline = circle(hole, error, (0.0, output.pin_circle_radius))
-    hub = Prism(_wedge(inner, mid_radius, math.pi / output.pins, error), (hole_outline,), -half_width, half_width)
+    hub = Prism(_ring_sector(inner, mid_radius, math.pi / output.pins, error), (hole_outline,), -half_width, half_width)
     pitch = math.pi / design.lobes
     edge = float(np.sum(base_outline[-1] * unit(pitch)))
     if edge <= mid_radius:
@@ -151,10 +151,10 @@ def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
     return Sector("housing", region, depth, ring.teeth)
 
 
-def _wedge(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
+def _ring_sector(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
     """Compute a sector of a ring about +y, counter-clockwise."""
-    far, near = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
-    return np.concatenate([far[::-1], near])
+    outer_arc, inner_arc = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
+    return np.concatenate([outer_arc[::-1], inner_arc])
 
 
 def _arc(radius: float, start: float, end: float, chord_error: float) -> Array:

@@ -53,7 +53,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     quads = _quadrilateral_slices("teeth", face, base_points, curvatures + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     samples = profile.sample(gear, METHOD.samples, offset)
-    base_area = -area_moments(_all_round(_symmetric(base_points), gear.lobes)).area
+    base_area = -area_moments(_repeat_pitch(_mirror_and_join(base_points), gear.lobes)).area
     return ConvexSurface(
         name="teeth",
         slices=tuple(slices),
@@ -82,7 +82,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     curvatures = gear_curvatures - 1.0 / envelope.Sigma(gear, mid_phases).radius
     slices = [*_quadrilateral_slices("lobe", face, base_points, curvatures, settings), _ring_tip(gear, settings, depth)]
     samples = envelope.sample_ring(gear, METHOD.samples)
-    base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
+    base_area = -area_moments(_repeat_pitch(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
         name="lobe",
         slices=tuple(slices),
@@ -104,7 +104,7 @@ def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
     between them deviate by at most `chord_error` [m].
     """
     gear, offset = reducer.gear_profile, reducer.profile_offset
-    return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
+    return _mirror_and_join(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
@@ -184,8 +184,8 @@ def _extend_ends(points: Array, overlap: float) -> Array:
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
     """Slice the convex half of the lobe after valley 1, from inflection point to tip, into `settings.hulls` polygons.
 
-    `offset` [m] is that of the flank from the trochoid, `depth` [m] the thickness of the slices. `gear` is the profile
-    of the disc.
+    `offset` [m] is the distance of the flank from the trochoid, `depth` [m] the thickness of the slices. `gear` is the
+    profile of the disc.
     """
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
@@ -245,11 +245,11 @@ def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
     )
 
 
-def _symmetric(right_half: Array) -> Array:
+def _mirror_and_join(right_half: Array) -> Array:
     """Return the reversed mirror image of points that start at x = 0, followed by the points."""
     return np.concatenate([right_half[:0:-1] * [-1.0, 1.0], right_half])
 
 
-def _all_round(pitch: Array, count: int) -> Array:
+def _repeat_pitch(pitch: Array, count: int) -> Array:
     """Return the points of one pitch repeated over a full turn, clockwise."""
     return np.concatenate([rotate_clockwise(pitch, 2.0 * math.pi * i / count) for i in range(count)])

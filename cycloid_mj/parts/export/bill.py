@@ -154,7 +154,7 @@ def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
     )
     grease = CONSUMABLES.grease_fill * max(free_space - solid, 0.0)
     designation = "NLGI 1 with EP additives"
-    yield _consumable("grease", grease, "lithium soap", designation, "a third of the free space")
+    yield _consumable_line("grease", grease, "lithium soap", designation, "a third of the free space")
     glued_joints = [joint for joint in drive_joints(reducer, casing) if joint.kind is JointKind.GLUED]
     area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued_joints)
     glued_places = [joint.name for joint in glued_joints]
@@ -164,11 +164,13 @@ def consumables(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
         glued_places.append("motor shaft in the crank")
     if glued_places:
         volume = CONSUMABLES.adhesive_film * area
-        yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
+        yield _consumable_line("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
     if not is_plastic(reducer):
         faces = 2.0 * math.pi * (reducer.design.housing.outer_radius**2 - wall**2)
         volume = CONSUMABLES.adhesive_film * faces
-        yield _consumable("sealant", volume, "anaerobic flange sealant", "gap up to 0.25 mm", "both faces of the ring")
+        yield _consumable_line(
+            "sealant", volume, "anaerobic flange sealant", "gap up to 0.25 mm", "both faces of the ring"
+        )
 
 
 def describe_consumable(line: BillLine) -> str:
@@ -176,7 +178,7 @@ def describe_consumable(line: BillLine) -> str:
     return f"{line.item}, {line.material} {line.designation}: {line.size}; {line.fit}"
 
 
-def _consumable(item: str, volume: float, material: str, designation: str, application: str) -> BillLine:
+def _consumable_line(item: str, volume: float, material: str, designation: str, application: str) -> BillLine:
     size, mass = f"{1e6 * volume:.2g} cm3", CONSUMABLES.density * volume
     return BillLine(item, 1, size, material, "consumable", designation, application, mass)
 
@@ -228,7 +230,7 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, casing: Casing | None
         drawn_part = assembled_parts.get(name, part.drawn)
         mass = part.count * mass_properties(drawn_part.solid(EXPORT_CHORD_ERROR)).mass
         mass -= drawn_part.density * _drilled_volume(reducer, name) if casing else 0.0
-        size, fit = _extent(drawn_part) + bore_text, _describe_machining(joints, name)
+        size, fit = _format_extent(drawn_part) + bore_text, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
 
@@ -243,17 +245,17 @@ def _drilled_volume(reducer: Reducer, part: str) -> float:
 def _describe_machining(joints: Iterable[Joint], part: str) -> str:
     """Describe the threads of a part, and its seats with their fits, for its row in the bill of materials.
 
-    `joints` are those of the drive.
+    `joints` are all joints of the drive.
     """
     threads, seats = [], []
     for joint in joints:
-        threads += [_thread(thread) for thread in joint.threads if thread.part == part]
+        threads += [_describe_tapped_holes(thread) for thread in joint.threads if thread.part == part]
         if part in joint.parts and joint.fit and joint.diameter:
             seats.append(f"{joint.name} {in_mm(joint.diameter)} mm: {joint.fit}")
     return "; ".join((*threads, *seats))
 
 
-def _thread(tapped: TappedHole) -> str:
+def _describe_tapped_holes(tapped: TappedHole) -> str:
     """Describe equal tapped holes, or holes for inserts."""
     size = f"{tapped.count} x M{in_mm(tapped.thread)}, {in_mm(tapped.depth)} mm deep"
     if tapped.insert:
@@ -296,7 +298,10 @@ def _casing_lines(reducer: Reducer, casing: Casing) -> Iterator[BillLine]:
         parts.keys() - {names.SHAFT_BEARING}, key=lambda item: (item != names.OUTPUT_BEARING, ITEMS.index(item))
     ):
         part = parts[item]
-        size, solid = _size(part.dimensions), Part(item, cut_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR)
+        size, solid = (
+            _format_dimensions(part.dimensions),
+            Part(item, cut_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR),
+        )
         mass = counts[item] * filling(item) * mass_properties(solid).mass
         yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit, mass)
 
@@ -508,7 +513,7 @@ def _round_line(
     mass = count * volume * (material.density if material else STEEL * filling(item))
     name = _material_name(material) if material else ""
     dimensions = [*((name, 2.0 * radius) for name, radius in radii), ("length", length)]
-    return BillLine(item, count, _size(dimensions), name, "bought", mass_kg=mass)
+    return BillLine(item, count, _format_dimensions(dimensions), name, "bought", mass_kg=mass)
 
 
 def _material_name(material: Material) -> str:
@@ -516,15 +521,15 @@ def _material_name(material: Material) -> str:
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 
-def _extent(part: Part) -> str:
+def _format_extent(part: Part) -> str:
     """Format length x width x height of a manufactured part, exactly where its outlines are circles."""
-    corners = np.array([_box(segment.outline) for segment in part.segments])
+    corners = np.array([_bounding_box(segment.outline) for segment in part.segments])
     sides = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     height = max(segment.z1 for segment in part.segments) - min(segment.z0 for segment in part.segments)
     return " x ".join(in_mm(float(length)) for length in (*sides, height)) + " mm"
 
 
-def _box(contour: Contour) -> tuple[Array, Array]:
+def _bounding_box(contour: Contour) -> tuple[Array, Array]:
     """Return the corners of the bounding box of a contour [m]."""
     if circle := circle_of(contour):
         return np.array(circle.centre) - circle.radius, np.array(circle.centre) + circle.radius
@@ -532,6 +537,6 @@ def _box(contour: Contour) -> tuple[Array, Array]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def _size(dimensions: Iterable[tuple[str, float]]) -> str:
+def _format_dimensions(dimensions: Iterable[tuple[str, float]]) -> str:
     """Format named dimensions [m]."""
     return " x ".join(f"{name} {in_mm(length)}" for name, length in dimensions) + " mm"

@@ -368,7 +368,7 @@ def _size_motor_side(
 def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> OutputSide:
     """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
 
-    `screws` are those of the covers; `seat` and `rim` are the radii [m] of the seats of the shaft bearings and of the
+    `screws` are the cover screws; `seat` and `rim` are the radii [m] of the seats of the shaft bearings and of the
     output's disc. Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"

@@ -115,7 +115,7 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
     """
     segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
-        return part.of(_wider(item, casing.play, item is segments[0], item is segments[-1]) for item in segments)
+        return part.of(_lengthen(item, casing.play, item is segments[0], item is segments[-1]) for item in segments)
     if name == names.PRESSED_PIN:
         half_pin_length = 0.5 * sleeve_pin_length(reducer)
         return part.of(replace(segment, z0=-half_pin_length, z1=half_pin_length) for segment in segments)
@@ -157,7 +157,7 @@ def _fit_second_disc(casing: Casing, step: float, segments: Sequence[Segment]) -
         yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z0=step)
 
 
-def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
+def _lengthen(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
     """Return a segment that is longer by a play [m] at its start, its end or both."""
     return replace(segment, z0=segment.z0 - play * at_start, z1=segment.z1 + play * at_end)
 
@@ -188,7 +188,7 @@ def _fit_crank_segments(
     if spline := cam_spline(reducer):
         yield from _cut_splines(reducer, family, pieces, spline_contour(spline))
     elif cam_clamp(reducer) and family == names.CAM:
-        yield from (replace(piece, outline=slotted_contour(reducer, _phase(piece)), holes=()) for piece in pieces)
+        yield from (replace(piece, outline=slotted_contour(reducer, _cam_phase(piece)), holes=()) for piece in pieces)
     elif key is None:
         yield from pieces
     elif family == names.SHAFT:
@@ -203,7 +203,7 @@ def _fit_crank_segments(
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
 
 
-def _phase(cam: Segment) -> float:
+def _cam_phase(cam: Segment) -> float:
     """Return the phase of a cam [rad]."""
     return cam.outline.angle if isinstance(cam.outline, TurnedContour) else 0.0
 

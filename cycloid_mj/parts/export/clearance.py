@@ -67,7 +67,7 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
     `discs` has the `gear_loops` of each disc, `ring_loop` is the inner outline of the housing, both as for
     `measure_disc`. Raises the errors of `measure_disc`.
     """
-    return _extremes([measure_disc(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
+    return _merge_discs([measure_disc(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
 
 
 def measure_disc(
@@ -107,7 +107,7 @@ def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) ->
 
     Raises the errors of `measure_disc`.
     """
-    return _extremes([_measure_ring(reducer, outline, ring_loop, disc) for disc, outline in enumerate(discs)])
+    return _merge_discs([_measure_ring(reducer, outline, ring_loop, disc) for disc, outline in enumerate(discs)])
 
 
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
@@ -159,7 +159,7 @@ def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineCle
     return item
 
 
-def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[OutlineClearance, ...]:
+def _merge_discs(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[OutlineClearance, ...]:
     """Return the smallest and largest clearance of each pair over all discs."""
     return tuple(
         OutlineClearance(pair[0].pair, pair[0].asked, min(item.least for item in pair), max(item.most for item in pair))

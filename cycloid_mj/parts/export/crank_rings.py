@@ -95,7 +95,7 @@ def hub_radius(reducer: Reducer, casing: Casing) -> float:
 def _crank_rings(reducer: Reducer, casing: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
     """Yield the spacer rings and collars of a crank, from the motor on, except those that would be too thin.
 
-    `segments` are those of the crank by name.
+    `segments` are the segments of the crank by name.
     """
     shaft = reducer.design.shaft
     radius = min(shoulder_radius(shaft.radius, casing.seat), casing.crank_end.max_collar - casing.play)

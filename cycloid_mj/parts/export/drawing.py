@@ -151,7 +151,7 @@ def lay_out_drawing(
 ) -> PartDrawing:
     """Return the drawing of a part with its section, its front view, and its lengths from the lower face.
 
-    `name` is that of the part, `title` are the lines of the title block, `diameters` the dimensions of
+    `name` is the name of the part, `title` are the lines of the title block, `diameters` the dimensions of
     `section_diameters`, and `notes` the lines of text.
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
@@ -186,7 +186,9 @@ def section_diameters(part: Part, eccentric: str, zone_of: Callable[[float, bool
     dimensions = []
     for (radius, inner, centre), ends in spans.items():
         eccentricity, zone = float(np.hypot(*centre)), zone_of(radius, inner)
-        limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
+        limits = (
+            f" ({_format_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
+        )
         text = f"⌀{in_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
         text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± 0.005" if eccentricity > SAME_LENGTH else ""
         dimensions.append(Dimension(text, min(ends), max(ends), radius))
@@ -213,7 +215,7 @@ def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius
     return ""
 
 
-def _deviations(zone: str, size: float) -> str:
+def _format_deviations(zone: str, size: float) -> str:
     """Format the deviations of a zone [um]."""
     low, high = (round(MICROMETRES * deviation) for deviation in fits.limits(zone, size))
     return f"{high:+d}/{low:+d} µm"
@@ -222,8 +224,8 @@ def _deviations(zone: str, size: float) -> str:
 def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
     """Yield a note for the drawing for each group of holes of a part off its axis, from the joints that need them.
 
-    `name` is that of the part, `joints` are those of the drive. A note has number, diameter or thread, depth, circle
-    and first angle.
+    `name` is the name of the part, `joints` are all joints of the drive. A note has number, diameter or thread, depth,
+    circle and first angle.
     """
     for joint in joints:
         threads = [item.thread for item in joint.threads if item.part == name]
@@ -244,7 +246,7 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
 def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
     """Yield the notes of a drawing on datums, run-out of seats, and position and profile of teeth and pin holes.
 
-    `name` is that of the part, and `diameters` are the dimensions of its section.
+    `name` is the name of the part, and `diameters` are the dimensions of its section.
     """
     design, seats = reducer.design, [item for item in diameters if " " in item.text and "eccentric" not in item.text]
     if seats:
@@ -286,7 +288,7 @@ def describe_ring_teeth(design: Design, datum: str) -> str:
 def describe_surface(name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
     """Yield the notes of a drawing on roughness, edges and general tolerances, by material and process.
 
-    `name` is that of the part. `is_printed_part` is whether it is printed from a plastic.
+    `name` is the name of the part. `is_printed_part` is whether it is printed from a plastic.
     """
     if is_printed_part:
         yield PRINTED
@@ -329,7 +331,7 @@ def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
 
     Lengths are below the section, diameters on its right.
     """
-    step, _, bottom, high = _layout(drawing)
+    step, _, bottom, high = _section_layout(drawing)
     lengths = [
         ((MILLIMETRES * item.low, y), (MILLIMETRES * item.high, y), item)
         for y, item in ((bottom - (number + 1.0) * step, item) for number, item in enumerate(drawing.lengths))
@@ -343,9 +345,9 @@ def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
 
 def sheet_ends(drawing: PartDrawing) -> tuple[float, float, float, float]:
     """Return the left, right, lower and upper end of the section with its dimensions [mm]."""
-    step, low, bottom, high = _layout(drawing)
-    right, below = high + (len(drawing.diameters) + 1.0) * step, bottom - (len(drawing.lengths) + 1.0) * step
-    return low - step, right, below, step - bottom
+    step, low, bottom, high = _section_layout(drawing)
+    right_end, lower_end = high + (len(drawing.diameters) + 1.0) * step, bottom - (len(drawing.lengths) + 1.0) * step
+    return low - step, right_end, lower_end, step - bottom
 
 
 def drawing_dxf(drawing: PartDrawing) -> bytes:
@@ -357,7 +359,7 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
         The package ezdxf is not installed.
     """
     ezdxf = import_extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
-    step, low, bottom, high = _layout(drawing)
+    step, low, bottom, high = _section_layout(drawing)
     height = SHEET.text_height / SHEET.spacing * step
     with fixed_metadata(ezdxf):
         document = ezdxf.new("R2000", setup=["dimstyles", "linetypes", "styles"])
@@ -391,7 +393,7 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
     return content.getvalue().encode()
 
 
-def _layout(drawing: PartDrawing) -> tuple[float, float, float, float]:
+def _section_layout(drawing: PartDrawing) -> tuple[float, float, float, float]:
     """Return the spacing of dimension lines, and the left, lower and right end of the section [mm]."""
     ends = MILLIMETRES * np.array(drawing.section)
     low, high, bottom = float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())

@@ -51,7 +51,7 @@ def filling(part: str) -> float:
 def casing_inertia(reducer: Reducer) -> float:
     """Compute the inertia [kg m2], reduced to the input, that the casing adds to the mechanism.
 
-    It is that of hub and flange minus that of the material removed by the bore of the shaft.
+    Hub and flange add to the inertia; the bore of the shaft reduces it.
 
     Raises
     ------

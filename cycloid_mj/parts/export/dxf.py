@@ -171,18 +171,18 @@ def _add_entity(space: Any, curve: Curve | Array, attributes: dict[str, str]) ->
         case np.ndarray():
             space.add_lwpolyline((curve * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)
         case Circle():
-            space.add_circle(_point(curve.centre), curve.radius * MILLIMETRES, dxfattribs=attributes)
+            space.add_circle(_point_in_mm(curve.centre), curve.radius * MILLIMETRES, dxfattribs=attributes)
         case Arc():
             angles = math.degrees(curve.start), math.degrees(curve.end)
-            space.add_arc(_point(curve.centre), curve.radius * MILLIMETRES, *angles, dxfattribs=attributes)
+            space.add_arc(_point_in_mm(curve.centre), curve.radius * MILLIMETRES, *angles, dxfattribs=attributes)
         case LineSegment():
-            space.add_line(_point(curve.start), _point(curve.end), dxfattribs=attributes)
+            space.add_line(_point_in_mm(curve.start), _point_in_mm(curve.end), dxfattribs=attributes)
         case Spline():
-            controls = [_point((x, y)) for x, y in curve.controls]
+            controls = [_point_in_mm((x, y)) for x, y in curve.controls]
             space.add_open_spline(controls, degree=3, knots=(curve.knots * MILLIMETRES).tolist(), dxfattribs=attributes)
 
 
-def _point(point: tuple[float, float]) -> tuple[float, float]:
+def _point_in_mm(point: tuple[float, float]) -> tuple[float, float]:
     return float(point[0]) * MILLIMETRES, float(point[1]) * MILLIMETRES
 
 

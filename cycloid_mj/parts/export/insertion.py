@@ -69,10 +69,10 @@ def blockages(reducer: Reducer, casing: Casing) -> tuple[Blockage, ...]:
     groups: dict[str, list[str]] = {}
 
     @cache
-    def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
+    def mounting_sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
         placement = placement_by_name[name]
-        part_sections = tuple(_section(placement, prism) for prism in prisms[placement.part])
-        return _flex_ring(reducer, casing, placement.part, part_sections)
+        sections = tuple(_placed_section(placement, prism) for prism in prisms[placement.part])
+        return _flex_ring(reducer, casing, placement.part, sections)
 
     blocked_pairs = []
     for move in assembly_moves(reducer, casing):
@@ -80,15 +80,16 @@ def blockages(reducer: Reducer, casing: Casing) -> tuple[Blockage, ...]:
         present_parts = groups.setdefault(move.group, [])
         blocked_pairs += [
             Blockage(moving_part, present_part)
-            for moving_part in _distinct(moving_parts, placement_by_name)
+            for moving_part in _representative_names(moving_parts, placement_by_name)
             for present_part in present_parts
-            if move.direction and _is_blocked(sections(moving_part), sections(present_part), move.direction)
+            if move.direction
+            and _is_blocked(mounting_sections(moving_part), mounting_sections(present_part), move.direction)
         ]
         present_parts += moving_parts
     return tuple(blocked_pairs)
 
 
-def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
+def _representative_names(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
     """Return one name for each group of equal parts at the same height, whose paths are equal by symmetry.
 
     `moving` are names, `placed` the positions by name.
@@ -97,7 +98,7 @@ def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
     return [name for name in moving if name in representatives.values()]
 
 
-def _section(placement: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
+def _placed_section(placement: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
     """Return the ends along z [m] of a prism in its place, and its section in micrometres."""
     x, y, z = placement.origin
     rings = [rotate_points(ring, placement.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]

@@ -46,15 +46,15 @@ def choose_motor_flange(
         The requested flange does not fit.
     """
 
-    def misfits(flange: MotorFlange) -> list[str]:
+    def describe_misfits(flange: MotorFlange) -> list[str]:
         return _describe_misfits(reducer, flange, outer, seat, wall, max_cavity)
 
     drive = reducer.design.drive
     if motor == "auto":
-        flange = next((frame for frame in frames_for(drive.torque, drive.speed) if not misfits(frame)), None)
+        flange = next((frame for frame in frames_for(drive.torque, drive.speed) if not describe_misfits(frame)), None)
     else:
         flange = motor if isinstance(motor, MotorFlange) else MOTORS.get(motor)
-    if flange and (problems := misfits(flange)):
+    if flange and (problems := describe_misfits(flange)):
         raise DesignError(f"the motor flange {flange.name} does not fit: {'; '.join(problems)}. Choose another motor")
     if flange:
         return flange

@@ -83,7 +83,7 @@ def pattern_angles(count: int) -> Array:
     return math.pi * np.arange(2 * count) / count
 
 
-def _pins_inside(reducer: Reducer) -> float:
+def _max_hole_reach(reducer: Reducer) -> float:
     """Return the radius [m] of holes in the hub that stays inside of the output pins; inf for a hub behind them."""
     output = reducer.design.output
     return output.pin_circle_radius - output.root_radius if output.has_disc_seat else math.inf
@@ -102,7 +102,7 @@ def axial_bores(
         The bore through a hollow shaft is larger.
     """
     dowel_limit = dowel_circle - 0.5 * dowel.diameter if dowel else math.inf
-    dowel_limit = min(dowel_limit, _pins_inside(reducer))
+    dowel_limit = min(dowel_limit, _max_hole_reach(reducer))
     holes = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     hub, flange = (min(circle - hole, dowel_limit) - wall for hole in holes)
     bore = reducer.design.shaft.bore_radius
@@ -141,7 +141,7 @@ def choose_flange_dowels(
     depth = min(thickness - wall, 2.0 * RULES.engagement * bolt.thread)
     for diameter in reversed(stock.dowel_diameters()):
         dowel, margin = stock.longest_dowel(diameter, 2.0 * depth), 0.5 * diameter + wall
-        circle = min(screw_circle - thread_radius(reducer, bolt.thread), _pins_inside(reducer)) - margin
+        circle = min(screw_circle - thread_radius(reducer, bolt.thread), _max_hole_reach(reducer)) - margin
         screw_distance = math.hypot(
             screw_circle - circle * math.cos(math.pi / count), circle * math.sin(math.pi / count)
         )

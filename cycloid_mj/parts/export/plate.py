@@ -272,7 +272,7 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
     longest = max(width for width, _ in sizes)
     lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
     candidates = [_pack_rows_to(sizes, order, max(float(length), longest), gap) for length in lengths]
-    return min(candidates, key=lambda corners: max(_end(corners, sizes, 0), _end(corners, sizes, 1)))
+    return min(candidates, key=lambda corners: max(_upper_end(corners, sizes, 0), _upper_end(corners, sizes, 1)))
 
 
 def _pack_rows_to(
@@ -293,7 +293,7 @@ def _pack_rows_to(
     return corners
 
 
-def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, float]], axis: int) -> float:
+def _upper_end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, float]], axis: int) -> float:
     return max(corner[axis] + size[axis] for corner, size in zip(corners, sizes, strict=True))
 
 
@@ -304,7 +304,12 @@ def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
     top_area = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
     is_turned_over = top_area > bottom_area
     prisms = tuple(
-        Prism(_mirror(prism.outline), tuple(_mirror(hole) for hole in prism.holes), high - prism.z1, high - prism.z0)
+        Prism(
+            _mirror_polygon(prism.outline),
+            tuple(_mirror_polygon(hole) for hole in prism.holes),
+            high - prism.z1,
+            high - prism.z0,
+        )
         if is_turned_over
         else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
         for prism in solid.prisms
@@ -312,7 +317,7 @@ def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
     return Solid(solid.name, prisms, solid.density), is_turned_over
 
 
-def _mirror(polygon: Array) -> Array:
+def _mirror_polygon(polygon: Array) -> Array:
     """Return a polygon (n, 2) mirrored in y, counter-clockwise again."""
     return polygon[::-1] * np.array([1.0, -1.0])
 

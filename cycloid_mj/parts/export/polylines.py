@@ -54,7 +54,7 @@ def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:
     x, y = min_x - MARGIN_MM, -max_y - MARGIN_MM
     width, height = max_x - min_x + 2.0 * MARGIN_MM, max_y - min_y + 2.0 * MARGIN_MM
     paths = [
-        f'<path id="{section.name}_{number}" d="{" ".join(map(_path, section.loops))}"/>'
+        f'<path id="{section.name}_{number}" d="{" ".join(map(_path_data, section.loops))}"/>'
         for number, section in enumerate(sections, start=1)
     ]
     return "\n".join(
@@ -90,7 +90,7 @@ def _corners(loop: Array | Circle) -> Iterator[Array]:
         yield loop.max(axis=0)
 
 
-def _path(loop: Array | Circle) -> str:
+def _path_data(loop: Array | Circle) -> str:
     """Format a closed loop as path data [mm]: a polygon, or a circle as two half circles."""
     if isinstance(loop, Circle):
         (x, y), radius = (MILLIMETRES * value for value in loop.centre), loop.radius * MILLIMETRES

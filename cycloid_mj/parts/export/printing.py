@@ -140,7 +140,7 @@ def manufactured_parts(
         counts |= {name: 1 for name, part in added_parts if not part.bought and name not in mechanism_parts}
     drawn_parts = parts(reducer, chord_error)  # kept there, for what stays as it is
 
-    def solid(name: str) -> Solid:
+    def make_solid(name: str) -> Solid:
         return (
             drawn_parts[name]
             if separated_parts[name] is mechanism_parts.get(name)
@@ -148,7 +148,7 @@ def manufactured_parts(
         )
 
     return {
-        name: PrintedPart(count, solid(name), separated_parts[name])
+        name: PrintedPart(count, make_solid(name), separated_parts[name])
         for name, count in counts.items()
         if name in separated_parts
     }

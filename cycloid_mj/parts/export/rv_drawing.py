@@ -114,7 +114,7 @@ def _describe_teeth(gear: InvoluteGear) -> Iterator[str]:
 
 def _describe_hole_pattern(centres: Array, radius: float, zone: str, purpose: str, position: float) -> str:
     """Return the note of equal holes or posts on a circle: number, diameter, zone, circle and first angle."""
-    circle = 2.0 * float(np.hypot(*centres.T).mean())
-    angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
-    size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{in_mm(circle)}"
-    return f"{size}, the first at {angle:.4g}°, position ⌀{position:g} to A ({purpose})"
+    circle_diameter = 2.0 * float(np.hypot(*centres.T).mean())
+    first_angle = float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
+    size = f"{len(centres)} x ⌀{in_mm(2.0 * radius)}{f' {zone}' if zone else ''} on ⌀{in_mm(circle_diameter)}"
+    return f"{size}, the first at {first_angle:.4g}°, position ⌀{position:g} to A ({purpose})"

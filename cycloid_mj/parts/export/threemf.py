@@ -45,18 +45,22 @@ def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
     objects: list[str] = []
     build_ids: list[int] = []
     base_materials = list(dict.fromkeys(materials.values()))
-    for placement, name, mesh, supports in zip(plate.places, _names(plate), plate.meshes, plate.supports, strict=True):
+    for placement, name, mesh, supports in zip(
+        plate.places, _object_names(plate), plate.meshes, plate.supports, strict=True
+    ):
         material = materials.get(placement.part)
         property_ = f' pid="{MATERIALS_ID}" pindex="{base_materials.index(material)}"' if material else ""
-        objects.append(_object(len(objects) + 1, name, _mesh(mesh), property_))
+        objects.append(_object_xml(len(objects) + 1, name, _mesh_xml(mesh), property_))
         first_id = len(objects)
         for number, support in enumerate(supports, start=1):
-            objects.append(_object(len(objects) + 1, f"{name}_support_{number}", _mesh(support)))
+            objects.append(_object_xml(len(objects) + 1, f"{name}_support_{number}", _mesh_xml(support)))
         if supports:
             components = "".join(
                 f'<component objectid="{object_id}"/>' for object_id in range(first_id, len(objects) + 1)
             )
-            objects.append(_object(len(objects) + 1, f"{name}_on_supports", f"<components>{components}</components>"))
+            objects.append(
+                _object_xml(len(objects) + 1, f"{name}_on_supports", f"<components>{components}</components>")
+            )
         build_ids.append(len(objects))
     items = "".join(f'<item objectid="{number}"/>' for number in build_ids)
     return (
@@ -77,18 +81,18 @@ def _base_materials(materials: list[Material]) -> str:
     return f'<basematerials id="{MATERIALS_ID}">{bases}</basematerials>\n'
 
 
-def _object(number: int, name: str, content: str, property_: str = "") -> str:
+def _object_xml(number: int, name: str, content: str, property_: str = "") -> str:
     return f'<object id="{number}" type="model" name="{name}"{property_}>{content}</object>\n'
 
 
-def _names(plate: PrintPlate) -> Iterator[str]:
+def _object_names(plate: PrintPlate) -> Iterator[str]:
     counts, numbers = plate.counts, Counter[str]()
     for placement in plate.places:
         numbers[placement.part] += 1
         yield f"{placement.part}_{numbers[placement.part]}" if counts[placement.part] > 1 else placement.part
 
 
-def _mesh(mesh: Mesh) -> str:
+def _mesh_xml(mesh: Mesh) -> str:
     vertices = "".join(f'<vertex x="{x:.7g}" y="{y:.7g}" z="{z:.7g}"/>' for x, y, z in mesh.vertices * MILLIMETRES)
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces.tolist())
     return f"<mesh><vertices>{vertices}</vertices><triangles>{faces}</triangles></mesh>"

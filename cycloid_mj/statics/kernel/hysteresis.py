@@ -628,7 +628,7 @@ def _add_contact(
     """Add contact `i`, including friction, to residual and tangent of a step; return its energy [J].
 
     The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` must be the gradient of
-    the depth by the unknowns. The friction is that of `friction_elements`. A further spring along the normal, which
+    the depth by the unknowns. Its friction is in `friction_elements`. A further spring along the normal, which
     slips at a limit, represents the force that the material retains during unloading. `old` is the state before the
     step; the forces are written to `new`. With `fixed_limits`, the limits of friction and material are taken from
     `increment`.
