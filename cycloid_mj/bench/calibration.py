@@ -180,9 +180,9 @@ class Calibration(Presented):
     @property
     def line(self) -> str:
         """Name of the design, residual, the fitted values, and which of them the loops do not determine."""
-        values = ", ".join(f"{key} {item.value:.4g} {item.unit}" for key, item in self.estimates.items())
-        unknown = f"; not determined by the loops: {', '.join(self.unidentified)}" if self.unidentified else ""
-        return f"{self.design.name}, residual {self.rms / DEGREE:.3g} deg rms; {values}{unknown}"
+        value_text = ", ".join(f"{key} {item.value:.4g} {item.unit}" for key, item in self.estimates.items())
+        unknown_text = f"; not determined by the loops: {', '.join(self.unidentified)}" if self.unidentified else ""
+        return f"{self.design.name}, residual {self.rms / DEGREE:.3g} deg rms; {value_text}{unknown_text}"
 
     @property
     def rms(self) -> float:
@@ -223,11 +223,11 @@ class Calibration(Presented):
         if best is None or best.key == model_selection.DESIGN_MODEL:
             return tuple(sentences)
         design_fit = next(fit for fit in self.candidates if fit.key == model_selection.DESIGN_MODEL)
-        extra_values = ", ".join(
+        extra_text = ", ".join(
             f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values
         )
         text = (
-            f"{best.meaning}{f' ({extra_values})' if extra_values else ''} explains the loops better than the design's "
+            f"{best.meaning}{f' ({extra_text})' if extra_text else ''} explains the loops better than the design's "
             f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best.bayesian:.3g}, residual "
             f"{_percent(best.shares)} instead of {_percent(design_fit.shares)} of the heights"
         )
@@ -278,18 +278,20 @@ class Calibration(Presented):
 
     def _parameter_table(self) -> Table:
         """Return a table of the fitted values in their units, with intervals of 95 % and priors, a row each."""
-        intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
-        header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
+        interval_labels = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
+        header = ("value", "fitted", *interval_labels, "unit", "determined by the loop", "prior (one sigma)")
         rows: list[tuple[str | float, ...]] = []
         for key, estimate in self.estimates.items():
-            interval, noise = (f"{low:.4g} to {high:.4g}" for low, high in (estimate.ci95, estimate.noise95))
+            interval_text, noise_text = (f"{low:.4g} to {high:.4g}" for low, high in (estimate.ci95, estimate.noise95))
             texts = (
-                noise if np.isfinite(estimate.noise95[0]) else "-",
+                noise_text if np.isfinite(estimate.noise95[0]) else "-",
                 estimate.unit,
                 "yes" if estimate.identified else "no",
             )
-            prior = f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else ""
-            rows.append((key, estimate.value, interval, *texts, prior))
+            prior_text = (
+                f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else ""
+            )
+            rows.append((key, estimate.value, interval_text, *texts, prior_text))
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _quantity_table(self) -> Table:
@@ -300,8 +302,8 @@ class Calibration(Presented):
         modelled_figures = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
-            interval = f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else ""
-            values = _format_number(item.value), interval, _format_number(modelled_figures[key].value)
+            interval_text = f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else ""
+            values = _format_number(item.value), interval_text, _format_number(modelled_figures[key].value)
             rows.append((key, *values, DEFINITIONS[key]))
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
@@ -318,9 +320,9 @@ class Calibration(Presented):
         rows: list[tuple[str | float, ...]] = []
         for loop_index, loop in enumerate(self.fitted.loops):
             rms, without_offset = self.fitted.rms(loop_index), self.fitted.rms_without_offset(loop_index)
-            shares = f"{rms / loop.height:.1%}", f"{without_offset / loop.height:.1%}"
+            share_texts = f"{rms / loop.height:.1%}", f"{without_offset / loop.height:.1%}"
             degrees = loop.height / DEGREE, rms / DEGREE
-            rows.append((loop.name, float(len(loop.torque)), *degrees, *shares, 2.0 * loop.most))
+            rows.append((loop.name, float(len(loop.torque)), *degrees, *share_texts, 2.0 * loop.most))
         return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
@@ -330,15 +332,15 @@ class Calibration(Presented):
         Columns are loop, section, range of torque [N m], mean and rms of the measured minus the modelled deflection
         [deg], and this rms relative to the loop's height, the range of its deflection.
         """
-        deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
+        deviation_labels = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
         for section in self.stretches:
-            torques, deviations = (
+            torque_text, deviations = (
                 f"{section.first:+.3g} to {section.last:+.3g}",
                 (section.mean / DEGREE, section.rms / DEGREE),
             )
-            rows.append((section.loop, section.stretch, torques, *deviations, f"{section.share:.1%}"))
-        header = ("loop", "stretch", "torque [N m]", *deviation)
+            rows.append((section.loop, section.stretch, torque_text, *deviations, f"{section.share:.1%}"))
+        header = ("loop", "stretch", "torque [N m]", *deviation_labels)
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:

@@ -116,8 +116,8 @@ class MeasuredLoop(Presented):
 
     def moving(self, direction: int) -> Mask:
         """Return which points of the loop have a rising (`direction` 1) or falling torque (-1), shape (n,)."""
-        rising = (self.branch % 2 == 0) == self.rising
-        return (rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.points_left_out)
+        is_rising = (self.branch % 2 == 0) == self.rising
+        return (is_rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.points_left_out)
 
 
 def _interpolate(abscissa: Array, values: Array, level: float | Array) -> Array:
@@ -166,11 +166,11 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     UsageError
         The file cannot be read, lacks a column, has no rows, or contains something else than numbers.
     """
-    requirement = f"{content} needs the columns {','.join(names)}, separated by commas"
+    requirement_text = f"{content} needs the columns {','.join(names)}, separated by commas"
     try:
         lines = note_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement}") from error
+        raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement_text}") from error
     numbered_lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
     first_line = (
@@ -179,17 +179,17 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     if header is None:
         raise UsageError(
             f"{path}: no header line with the column names was found; the first line is {first_line[:80]!r}. Add the "
-            f"header: {requirement}"
+            f"header: {requirement_text}"
         )
     keys = [key.strip() for key in numbered_lines[header][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
         raise UsageError(
             f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
-            f"{requirement}"
+            f"{requirement_text}"
         )
     rows = [(number, row) for number, row in numbered_lines[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
-        raise UsageError(f"{path}: there are no rows below the header. Add one per measured point: {requirement}")
+        raise UsageError(f"{path}: there are no rows below the header. Add one per measured point: {requirement_text}")
     values: dict[str, list[float]] = {name: [] for name in names}
     for number, line in rows:
         cells = next(csv.reader([line]))
@@ -362,14 +362,14 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
     directions. `torque` [N m], `deflection` [rad] and `branch`, the number of reversals before each point, have shape
     (n,) for n points.
     """
-    same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
-    if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
+    has_same_direction, is_on_first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
+    if not has_same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
     start_deflection = float(np.median(deflection[: SETTINGS.median_window]))
     start_torque = float(np.median(torque[: SETTINGS.median_window]))
     later_deflection, opposite_deflection = (
         float(_interpolate(torque[is_on_branch], deflection[is_on_branch], start_torque))
-        for is_on_branch in (same_direction, first_branch)
+        for is_on_branch in (has_same_direction, is_on_first_branch)
     )
     return (
         int(np.sum(branch == 0))

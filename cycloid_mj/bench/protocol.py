@@ -149,10 +149,10 @@ class Protocol(Presented):
     @property
     def line(self) -> str:
         """Design, rated torque, and the first quantities of the model."""
-        first = ", ".join(
+        first_values = ", ".join(
             f"{LINES[key].name} {item.value:.4g} {LINES[key].unit}" for key, item in islice(self.model.items(), 3)
         )
-        return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
+        return f"{self.design}, rated torque {self.rated:.4g} N m; {first_values}"
 
     def table(self) -> Table:
         """Return the standard test quantities of model and bench, such as the lost motion, as a table of text."""

@@ -196,11 +196,11 @@ def read_te(path: Path | str) -> MeasuredError:
     crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
     measured_error = MeasuredError(path.stem, crank, error)
     if measured_error.turns < 1.0 - 2.0 / len(crank):
-        span = f"{measured_error.turns * 360.0:.4g} deg"
-        radians = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
+        span_text = f"{measured_error.turns * 360.0:.4g} deg"
+        radians_hint = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
         raise UsageError(
-            f"{path}: {CRANK} covers {span}, but at least one full turn of 360 deg is needed. Record at least one "
-            f"turn, with angles in degrees{radians}"
+            f"{path}: {CRANK} covers {span_text}, but at least one full turn of 360 deg is needed. Record at least one "
+            f"turn, with angles in degrees{radians_hint}"
         )
     if np.ptp(columns[ERROR]) > TE.max_error or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(

@@ -91,7 +91,7 @@ class FitUncertainty:
 def estimate_uncertainty(
     slopes: Sequence[Array], residuals: Sequence[Array], is_free: Mask, prior: Array | None = None
 ) -> FitUncertainty:
-    """Return the covariance of v fitted values, and what their confidence intervals are computed from.
+    """Return the covariance of v fitted values, and the influence of each point on them, for confidence intervals.
 
     The covariance is the sandwich estimate HC3, (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with slopes A, residuals r and
     leverages h (MacKinnon and White, J. Econometrics 29, 1985, 305-325), in which each point has its own noise. It is

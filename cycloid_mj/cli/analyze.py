@@ -53,25 +53,27 @@ def outcome_of(findings: "Findings") -> Outcome:
     from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import make_frame
 
-    window, parts = findings.window, groups(findings)
-    phase = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
-    span = f"{phase} ({window.crank_turns:.1f} crank turns), {SOLVERS[findings.solver]}"
-    headings = [(f"[{f'{part.name} {part.detail}'.strip()}]", "", "", "", "") for part in parts]
-    rows = [row for heading, part in zip(headings, parts, strict=True) for row in (heading, *part.rows)]
+    window, part_groups = findings.window, groups(findings)
+    phase_text = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
+    span_text = f"{phase_text} ({window.crank_turns:.1f} crank turns), {SOLVERS[findings.solver]}"
+    headings = [(f"[{f'{part.name} {part.detail}'.strip()}]", "", "", "", "") for part in part_groups]
+    rows = [row for heading, part in zip(headings, part_groups, strict=True) for row in (heading, *part.rows)]
     notes = [f"log: {findings.log}"]
     if findings.timestep_for:
         notes.append(f"time step {findings.timestep}; accuracy of the results: {findings.timestep_for}")
     if findings.wall_s is not None:
-        step = f"{findings.steps} time steps of {findings.timestep_s * 1e6:g} us"
-        notes.append(f"{step} in {findings.wall_s:.1f} s of wall time")
+        step_text = f"{findings.steps} time steps of {findings.timestep_s * 1e6:g} us"
+        notes.append(f"{step_text} in {findings.wall_s:.1f} s of wall time")
     return Outcome(
         title=f"{findings.design}, {findings.condition_words}",
-        condition=span,
-        headline=dict(map(_main_quantity, parts)),
+        condition=span_text,
+        headline=dict(map(_main_quantity, part_groups)),
         summary=notes,
         notes=[RETURNED] if any(loss.normal_w < 0.0 for loss in findings.losses) else [],
         tables=[Table("findings", HEADER, tuple(rows))],
-        frame=make_frame([{"part": part.name, **row._asdict()} for part in parts for row in part.rows], COLUMNS, {}),
+        frame=make_frame(
+            [{"part": part.name, **row._asdict()} for part in part_groups for row in part.rows], COLUMNS, {}
+        ),
         result=findings.as_json(),
     )
 

@@ -65,12 +65,12 @@ def main(argv: Sequence[str] | None = None) -> int:
             app = application(words[:1])
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
-                commands = ", ".join(page.commands(app[group]))
-                if not commands:
+                command_texts = ", ".join(page.commands(app[group]))
+                if not command_texts:
                     raise UsageError(
                         f"{group} has no commands: install a package that provides one, as described above"
                     )
-                raise UsageError(f"{group} needs a command: choose one of {commands}")
+                raise UsageError(f"{group} needs a command: choose one of {command_texts}")
             command, bound = parse(app, words)
             workers = next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
             with at_most(workers):
@@ -113,13 +113,13 @@ def application(names: Collection[str] | None = None) -> App:
         suppress_keyboard_interrupt=False,
         console=page.console(),
     )
-    all_commands = names is None or COMPLETION in names
+    has_all_commands = names is None or COMPLETION in names
     for order, (title, commands) in enumerate(GROUPS.items()):
         group = Group(title, sort_key=order)
         if title == PAPER_AND_LOG:
-            _add_papers(app, group, all_commands or REPRODUCE in (names or ()))
+            _add_papers(app, group, has_all_commands or REPRODUCE in (names or ()))
         for position, (name, command) in enumerate(commands.items(), start=1):
-            add = command.add_to if all_commands or name in (names or ()) else command.list_in
+            add = command.add_to if has_all_commands or name in (names or ()) else command.list_in
             add(app, name, group, position)
         if title == HERE:
             for flag in (*app.help_flags, *app.version_flags):

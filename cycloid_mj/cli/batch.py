@@ -52,8 +52,8 @@ def run_all(
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
-        simulations = "1 simulation" if len(jobs) == 1 else f"{len(jobs)} simulations, {workers} of them in parallel"
-        progress.tell(f"running {simulations}")
+        count_text = "1 simulation" if len(jobs) == 1 else f"{len(jobs)} simulations, {workers} of them in parallel"
+        progress.tell(f"running {count_text}")
         total_progress = _TotalProgress(progress)
         runs = [
             pool.submit(

@@ -250,12 +250,12 @@ def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]
         if is_usable:
             causes.append(parameter.key)
     estimates = calibration.estimates
-    values = " or ".join(
+    value_text = " or ".join(
         f"the drawn {key} instead of {estimates[key].value:.4g} {estimates[key].unit}".removesuffix(" 1")
         for key in causes
     )
-    alternative = ", or fit structure_stiffness instead" if causes == ["tooth_stiffness"] else ""
-    remedy = f"with {values} it can be used: omit that parameter from --fit{alternative}"
+    alternative_text = ", or fit structure_stiffness instead" if causes == ["tooth_stiffness"] else ""
+    remedy = f"with {value_text} it can be used: omit that parameter from --fit{alternative_text}"
     explanation = remedy if causes else "no fitted value alone is the cause; fit other parameters (--fit)"
     return (f"the calibrated design cannot be used: {defect}; {explanation}",)
 

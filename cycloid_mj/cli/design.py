@@ -41,11 +41,11 @@ def commands(sort_key: int) -> App:
     """Build the commands about design files; `sort_key` is their place in the help."""
     help_text = "Create, print and check design files."
     app = CompletingApp(name="design", help=help_text, help_epilogue=EXAMPLES, sort_key=sort_key)
-    parts: tuple[Callable[..., int], ...] = (new, show, check)
-    for order, command in enumerate(parts):
+    group_commands: tuple[Callable[..., int], ...] = (new, show, check)
+    for order, command in enumerate(group_commands):
         app.command(command, sort_key=order)
-    app.command(profile, help_epilogue=PROFILE_EXAMPLES, sort_key=len(parts))
-    app.command(kinematics, help_epilogue=KINEMATICS_EXAMPLES, sort_key=len(parts) + 1)
+    app.command(profile, help_epilogue=PROFILE_EXAMPLES, sort_key=len(group_commands))
+    app.command(kinematics, help_epilogue=KINEMATICS_EXAMPLES, sort_key=len(group_commands) + 1)
     return app
 
 
@@ -129,9 +129,9 @@ def _rv_summary_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
             disc_text = "one part, turned by a step of the crank bores"
         elif discs == 2:
-            clockings = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
+            clocking_text = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
             disc_text = (
-                f"different parts; they are one part, flipped, if a crank bore is {clockings} of a pitch off a lobe"
+                f"different parts; they are one part, flipped, if a crank bore is {clocking_text} of a pitch off a lobe"
             )
         else:
             disc_text = "different parts"
@@ -183,11 +183,11 @@ def _describe_motor_defaults(design: Design, motor: Sequence[str]) -> str:
     """
     if not motor:
         return ""
-    values = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in motor)
-    alternative = ", or load.torque_nm" if MOTOR_TORQUE in motor else ""
+    value_text = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in motor)
+    alternative_text = ", or load.torque_nm" if MOTOR_TORQUE in motor else ""
     return (
-        f"at a nominal torque of {design.rated_torque:.4g} N m by the default{'s' * (len(motor) > 1)} {values}, "
-        f"which the design file does not set: set what your motor has{alternative}; "
+        f"at a nominal torque of {design.rated_torque:.4g} N m by the default{'s' * (len(motor) > 1)} {value_text}, "
+        f"which the design file does not set: set what your motor has{alternative_text}; "
         "`cycloid-mj datasheet` computes the rated output torque"
     )
 
@@ -240,9 +240,9 @@ def _summary_lines(design: Design, summary: "Summary", rating: "Rating | None") 
 
     angle, play = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)
     disc_text = " of each disc" if summary.discs > 1 else ""
-    part = "identical parts" if summary.one_part else "different parts"
+    part_text = "identical parts" if summary.one_part else "different parts"
     return [
-        *([f"{summary.discs} discs, {part}"] if summary.discs > 1 else []),
+        *([f"{summary.discs} discs, {part_text}"] if summary.discs > 1 else []),
         f"ratio {summary.ratio}:1, outer diameter {1e3 * summary.outer_diameter:.4g} mm, mass {summary.mass:.3g} kg",
         f"at the nominal torque of {summary.rated_torque:.4g} N m: {summary.loaded_teeth:.1f} teeth{disc_text} "
         f"carry load on average, mean pressure angle {angle:.1f} deg",

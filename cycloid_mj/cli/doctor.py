@@ -152,21 +152,23 @@ def _test_rendering() -> Iterator[Finding]:
 
     It is tried in a process of its own, because a driver that fails may end the process.
     """
-    code = (
+    test_code = (
         "import mujoco; from cycloid_mj.scene.opengl import opengl\n"
         "model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
         "with opengl(model, 64, 64): pass"
     )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    result = subprocess.run([sys.executable, "-c", test_code], capture_output=True, text=True, check=False)
     reason = (
         result.stderr.strip().splitlines()[-1] if result.stderr.strip() else "the graphics driver ended the process"
     )
-    works = result.returncode == 0
-    yield Finding("rendering (render, animate, view)", works, False, "off-screen OpenGL works" if works else reason)
+    is_working = result.returncode == 0
+    yield Finding(
+        "rendering (render, animate, view)", is_working, False, "off-screen OpenGL works" if is_working else reason
+    )
 
 
 def _check_extras() -> Iterator[Finding]:
     for extra, modules in EXTRAS.items():
         missing = [module for module in modules if find_spec(module) is None]
-        extras = f"missing {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
-        yield Finding(f"extra {extra}", not missing, False, extras)
+        extra_text = f"missing {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
+        yield Finding(f"extra {extra}", not missing, False, extra_text)

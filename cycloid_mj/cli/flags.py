@@ -213,8 +213,8 @@ class DesignValue:
 
     def flag(self, text: str, ending: str = "") -> Parameter:
         """Declare the flag: `text` is its meaning, `ending` follows its limits (default: the value of the design)."""
-        default = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
-        help_text = f"{text} [{self.symbol}], {self.range}{ending or default}"
+        default_text = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
+        help_text = f"{text} [{self.symbol}], {self.range}{ending or default_text}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
     @property

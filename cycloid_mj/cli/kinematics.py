@@ -123,10 +123,10 @@ def _count_samples(until: float, interval: float) -> int:
     UsageError
         There are too many samples.
     """
-    rows = math.floor(until / interval + ROUNDING) + 1
-    if rows > RANGES.rows[1]:
+    count = math.floor(until / interval + ROUNDING) + 1
+    if count > RANGES.rows[1]:
         raise UsageError(
-            f"--until-s {until:g} with a step of {interval:g} s needs {rows:.3g} rows, but at most {RANGES.rows[1]} "
+            f"--until-s {until:g} with a step of {interval:g} s needs {count:.3g} rows, but at most {RANGES.rows[1]} "
             "are allowed: increase --step-s or reduce --until-s"
         )
-    return rows
+    return count

@@ -75,8 +75,8 @@ def info(log: LogName, /, *, output_flags: Annotated[Delivery, FLAT] = DELIVERY)
     contents = load(log)
     destination = claim_destination(output_flags, f"{Path(log).stem}-info")
     run = contents.run
-    state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
-    span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
+    state_text = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
+    span_text = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
     topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
     topics += [
         (topic, viewer_topic.schema, f"{viewer_topic.messages:,}") for topic, viewer_topic in contents.viewers.items()
@@ -84,8 +84,8 @@ def info(log: LogName, /, *, output_flags: Annotated[Delivery, FLAT] = DELIVERY)
     attachment_rows = tuple((name, f"{len(data):,}") for name, data in run.attachments.items())
     outcome = Outcome(
         title=f"log: {log}",
-        condition=f"{contents.size:,} bytes, {state}",
-        text=[f"{log}: {contents.size:,} bytes, {state}", span],
+        condition=f"{contents.size:,} bytes, {state_text}",
+        text=[f"{log}: {contents.size:,} bytes, {state_text}", span_text],
         tables=[
             Table("topics", ("topic", "holds", "messages"), tuple(topics)),
             Table("attachments", ("file", "bytes"), attachment_rows),

@@ -300,15 +300,15 @@ class SizeFlags:
         from cycloid_mj.design.processes import PROCESSES
 
         torque = self.torque_nm / ratio
-        largest = _motor_speed(self.motor, torque)
-        required = self.output_rpm * ratio if self.output_rpm is not None else self.speed_rpm
-        if required is not None and required > largest * (1.0 + 1e-9):
+        max_speed = _motor_speed(self.motor, torque)
+        required_speed = self.output_rpm * ratio if self.output_rpm is not None else self.speed_rpm
+        if required_speed is not None and required_speed > max_speed * (1.0 + 1e-9):
             raise UsageError(
-                f"--motor {self.motor} delivers {torque:.4g} N m only up to a crank speed of {largest:.4g} rpm, but "
-                f"{required:.4g} rpm is required: reduce --speed-rpm or --output-rpm, or choose another motor"
+                f"--motor {self.motor} delivers {torque:.4g} N m only up to a crank speed of {max_speed:.4g} rpm, but "
+                f"{required_speed:.4g} rpm is required: reduce --speed-rpm or --output-rpm, or choose another motor"
             )
-        usual = PROCESSES[self.process].speed_rpm if _frame(self.motor) != "auto" else largest
-        return min(largest, usual) if required is None else required
+        speed_limit = PROCESSES[self.process].speed_rpm if _frame(self.motor) != "auto" else max_speed
+        return min(max_speed, speed_limit) if required_speed is None else required_speed
 
 
 SIZE = SizeFlags()
@@ -567,9 +567,9 @@ def _motor_speed(motor: str, torque: float) -> float:
             curve = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
         problem = reason(error) if isinstance(error, OSError) else "its rows are not pairs of speed and torque"
-        frames = ", ".join(MOTORS)
+        frame_text = ", ".join(MOTORS)
         raise UsageError(
-            f"--motor {motor}: {problem}. Choose one of {frames}, or a CSV file with the columns speed_rpm and "
+            f"--motor {motor}: {problem}. Choose one of {frame_text}, or a CSV file with the columns speed_rpm and "
             "torque_nm"
         ) from error
     speeds = [previous_speed for previous_speed, available in curve if available >= torque and previous_speed > 0.0]

@@ -130,8 +130,8 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
         if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and finished < total):
             return
         last[0] = time
-        time_left = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
-        tell(f"{activity}: {finished} of {total}{time_left}")
+        time_text = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
+        tell(f"{activity}: {finished} of {total}{time_text}")
 
     return progress
 
@@ -151,8 +151,8 @@ def _start_bar(end: float) -> Any:
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    visible = columns if console.width >= MIN_BAR_WIDTH else (TaskProgressColumn(),)
-    bar = Bar(*visible, console=console, transient=True)
+    shown_columns = columns if console.width >= MIN_BAR_WIDTH else (TaskProgressColumn(),)
+    bar = Bar(*shown_columns, console=console, transient=True)
     bar.add_task("", total=end)
     bar.start()
     return bar

@@ -184,8 +184,8 @@ def _encode_files(
     from cycloid_mj.robot.files import joint_files
     from cycloid_mj.robot.randomization import randomization_files
 
-    mjcf = file_format == "mjcf"
-    files = joint_files(joint, *scenes) if mjcf else write_descriptions(joint, reducer, file_format)
+    is_mjcf = file_format == "mjcf"
+    files = joint_files(joint, *scenes) if is_mjcf else write_descriptions(joint, reducer, file_format)
     return files | (randomization_files(joint, drives, file_format) if drives else {})
 
 
@@ -303,8 +303,8 @@ def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrato
     if scene.accurate:
         return []
     flags = {"--timestep-ms": timestep_ms, "--integrator": integrator}
-    omitted_flags = " and ".join(flag for flag, value in flags.items() if value is not None)
-    remedies = [f"leave out {omitted_flags}"] * bool(omitted_flags) + ["use a larger --load-inertia-kgm2"]
+    flag_text = " and ".join(flag for flag, value in flags.items() if value is not None)
+    remedies = [f"leave out {flag_text}"] * bool(flag_text) + ["use a larger --load-inertia-kgm2"]
     return [
         f"{scene.integrator} at {1e3 * scene.timestep:g} ms with {scene.inertia:.4g} kg m2 on the output: "
         f"{scene.sentence}; {', or '.join(remedies)}"

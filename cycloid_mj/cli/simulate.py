@@ -233,8 +233,8 @@ def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> It
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        hold = "0.05" if resolved_design.layout == "central" else "0.2"
-        load_flags = ["--load-nm", f"{resolved_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
+        hold_text = "0.05" if resolved_design.layout == "central" else "0.2"
+        load_flags = ["--load-nm", f"{resolved_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold_text]
         yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
     yield _command(
         ["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive that meets requirements"

@@ -112,13 +112,13 @@ def _outcome(
     rows = []
     for quantity in static.quantities.values():
         known_difference = static.known_difference(quantity)
-        value = "-" if quantity.value != quantity.value else four_digits(quantity.value)
+        value_text = "-" if quantity.value != quantity.value else four_digits(quantity.value)
         if quantity.low is not None and quantity.high is not None:
-            value = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
+            value_text = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
         rows.append(
             (
                 quantity.name,
-                value,
+                value_text,
                 quantity.unit,
                 "" if known_difference is None else f"{100.0 * known_difference:g} %",
                 static.parts,

@@ -473,5 +473,5 @@ class _TimeReporter:
         seconds_left = (monotonic() - self._start) * (sum(self._costs) / seconds_done - 1.0) if seconds_done else None
         self._started += 1
         if not self._quiet:
-            estimate = "" if seconds_left is None else f", about {seconds_left:.0f} s left"
-            tell(f"{design}: {part} ({index + 1} of {total} parts){estimate}")
+            estimate_text = "" if seconds_left is None else f", about {seconds_left:.0f} s left"
+            tell(f"{design}: {part} ({index + 1} of {total} parts){estimate_text}")

@@ -212,8 +212,8 @@ def _describe_tables(findings: "Sequence[StressFindings]") -> Iterator[str]:
     for stresses in findings:
         for part in stresses.parts:
             yield from part_notes(part)
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in stresses.parts)
-        yield f"{stresses.design}, force imbalance relative to the largest force: {balance}"
+        balance_text = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in stresses.parts)
+        yield f"{stresses.design}, force imbalance relative to the largest force: {balance_text}"
     yield from (
         f"assumed: {text}" for text in dict.fromkeys(text for stresses in findings for text in stresses.assumptions)
     )

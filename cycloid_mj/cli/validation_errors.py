@@ -36,12 +36,12 @@ def correct_case(error: CoercionError, words: Sequence[str]) -> list[str] | None
         return None
     flag, wrong_value = error.token.keyword or "", error.token.value
     choice = match_case(wrong_value, _choices(error.argument.hint))
-    corrected_words, current = list(words), ""
+    corrected_words, current_flag = list(words), ""
     for index, word in enumerate(words):
-        current = word if word.startswith("--") else current
+        current_flag = word if word.startswith("--") else current_flag
         if word == f"{flag}={wrong_value}":
             corrected_words[index] = f"{flag}={choice}"
-        elif word == wrong_value and current == flag:
+        elif word == wrong_value and current_flag == flag:
             corrected_words[index] = choice
     return corrected_words if corrected_words != words else None
 
@@ -63,8 +63,8 @@ def _describe_error(error: CycloptsError) -> str:
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)
     if isinstance(error, MissingArgumentError) and argument is not None:
-        position = "" if argument.index is None or not argument.name.startswith("-") else argument.name[2:].upper()
-        return _describe_missing(argument.name, error.unused_tokens or [], position)
+        position_text = "" if argument.index is None or not argument.name.startswith("-") else argument.name[2:].upper()
+        return _describe_missing(argument.name, error.unused_tokens or [], position_text)
     if isinstance(error, UnknownOptionError):
         word = error.token.keyword or error.token.value
         flags = [

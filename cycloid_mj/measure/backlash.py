@@ -360,15 +360,17 @@ def _curves(
     `stops_by_case` are the simulated stops by case, from `_simulate_stops`; `closed_forms` have the same keys.
     """
     curve_list = []
-    axes = "crank angle [deg]", "backlash [arcmin]"
+    axis_labels = "crank angle [deg]", "backlash [arcmin]"
     for name, stop_pairs in stops_by_case.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([pair.crank for pair in stop_pairs])
         if name in closed_forms:
-            turn = np.degrees(rigid_backlash.full_turn_angles(reducer))
-            curve_list.append(Curve(panel, "closed form", turn, closed_forms[name].turn / ARCMINUTE, *axes, "theory"))
+            turn_angles = np.degrees(rigid_backlash.full_turn_angles(reducer))
+            curve_list.append(
+                Curve(panel, "closed form", turn_angles, closed_forms[name].turn / ARCMINUTE, *axis_labels, "theory")
+            )
         values = np.array([pair.backlash for pair in stop_pairs]) / ARCMINUTE
-        curve_list.append(Curve(panel, "simulated", crank, values, *axes, "points"))
+        curve_list.append(Curve(panel, "simulated", crank, values, *axis_labels, "points"))
     return tuple(curve_list)
 
 

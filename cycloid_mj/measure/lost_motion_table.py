@@ -301,7 +301,7 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
     """
     service, ideal = data.service[0], data.ideal[0]
     x_label, y_label = "torque [N m]", "turn [arcmin]"
-    near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
+    is_near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
     title = f"hysteresis, crank at {np.degrees(service.crank):.1f}°"
     result = [
         Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, x_label, y_label, "theory"),
@@ -309,8 +309,8 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
         Curve(
             "near zero torque",
             "as designed",
-            service.torque[near_zero],
-            service.turn[near_zero] / ARCMINUTE,
+            service.torque[is_near_zero],
+            service.turn[is_near_zero] / ARCMINUTE,
             x_label,
             y_label,
         ),

@@ -69,8 +69,8 @@ class Measurement(Presented):
     @property
     def line(self) -> str:
         """Measure, design, condition, and the first quantities."""
-        first = ", ".join(_short(key, quantity) for key, quantity in islice(self.quantities.items(), 3))
-        return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first}"
+        first_values = ", ".join(_short(key, quantity) for key, quantity in islice(self.quantities.items(), 3))
+        return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first_values}"
 
     def as_json(self) -> dict[str, Any]:
         """Convert the measurement to JSON values.

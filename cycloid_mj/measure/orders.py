@@ -89,8 +89,8 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
     "profile".
     """
     design, (mesh_base, _) = reducer.design, base_orders(reducer)
-    teeth, ring = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
-    base_factor = "" if mesh_base == 1 else f"{mesh_base} times "
+    teeth, ring_word = design.ring.teeth, "pins" if design.ring.kind == "pin" else "lobes"
+    factor_text = "" if mesh_base == 1 else f"{mesh_base} times "
     return (
         Cause(
             "mesh",
@@ -98,16 +98,16 @@ def _ring_causes(reducer: Reducer, signal: Signal, shared_properties: str) -> tu
             signal,
             float(mesh_base),
             lambda multiple: multiple % teeth == 0,
-            f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
+            f"{factor_text}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
             f"{shared_properties})",
         ),
         Cause(
             "ring",
-            f"ring {ring}",
+            f"ring {ring_word}",
             signal,
             float(mesh_base),
             lambda multiple: multiple % teeth > 0,
-            f"{base_factor}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a "
+            f"{factor_text}whole orders except multiples of {teeth}: an error of one ring {ring_word[:-1]} acts as a "
             f"function of its angle to the crank, so it causes all of them; an error with m periods around the ring "
             f"causes m, {teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
         ),

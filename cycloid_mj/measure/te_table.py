@@ -325,8 +325,8 @@ def _overlapping_errors(
             if (trace.load, trace.pace, trace.direction) == (condition.load, condition.pace, "forward")
         )
     ]
-    overlap = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
-    return getattr(coarse, signal)[overlap], getattr(fine, signal)
+    is_common = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
+    return getattr(coarse, signal)[is_common], getattr(fine, signal)
 
 
 _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {

@@ -367,9 +367,9 @@ def _friction_text(reducer: Reducer) -> str:
     design = reducer.design
     if design.has_film:
         return film_text(reducer)
-    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
-    bearings = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in reducer.BEARING_PAIRS)
-    return f"friction of the pairs that slide: {friction}; of rolling bearings: {bearings}"
+    pair_text = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
+    bearing_text = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in reducer.BEARING_PAIRS)
+    return f"friction of the pairs that slide: {pair_text}; of rolling bearings: {bearing_text}"
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:

@@ -166,13 +166,15 @@ def _level_quantities(
     """
     orbit_acceleration = reducer.design.gear.eccentricity * reducer.orbit_speed**2
     weight, all_signals = float(np.hypot(*weight_force(reducer))), _signals(reducer)
-    shaft = "sun" if isinstance(reducer, RvReducer) else "shaft"
+    shaft_word = "sun" if isinstance(reducer, RvReducer) else "shaft"
     for run in runs:
         half_step_run = half_step_runs.get(run.load)
         for key, (name, unit) in all_signals.items():
             value, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
             error = None if error is None else max(error, abs(rms(run.signals[key][: len(run.crank) // 2]) - value))
-            reference, source = (run.rms("momentum"), f"m a of disc and {shaft}") if key == "housing" else (None, "")
+            reference, source = (
+                (run.rms("momentum"), f"m a of disc and {shaft_word}") if key == "housing" else (None, "")
+            )
             note = _NOTE if key == "housing" else ""
             level_name = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
             yield Quantity(f"{key}_rms_{run.load}", level_name, value, unit, error, reference, source, note)
@@ -220,12 +222,12 @@ def _unbalance_quantities(
             source="sum of m c omega^2",
         )
     couple = abs(unbalances.couple) * speed_squared
-    arrangement = "the counterweight lies next to the disc" if has_counterweight else "discs balance each other"
-    note = f"{arrangement}: the force is balanced, the couple is not"
+    arrangement_text = "the counterweight lies next to the disc" if has_counterweight else "discs balance each other"
+    note = f"{arrangement_text}: the force is balanced, the couple is not"
     if reducer.design.gear.discs == 1 and not has_counterweight:
         note = "a single disc is not balanced"
-    parts = " of discs" if isinstance(reducer, RvReducer) else " of discs and cams"
-    yield Quantity("unbalance", f"unbalance{unbalanced_text or parts}", 1e6 * unbalances.bare, "g mm")
+    parts_text = " of discs" if isinstance(reducer, RvReducer) else " of discs and cams"
+    yield Quantity("unbalance", f"unbalance{unbalanced_text or parts_text}", 1e6 * unbalances.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced_text}", couple, "N m", note=note)
 
 
@@ -284,20 +286,20 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
 
     They are about bearings, references, sampling, load and numerical errors of the runs.
     """
-    shaft_beam = (
+    beam_text = (
         ""
         if isinstance(reducer, RvReducer)
         else ", and the shaft is a beam on its two bearings, without its own unbalance"
     )
-    disc_planes = (
+    plane_notes = (
         "several discs: the disc's centre is that of disc 1; forces act in the plane of each disc, tilting moments "
-        f"are about the middle of all discs{shaft_beam}",
+        f"are about the middle of all discs{beam_text}",
     )
     return (
         "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and weight",
         "accelerations are relative to the closed form (Eqs 12 and 14) at the measured crank angle, forces to their "
         "mean",
-        *(disc_planes if reducer.design.gear.discs > 1 else ()),
+        *(plane_notes if reducer.design.gear.discs > 1 else ()),
         f"accelerations and forces are sampled at {1e-3 * run.sampled_rate:.4g} kHz and filtered before they are "
         f"stored at {1e-3 * run.rate:.4g} kHz: their rms includes the part below {5e-4 * run.rate:.3g} kHz (the "
         f"filter falls from {1e-3 * SPECTRUM.band * run.rate:.3g} to {1e-3 * (1.0 - SPECTRUM.band) * run.rate:.3g} "

@@ -47,10 +47,10 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, reducer_of(design)), line_style)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
-    forces = ", ".join(
+    force_text = ", ".join(
         f"{force:.4g}" for force in dict.fromkeys(_working_force(reducer_of(design)) for design in designs)
     )
-    bottom.set_title(f"Hertz pressure of a single contact line under {forces} N")
+    bottom.set_title(f"Hertz pressure of a single contact line under {force_text} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
         panel.set_ylim(bottom=0.0)

@@ -115,12 +115,12 @@ def _empty_page(sheet: Datasheet, number: int) -> Figure:
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
     name_size = min(25.0, 25.0 * 22.0 / max(len(design.name), 1))  # long names fit next to the ratio
     figure.text(LAYOUT.left, 0.966, design.name, fontsize=name_size, weight="bold", color="white", va="center")
-    size = f"Ø{sheet.diameter:.4g} mm"
+    size_text = f"Ø{sheet.diameter:.4g} mm"
     figure.text(LAYOUT.left, 0.933, describe_kind(design), fontsize=9.5, color="white", va="center")
     figure.text(
         LAYOUT.right, 0.966, format_ratio(design.reduction), fontsize=21, color="white", ha="right", va="center"
     )
-    figure.text(LAYOUT.right, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
+    figure.text(LAYOUT.right, 0.933, size_text, fontsize=9.5, color="white", ha="right", va="center")
     _draw_rule(figure, 0.045, RULE)
     figure.text(LAYOUT.left, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
     figure.text(LAYOUT.right, 0.03, f"{number} / 3", fontsize=6.5, color=SOFT, ha="right")
@@ -130,10 +130,10 @@ def _empty_page(sheet: Datasheet, number: int) -> Figure:
 def describe_kind(design: Design) -> str:
     """Describe the kind of a drive, its ring and the number of discs, for the heading of a data sheet."""
     layout = {"central": "Cycloidal speed reducer", "rv": "RV reducer"}[design.layout]
-    ring = "ring pins" if design.ring.kind == "pin" else "an internal gear"
+    ring_text = "ring pins" if design.ring.kind == "pin" else "an internal gear"
     parts = [f"{design.cranks.count} cranks"] if design.cranks else []
     parts += [f"{design.gear.discs} discs"] if design.gear.discs > 1 else []
-    return ", ".join([f"{layout} with {ring}", *parts])
+    return ", ".join([f"{layout} with {ring_text}", *parts])
 
 
 def format_ratio(ratio: float) -> str:

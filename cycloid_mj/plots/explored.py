@@ -84,8 +84,8 @@ def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, 
 
 def _add_heading(figure: Figure, sweep: Sweep) -> None:
     """Add design and number of points above a figure."""
-    failed = f", {sweep.failed} failed" if sweep.failed else ""
-    style.add_condition(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
+    failed_text = f", {sweep.failed} failed" if sweep.failed else ""
+    style.add_condition(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed_text}")
 
 
 def _title(sweep: Sweep, name: str) -> str:
@@ -116,9 +116,9 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
     """
     positions, values = _input_positions(axes, sweep, abscissa), sweep.frame.numbers[name]
     for colour, value in zip(COLOURS, dict.fromkeys(sweep[parameter].tolist()), strict=False):
-        rows = sweep[parameter] == value
+        is_on_line = sweep[parameter] == value
         label = f"{value:g}" if isinstance(value, float) else str(value)
-        _draw_line(axes, positions[rows], values[rows], colour, label)
+        _draw_line(axes, positions[is_on_line], values[is_on_line], colour, label)
     axes.legend(title=_title(sweep, parameter), title_fontsize=6.5, fontsize=6.5)
     _mark_failures(axes, sweep, abscissa)
 

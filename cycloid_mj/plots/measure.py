@@ -68,10 +68,10 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     figure = create_figure(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
     for row, (name, panel_curves) in enumerate(panels.items()):
-        polar = panel_curves[0].style == "polar"
-        axes = figure.add_subplot(grid[row], projection="polar" if polar else None)
+        is_polar = panel_curves[0].style == "polar"
+        axes = figure.add_subplot(grid[row], projection="polar" if is_polar else None)
         axes.set_title(name)
-        if polar:
+        if is_polar:
             _draw_polar(axes, panel_curves)
         else:
             _draw_curves(axes, panel_curves)

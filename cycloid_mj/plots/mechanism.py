@@ -104,8 +104,8 @@ def _nearest_sample(run: Run, crank_angle: float | None) -> int:
     if crank_angle is None:
         return len(run) - 1
     distance = np.abs((angle - crank_angle + np.pi) % (2 * np.pi) - np.pi)
-    last_turn = np.abs(angle[-1] - angle) < 2 * np.pi
-    return int(np.argmin(np.where(last_turn, distance, np.inf)))
+    is_in_last_turn = np.abs(angle[-1] - angle) < 2 * np.pi
+    return int(np.argmin(np.where(is_in_last_turn, distance, np.inf)))
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:

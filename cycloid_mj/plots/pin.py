@@ -27,11 +27,13 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance_axes, spin_axes, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
     degrees = style.turn_degrees(motion)
-    part = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
+    part_text = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
     position, radial_distance, spin_speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _draw_path(axes["p"], position, _reachable_limit(motion.reducer, clearance, float(np.abs(position).max())), part)
+    _draw_path(
+        axes["p"], position, _reachable_limit(motion.reducer, clearance, float(np.abs(position).max())), part_text
+    )
     for panel, values, title in (
         (distance_axes, radial_distance, "Distance from the centre"),
         (spin_axes, spin_speed, "Spin"),

@@ -87,8 +87,8 @@ def figure_of(result: object, name: str = "") -> Figure:
     """
     figures_by_name = figures_of(result)
     if name and name not in figures_by_name:
-        available = ", ".join(figures_by_name)
-        raise UsageError(f"a {type(result).__name__} has no figure {name!r}: choose one of {available}")
+        available_names = ", ".join(figures_by_name)
+        raise UsageError(f"a {type(result).__name__} has no figure {name!r}: choose one of {available_names}")
     return figures_by_name[name or next(iter(figures_by_name))]
 
 

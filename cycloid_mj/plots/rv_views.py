@@ -71,9 +71,11 @@ def _draw_front_view(frame: ViewFrame, reducer: RvReducer, solids: Mapping[str, 
     for placed_part in placed_parts:
         if placed_part.part == NEEDLE and placed_part.origin[2] == disc.origin[2]:
             draw_disc(axes, np.array(placed_part.origin[:2]), cranks.needle_radius, "pins")
-    eccentrics = f"{cranks.count} cranks, eccentrics Ø{2 * MILLIMETRES * cranks.eccentric_radius:.4g}"
-    text = f"{eccentrics}\non Ø{2 * MILLIMETRES * reducer.crank_radius:.5g}"
-    frame.label_front_view("front view, without the near flange", reducer.crank_radius, crank_centres(reducer)[1], text)
+    crank_text = f"{cranks.count} cranks, eccentrics Ø{2 * MILLIMETRES * cranks.eccentric_radius:.4g}"
+    label_text = f"{crank_text}\non Ø{2 * MILLIMETRES * reducer.crank_radius:.5g}"
+    frame.label_front_view(
+        "front view, without the near flange", reducer.crank_radius, crank_centres(reducer)[1], label_text
+    )
 
 
 def _placed_prisms(reducer: RvReducer, solids: Mapping[str, Solid]) -> Iterator[tuple[str, Prism]]:

@@ -59,8 +59,8 @@ class ViewFrame:
         axes.plot((-half_size, half_size), (0.0, 0.0), **AXIS)
         axes.plot((0.0, 0.0), (-half_size, half_size), **AXIS)
         self._write_title(0.0, title)
-        size = f"pins Ø{2 * MILLIMETRES * ring.pin_radius:.4g}" if ring.kind == "pin" else "lobes"
-        ring_text = f"{ring.teeth} {size}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
+        size_text = f"pins Ø{2 * MILLIMETRES * ring.pin_radius:.4g}" if ring.kind == "pin" else "lobes"
+        ring_text = f"{ring.teeth} {size_text}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
         pin = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
         for label_point, label, side in ((pin, ring_text, -1.0), (point, text, 1.0)):
             text_position = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))

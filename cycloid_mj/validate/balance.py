@@ -76,9 +76,9 @@ def design_with_errors(layout: str, *changes: str) -> Design:
         "drive.speed_rpm=1.0",
         f"load.torque_nm={rig.RATED_LOAD}",
     )
-    stiffness_law = 'contact.stiffness_law="uniform"'
+    law_change = 'contact.stiffness_law="uniform"'
     return override(
-        PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *static_changes, stiffness_law, *changes]
+        PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *static_changes, law_change, *changes]
     )
 
 

@@ -63,12 +63,12 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
     crank, speed = run["crank_angle"], run["crank_speed"]
     simulated_force = run.forces("cam")[:, 0]
     disc_force = body_force(reducer, crank, speed)
-    expected = statics_load(reducer, crank, disc_force)
-    outward = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
+    expected_force = statics_load(reducer, crank, disc_force)
+    outward_direction = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
     mean_radial, expected_radial = (
-        float(np.mean(np.sum(force * outward, axis=1))) for force in (simulated_force, expected)
+        float(np.mean(np.sum(force * outward_direction, axis=1))) for force in (simulated_force, expected_force)
     )
-    upward, expected_upward = (float(np.mean(force[:, 1])) for force in (simulated_force, expected))
+    upward, expected_upward = (float(np.mean(force[:, 1])) for force in (simulated_force, expected_force))
     return [
         relative(
             "radial load of the cam, fast and ideal", mean_radial, expected_radial, "N", "ring + output + m c w^2", 1.5

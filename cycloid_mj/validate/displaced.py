@@ -214,9 +214,9 @@ class DisplacedSprings:
 
     def forces(self, z: Array) -> Array:
         """Compute the forces of contacts, then of cams [N], shape (n + D,)."""
-        return self._forces_at(self.gaps(z))
+        return self._contact_forces(self.gaps(z))
 
-    def _forces_at(self, gaps: Array) -> Array:
+    def _contact_forces(self, gaps: Array) -> Array:
         """Compute the forces of n contacts and D cams [N], shape (n + D,), including the effect of bent output pins.
 
         `gaps` [m], shape (n + D,), are those of the contacts, then of the cams; for output pins, the gaps before
@@ -235,12 +235,12 @@ class DisplacedSprings:
     def energy(self, z: Array) -> float:
         """Compute the energy of contacts, cams and bent pins [J]: half the sum of force times penetration."""
         gaps = self.gaps(z)
-        return float(-0.5 * self._forces_at(gaps) @ gaps)
+        return float(-0.5 * self._contact_forces(gaps) @ gaps)
 
     def push(self, z: Array) -> Array:
         """Compute the forces of all springs along the u unknown displacements `z` [N], shape (u,)."""
         gaps, slopes = self.contacts(z)
-        return np.asarray(slopes.T @ self._forces_at(gaps))
+        return np.asarray(slopes.T @ self._contact_forces(gaps))
 
     def solve_equilibrium(self, load: Array, start: Array) -> Array:
         """Solve for static equilibrium of contact springs by modified Newton steps; return the pose (u,) [m].

@@ -114,8 +114,8 @@ def model_rows(pins: str) -> list[ValidationRow]:
     displacements, pins and sleeves are shifted by ``PIN_SHIFT``. Open contacts count as 0.
     """
     clearances = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
-    errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
-    design = design_with_errors(FIXED, UNIFORM, *clearances, *errors, *THREE_DISCS, f"ring.pins={pins}")
+    error_changes = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
+    design = design_with_errors(FIXED, UNIFORM, *clearances, *error_changes, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
     model, has_moving_pins, pin_oversize = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
     data, pose = mujoco.MjData(model.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
@@ -246,8 +246,8 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     reducer = Reducer(design)
     fit = best_fit(reducer, BALANCE.crank)
     relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
-    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
-    min_gap = np.array([min(*cams, *exact_gaps(reducer, relative_angle, unknowns))])
+    cam_gaps = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
+    min_gap = np.array([min(*cam_gaps, *exact_gaps(reducer, relative_angle, unknowns))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
     return [deviation_row(name, 1e6 * np.array([fit.min_gap]), 1e6 * min_gap, "um", "exact curves", bound)]
 

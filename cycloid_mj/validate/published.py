@@ -123,7 +123,7 @@ def printed_drive_rows(quick: bool) -> list[ValidationRow]:
     crank_angles = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
     mean_turn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in crank_angles])
     name = "backlash of a printed drive"
-    clearances = "nominal clearances; printed parts have about twice as much"
+    clearance_note = "nominal clearances; printed parts have about twice as much"
     return [
         relative(
             name,
@@ -133,7 +133,7 @@ def printed_drive_rows(quick: bool) -> list[ValidationRow]:
             "rigid parts: linear programme",
             0.5,
         ),
-        relative(name, math.degrees(mean_turn), 1.24, "deg", "JelmerV, bench", None, clearances),
+        relative(name, math.degrees(mean_turn), 1.24, "deg", "JelmerV, bench", None, clearance_note),
     ]
 
 

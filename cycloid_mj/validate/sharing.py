@@ -153,9 +153,12 @@ def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
     ]
     rows = _solved_rows(Reducer(design_of_kind(kind, *changes)), kind, None, quick)
     if kind == NONPIN:
-        small_clearance = design_of_kind(kind, *changes, *rig.clearances(SHARING.small_clearance))
+        small_clearance_design = design_of_kind(kind, *changes, *rig.clearances(SHARING.small_clearance))
         rows += _solved_rows(
-            Reducer(small_clearance), f"{kind}, {SHARING.small_clearance:g} um, stiff cam", SHARING.stiff_cam / 2, quick
+            Reducer(small_clearance_design),
+            f"{kind}, {SHARING.small_clearance:g} um, stiff cam",
+            SHARING.stiff_cam / 2,
+            quick,
         )
     return rows
 

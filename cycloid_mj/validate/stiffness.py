@@ -73,9 +73,9 @@ def _share_patches(
         arc = arc_row.get(int(nearest.owner[row]))
         if arc is None:
             continue
-        same_lobe = nearest.B[row] <= np.pi
-        root = nearest.owner[row] if same_lobe else (nearest.owner[row] + 1) % gear.ring_teeth
-        mid_phase = np.array([(nearest.B[row] + (min_phase if same_lobe else 2 * np.pi - min_phase)) / 2])
+        is_same_lobe = nearest.B[row] <= np.pi
+        root = nearest.owner[row] if is_same_lobe else (nearest.owner[row] + 1) % gear.ring_teeth
+        mid_phase = np.array([(nearest.B[row] + (min_phase if is_same_lobe else 2 * np.pi - min_phase)) / 2])
         mid_gap = flank_distance(flanks, pose.to_gear(offset_root(gear, int(root), mid_phase)))[0][0]
         gap_rise = mid_gap - max(nearest.distance[row], nearest.distance[arc])
         separation = float(np.clip(gap_rise / deflection, 0.0, 1.0))

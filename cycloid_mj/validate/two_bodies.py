@@ -141,10 +141,10 @@ def measure_restitution(contact_parameters: ContactParameters, timestep: float) 
     """
     model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
-    start = -1e-9
-    data.qpos[0], data.qvel[0] = start, TWO_BODIES.speed
+    start_position = -1e-9
+    data.qpos[0], data.qvel[0] = start_position, TWO_BODIES.speed
     with install():
-        while data.qpos[0] >= start:
+        while data.qpos[0] >= start_position:
             mujoco.mj_step(model, data)
     return float(-data.qvel[0] / TWO_BODIES.speed)
 
