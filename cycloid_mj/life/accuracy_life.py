@@ -57,9 +57,11 @@ class Course:
         """
         reached_indices = np.flatnonzero(self.lost_motion >= limit)
         if not reached_indices.size:
-            hours, grown = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
-            remaining = limit - float(self.lost_motion[-1])
-            return float(self.hours[-1]) + remaining * hours / grown if grown > 0.0 else math.inf
+            last_hours, last_growth = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
+            remaining_growth = limit - float(self.lost_motion[-1])
+            return (
+                float(self.hours[-1]) + remaining_growth * last_hours / last_growth if last_growth > 0.0 else math.inf
+            )
         reached_index = max(int(reached_indices[0]), 1)
         return float(
             np.interp(
@@ -356,32 +358,32 @@ class _Log:
             The computation was interrupted before the first step.
         """
         records = self._drive.settings.records
-        times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
+        record_times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
         hours: list[float] = []
         lost_motions: list[float] = []
-        end = f"{self._hours:g} h are over"
+        end_reason = f"{self._hours:g} h are over"
         try:
-            for state in wear_steps(self._drive, case, times):
+            for state in wear_steps(self._drive, case, record_times):
                 hours.append(state.hours)
                 lost_motions.append(state.lost_motion)
                 growth = state.lost_motion / lost_motions[0] - 1.0
                 is_grown = growth >= self._growth
                 if case == "typical":
-                    self._record_typical(state, state.hours in times or is_grown)
+                    self._record_typical(state, state.hours in record_times or is_grown)
                 if on_progress:
                     on_progress(case, min(1.0, max(state.hours / self._hours, growth / self._growth)))
                 if is_grown:
-                    end = f"the lost motion has grown by {self._growth:.0%}"
+                    end_reason = f"the lost motion has grown by {self._growth:.0%}"
                     break
         except RunError as error:
             if not lost_motions:
                 raise
-            end = f"no static equilibrium: {error}"
+            end_reason = f"no static equilibrium: {error}"
         except KeyboardInterrupt:
             if not lost_motions:
                 raise
-            self._interrupted, end = True, "interrupted"
-        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end)
+            self._interrupted, end_reason = True, "interrupted"
+        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end_reason)
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
@@ -423,11 +425,13 @@ class _Log:
         The result states the duty cycle `duty` in words.
         """
         assert self._last is not None
-        last, laws = self._last, self._drive.laws
+        last_state, laws = self._last, self._drive.laws
         surfaces = []
         for surface in self._drive.surfaces:
-            law, depth = laws[surface.key], last.depths[surface.key]
-            surfaces.append(WornSurface(surface, law, depth, depth - law.coefficient.typical * last.doses[surface.key]))
+            law, depth = laws[surface.key], last_state.depths[surface.key]
+            surfaces.append(
+                WornSurface(surface, law, depth, depth - law.coefficient.typical * last_state.doses[surface.key])
+            )
         return WearLife(
             design=self._drive.reducer.design.name,
             condition=f"{describe_condition(self._drive.reducer.design, duty)}, half of the time each way",

@@ -85,12 +85,12 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
     """
     numbers = range(SETTINGS.samples)
     forces = [force for reducer in reducers if (force := _tooth_forces(reducer, numbers)) is not None]
-    ratios = [np.log(force / np.nanmedian(force)) for force in forces if np.isfinite(force).any()]
-    if not ratios:
+    log_ratios = [np.log(force / np.nanmedian(force)) for force in forces if np.isfinite(force).any()]
+    if not log_ratios:
         return ()
-    mean = np.mean(ratios, axis=0)
-    order = np.argsort(-np.nan_to_num(mean, nan=-math.inf), kind="stable")
-    return tuple(order[: SETTINGS.likely_samples].tolist())
+    mean_log_ratios = np.mean(log_ratios, axis=0)
+    descending_order = np.argsort(-np.nan_to_num(mean_log_ratios, nan=-math.inf), kind="stable")
+    return tuple(descending_order[: SETTINGS.likely_samples].tolist())
 
 
 def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
@@ -104,9 +104,9 @@ def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None
     force = _tooth_forces(reducer, numbers) if numbers else None
     if force is None:
         return None
-    larger = min(SETTINGS.samples - 1 - _rank(SETTINGS.samples), int(np.isfinite(force).sum()) - 1)
-    order = np.argsort(-np.nan_to_num(force, nan=-math.inf), kind="stable")
-    return numbers[int(order[max(larger, 0)])]
+    larger_count = min(SETTINGS.samples - 1 - _rank(SETTINGS.samples), int(np.isfinite(force).sum()) - 1)
+    descending_order = np.argsort(-np.nan_to_num(force, nan=-math.inf), kind="stable")
+    return numbers[int(descending_order[max(larger_count, 0)])]
 
 
 def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
@@ -117,8 +117,8 @@ def _tooth_forces(reducer: Reducer, numbers: Sequence[int]) -> Array | None:
     if not (zones := tolerance_zones(reducer)):
         return None
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    chosen = Samples(**{field.name: getattr(samples, field.name)[list(numbers)] for field in fields(samples)})
-    return compute_sampled(reducer, chosen, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
+    selected_samples = Samples(**{field.name: getattr(samples, field.name)[list(numbers)] for field in fields(samples)})
+    return compute_sampled(reducer, selected_samples, ["tooth_force_n"], SETTINGS.ranking_angles)["tooth_force_n"]
 
 
 def _rank(count: int) -> int:
@@ -154,17 +154,17 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
     figures = compute_sampled(reducer, samples, [*FORCES], SETTINGS.loaded_angles)
     figures |= compute_sampled(reducer, samples, [*PRELOADS, "backlash_arcmin"], SETTINGS.free_angles)
     jams = find_jams(figures)
-    usable = np.flatnonzero(~jams & has_design_file(reducer, samples))
-    if not usable.size:
+    usable_numbers = np.flatnonzero(~jams & has_design_file(reducer, samples))
+    if not usable_numbers.size:
         raise RunError(
             f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
-    numbers, words = _critical_samples(figures, FORCES, usable)
+    numbers, selection_text = _select_critical_samples(figures, FORCES, usable_numbers)
     return RatedSamples(
         numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),
-        f"{words}, of which {int(jams.sum())} jam",
+        f"{selection_text}, of which {int(jams.sum())} jam",
         jams,
         figures["backlash_arcmin"],
     )
@@ -174,17 +174,17 @@ def _select_rv_samples(reducer: RvReducer) -> RatedSamples:
     """Return `select_rated_samples` of an RV reducer with tolerances; none of its samples jams."""
     count = SETTINGS.samples
     forces = rv_samples.compute_rv_forces(reducer, count, SETTINGS.seed, SETTINGS.rv_angles)
-    numbers, words = _critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
+    numbers, words = _select_critical_samples(forces, rv_samples.RATED_FORCES, np.arange(count))
     designs = tuple(rv_samples.draw_rv_drive(reducer, SETTINGS.seed, number)[0] for number in numbers)
     return RatedSamples(numbers, designs, words, np.zeros(count, dtype=bool), np.full(count, math.nan))
 
 
-def _critical_samples(
-    forces: Mapping[str, Array], names: Mapping[str, str], usable: Integers
+def _select_critical_samples(
+    forces: Mapping[str, Array], names: Mapping[str, str], usable_numbers: Integers
 ) -> tuple[tuple[int, ...], str]:
-    """Return the numbers of the tolerance samples at the percentile of each force, and a text on the choice.
+    """Select for each kind of force the tolerance sample at the percentile `SETTINGS.percentile` of all usable samples.
 
-    A sample at the percentiles of several forces is listed once.
+    Return the numbers of these samples without duplicates, and a sentence on the selection with their forces.
 
     Parameters
     ----------
@@ -192,13 +192,15 @@ def _critical_samples(
         Forces of all samples [N] by key, shape (samples,) each.
     names
         Keys of the forces that rank the samples, and their names.
-    usable
-        Numbers of the samples that may be selected.
+    usable_numbers
+        Numbers of the samples that may be selected: those that turn and can be written as a design.
     """
-    rank = _rank(usable.size)
-    chosen = {key: int(usable[np.argsort(forces[key][usable], kind="stable")][rank]) for key in names}
-    force_text = ", ".join(f"{name} {forces[key][chosen[key]]:.4g} N" for key, name in names.items())
-    return tuple(dict.fromkeys(chosen.values())), (
+    rank = _rank(usable_numbers.size)
+    number_by_force = {
+        key: int(usable_numbers[np.argsort(forces[key][usable_numbers], kind="stable")][rank]) for key in names
+    }
+    force_text = ", ".join(f"{name} {forces[key][number_by_force[key]]:.4g} N" for key, name in names.items())
+    return tuple(dict.fromkeys(number_by_force.values())), (
         "parts within the tolerances of the design: the weakest items of the samples at the "
         f"{SETTINGS.percentile:g} % percentile of the largest forces, {force_text}, at the nominal torque without "
         f"friction; {SETTINGS.samples} samples"

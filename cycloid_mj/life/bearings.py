@@ -136,10 +136,12 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
     output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
         yield Bearing("cam_bearing", "cam bearing", cam_ratings(reducer), CAM)
-    shaft_ratings, straddles = _shaft_ratings(reducer), shaft.mounting == "straddle"
+    shaft_ratings, has_straddle_mounting = _shaft_ratings(reducer), shaft.mounting == "straddle"
     for end, name in (("far", "shaft bearing far from the discs"), ("near", "shaft bearing next to the discs")):
-        joins: tuple[Body, Body] = ("shaft", "output") if straddles and end == "far" else ("shaft", "housing")
-        yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, joins, bore=2.0 * shaft.radius)
+        bodies: tuple[Body, Body] = (
+            ("shaft", "output") if has_straddle_mounting and end == "far" else ("shaft", "housing")
+        )
+        yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, bodies, bore=2.0 * shaft.radius)
     if has_casing(reducer):
         ratings, hub = _hub_ratings(reducer), casing(reducer).hub
         if hub.has_crossed_rollers:
@@ -150,8 +152,8 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
                 name = f"{end_name} bearing of the output"
                 yield Bearing(f"output_bearing_{end_name}", name, ratings, ("output", "housing"), bore=hub.bore)
     if output.has_needles:
-        spin = output.hole_radius / output.pin_radius - 1.0
-        yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin)
+        spin_ratio = output.hole_radius / output.pin_radius - 1.0
+        yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin_ratio)
 
 
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
@@ -242,8 +244,10 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
     """
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
-    low, high = shaft_dimensions(reducer).bearings[0]
-    row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, roller_diameter, high - low, 2.0 * radius + roller_diameter)
+    bearing_start, bearing_end = shaft_dimensions(reducer).bearings[0]
+    row = RollerRow(
+        ASSUMED_ROLLERS.shaft_rollers, roller_diameter, bearing_end - bearing_start, 2.0 * radius + roller_diameter
+    )
     stated_ratings, stock_bearing = (
         (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity),
         shaft_bearing(reducer),
@@ -261,19 +265,19 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     if bearing.has_crossed_rollers:
         source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
-    row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
+    balls, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     if bearing.contact_angle:
         source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"
         sources = f"C {source}", f"C0 {source}"
-        return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
-    by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
-    spread = (by_balls / bearing.dynamic) ** rolling.BALL_EXPONENT
-    spread_text = (
-        f"; ISO 281 gives {by_balls:.4g} N for {row.balls} balls of {1e3 * row.diameter:.3g} mm (estimated), "
-        f"{spread:.3g} times the life; manufacturers differ as much"
+        return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)
+    by_iso = rolling.ball_capacity(balls.balls, balls.diameter, balls.pitch)
+    life_ratio = (by_iso / bearing.dynamic) ** rolling.BALL_EXPONENT
+    comparison_text = (
+        f"; ISO 281 gives {by_iso:.4g} N for {balls.balls} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
+        f"{life_ratio:.3g} times the life; manufacturers differ as much"
     )
-    sources = f"C {source}{spread_text}", f"C0 {source}"
-    return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
+    sources = f"C {source}{comparison_text}", f"C0 {source}"
+    return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)
 
 
 def _output_roller_ratings(reducer: Reducer) -> Ratings:
@@ -317,10 +321,11 @@ def _choose_ratings(
         sources = f"C {source}", f"C0 {source}"
         exponent = rolling.BALL_EXPONENT if has_inner_ring(bearing) else exponent
     else:
-        plain = row.dynamic / rolling.ISO_281.roller_steel
+        base_capacity = row.dynamic / rolling.ISO_281.roller_steel
         dynamic, static = row.dynamic, row.static
         sources = (
-            f"assumed: {row} {location_text}, b_m {rolling.ISO_281.roller_steel:g} (C {plain:.0f} N with b_m 1)",
+            f"assumed: {row} {location_text}, b_m {rolling.ISO_281.roller_steel:g} "
+            f"(C {base_capacity:.0f} N with b_m 1)",
             f"assumed: {row} {location_text}",
         )
     return Ratings(
@@ -361,8 +366,8 @@ def _rate_bearing(
     life = rolling.life_hours(
         ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability, ratings.exponent
     )
-    power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
-    formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
+    exponent_text = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
+    formula = f"L = a1 (C/P)^{exponent_text}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
     inner_body, outer_body = bearing.joins
     note = (
         f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {inner_body} and {outer_body}, "
@@ -372,17 +377,17 @@ def _rate_bearing(
     if (viscosity := oil_viscosity(reducer)) and weighted_speeds.any():
         speed = float(weighted_speeds.sum()) / sum(load_case.point.share for load_case in loadings)
         yield rate_modified_life(bearing.key, bearing.name, ratings, viscosity, settings.cleanliness, load, life, speed)
-    ratios = (
+    forces_per_torque = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
     )
-    worst = peak_torque * max(ratios)
+    peak_force = peak_torque * max(forces_per_torque)
     yield RatedItem(
         f"{bearing.key}_static",
         f"{bearing.name}, static factor",
-        worst,
+        peak_force,
         ratings.static,
         "N",
-        ratings.static / worst if worst else math.inf,
+        ratings.static / peak_force if peak_force else math.inf,
         None,
         "s0 = C0/P0, ISO 76",
         f"{ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
@@ -433,8 +438,8 @@ def rate_modified_life(
     """
     curve = life_curve(ratings.exponent)
     kappa = MM2 * viscosity / reference_viscosity(speed, ratings.pitch)
-    limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
-    factor = life_factor(kappa, cleanliness, limit, load, curve) if load else LIMITS.max_factor
+    fatigue_limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
+    factor = life_factor(kappa, cleanliness, fatigue_limit, load, curve) if load else LIMITS.max_factor
     range_note = (
         f"; kappa is below {LIMITS.min_kappa:g}, where ISO 281 has no value" if kappa < LIMITS.min_kappa else ""
     )
@@ -448,7 +453,7 @@ def rate_modified_life(
         factor * basic_life,
         "L = a_ISO a1 L10, a_ISO by kappa and e_C C_u/P, ISO 281:2007",
         f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {MM2 * viscosity:.3g} mm2/s over nu_1, e_C {cleanliness:g}, "
-        f"C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{range_note}",
+        f"C_u {fatigue_limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{range_note}",
     )
 
 
@@ -464,5 +469,7 @@ def bearing_load(reducer: Reducer, forces: Sequence[Array], weighted_speeds: Arr
     exponent
         Exponent p of the bearing's life. With this load, the life is Miner's sum over the points.
     """
-    means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
-    return reducer.design.bearing.service_factor * rolling.mean_load(means, weighted_speeds, exponent)
+    mean_loads = np.array(
+        [max(rolling.mean_load(force_history, exponent=exponent) for force_history in force.T) for force in forces]
+    )
+    return reducer.design.bearing.service_factor * rolling.mean_load(mean_loads, weighted_speeds, exponent)

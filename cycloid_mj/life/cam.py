@@ -28,36 +28,36 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
     """
     design = reducer.design
     points = [point for point in duty.points if point.speed]
-    turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
+    weighted_speeds = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
     def make_case(name: str, stiffness: float | None, cam_forces: list[Array]) -> CamCase:
         """Return the case of a stiffness [N/m] from the cam forces at the duty's points [N], shape (m, discs) each."""
         ratings, reliability = cam_ratings(reducer), design.bearing.reliability
-        load = bearing_load(reducer, cam_forces, turns, ratings.exponent)
-        rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
-        life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if rolls else None
+        load = bearing_load(reducer, cam_forces, weighted_speeds, ratings.exponent)
+        has_rolling_bearing, speed = design.gear.bearing == "rolling", float(weighted_speeds.sum())
+        life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if has_rolling_bearing else None
         return CamCase(name, stiffness, load, life)
 
-    linear, rows = reducer.at_rated_load.contacts["cam"].stiffness, []
+    assumed_stiffness, cases = reducer.at_rated_load.contacts["cam"].stiffness, []
     for factor in STIFFNESS_FACTORS:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times"
         if factor == 1.0 and design.stiffness.cam:
             name = "of the design file"
-        varied_reducer = reducer.but(stiffness={"cam": factor * linear})
+        varied_reducer = reducer.but(stiffness={"cam": factor * assumed_stiffness})
         try:
-            rows.append(
+            cases.append(
                 make_case(
                     name,
-                    factor * linear,
+                    factor * assumed_stiffness,
                     [solve_loading(varied_reducer, point, with_wind_up=False).cam for point in points],
                 )
             )
         except CycloidError:
-            rows.append(CamCase(name, factor * linear, None, None))
-    crank = design.lobes * turn_evenly(reducer, POSES)
-    ideal = []
+            cases.append(CamCase(name, factor * assumed_stiffness, None, None))
+    crank_angles = design.lobes * turn_evenly(reducer, POSES)
+    ideal_forces = []
     for point in points:
         speed = math.copysign(point.speed, design.drive.speed)
         loaded_reducer = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
-        ideal.append(ideal_cam(loaded_reducer, crank))
-    return CamCompliance((*rows, make_case(IDEAL, None, ideal)))
+        ideal_forces.append(ideal_cam(loaded_reducer, crank_angles))
+    return CamCompliance((*cases, make_case(IDEAL, None, ideal_forces)))

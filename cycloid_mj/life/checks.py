@@ -87,11 +87,11 @@ def check_reducer(reducer: Reducer) -> Checks:
 
 
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
-    """Check whether a valid design withstands its nominal torque and speed for its required life.
+    """Return the checks whether a valid design withstands its nominal torque and speed for its required life.
 
-    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. A `Check` compares the load
-    capacity for each kind of failure in `KINDS` with its limit; all checks are warnings. Empty if the crank does not
-    turn or no static equilibrium exists, which the check `rated_load` reports.
+    There is a `Check` for each kind of failure in `KINDS`; it compares the safety factor or life of the weakest part
+    with its limit. All checks are warnings. If the design has tolerances, parts with errors within them are rated.
+    The result is empty if the crank does not turn or no static equilibrium exists (check ``rated_load``).
     """
     try:
         return checks_of_rating(rate_for_verdict(reducer))
@@ -138,9 +138,9 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
         yield "drive.torque_nm", _round_safely(torque, BELOW) / design.reduction
         if (
             failed_check.name in ("life", "strength")
-            and (share := design.rated_torque / torque) < REMEDIES.max_widening
+            and (torque_ratio := design.rated_torque / torque) < REMEDIES.max_widening
         ):
-            yield "gear.face_width_mm", _round_safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
+            yield "gear.face_width_mm", _round_safely(MILLIMETRES * design.gear.face_width * torque_ratio, ABOVE)
     if failed_check.name == "life" and failed_check.value and failed_check.value > REMEDIES.min_life:
         yield "service.life_h", _round_safely(failed_check.value, BELOW)
     if failed_check.name == "heat" and failed_check.value:
@@ -177,10 +177,12 @@ def _largest_torque(reducer: Reducer, rating: Rating, keys: Collection[str]) -> 
 def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
     """Return whether the check named `check_name` passes after a `change` of the design file (key, value)."""
     try:
-        changed = reducer_of(override(reducer.design, dict([change])))
+        changed_reducer = reducer_of(override(reducer.design, dict([change])))
         # steady temperatures, which take most of the time, decide on heat only
         rating = (
-            rate_for_verdict(changed) if check_name == "heat" else rate(changed, parts=default_parts(changed.design))
+            rate_for_verdict(changed_reducer)
+            if check_name == "heat"
+            else rate(changed_reducer, parts=default_parts(changed_reducer.design))
         )
     except CycloidError:
         return False
@@ -204,27 +206,27 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
     The limit is a safety factor of 1, or the required life [h]. Kinds without rated items have no check.
     `decisive_items` are the items of the rating that limit the rated torque (`RatedItem.decisive`).
     """
-    for kind, (about, explanation) in KINDS.items():
+    for kind, (design_key, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not items_of_kind:
             continue
         weakest = min(items_of_kind, key=lambda item: item.margin(rating.life))
         margin = weakest.margin(rating.life)
-        by_life = weakest.safety is None
-        limit = f" against a limit of {weakest.limit_text}" if weakest.limit_text else ""
+        is_life = weakest.safety is None
+        limit_text = f" against a limit of {weakest.limit_text}" if weakest.limit_text else ""
         yield Check(
             name=kind,
             passed=margin >= 1.0,
             got=f"{weakest.verdict} ({weakest.name})",
-            limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{explanation}; {weakest.load_text}{limit}, for {rating.duty}"
+            limit=f"at least {rating.life:g} h" if is_life else "at least 1",
+            why=f"{explanation}; {weakest.load_text}{limit_text}, for {rating.duty}"
             f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
             remedy="" if margin >= 1.0 else HEAT_REMEDY if kind == "heat" else REMEDY,
             severity="warning",
-            key=about,
-            value=weakest.life if by_life else weakest.safety,
-            bound=rating.life if by_life else 1.0,
-            unit="h" if by_life else "1",
+            key=design_key,
+            value=weakest.life if is_life else weakest.safety,
+            bound=rating.life if is_life else 1.0,
+            unit="h" if is_life else "1",
         )
 
 

@@ -192,10 +192,10 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     """
     design = reducer.design
     life = life or design.service.life
-    total, done = len(CURVES.speed_shares) + 5, count(1)
+    step_count, step_numbers = len(CURVES.speed_shares) + 5, count(1)
 
     def advance() -> None:
-        progress(next(done), total)
+        progress(next(step_numbers), step_count)
 
     static = sheet(reducer, design.rated_torque)
     advance()
@@ -214,25 +214,27 @@ Contents = tuple[dict[str, tuple[Quantity, ...]], tuple[Curve, ...], tuple[str, 
 
 
 def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of a central-crank drive: quantities, curves, assumptions, weakest part.
+    """Compute the contents of the data sheet of a central-crank drive.
 
-    `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
-    after each step.
+    They are, in this order: groups of quantities by heading, curves, assumptions (sentences), and the rated item (a
+    part with a kind of failure) that limits the rated torque.
+    `life` is the required life [h]. `static` is the data sheet computed by statics at the nominal torque. `advance`
+    is called after each step, without arguments, to report progress.
     """
     design = reducer.design
-    momentary, stop = momentary_torque(reducer)
-    lasting_limit = rated_torque(reducer, design.drive.speed, life)
-    rated, weakest = min(lasting_limit, (momentary, stop), key=lambda pair: pair[0])
+    momentary, stop_item = momentary_torque(reducer)
+    life_limit = rated_torque(reducer, design.drive.speed, life)
+    rated, weakest = min(life_limit, (momentary, stop_item), key=lambda pair: pair[0])
     advance()
     groups = {
-        "Ratings": _rating_rows(reducer, life, (rated, weakest), (momentary, stop)),
+        "Ratings": _rating_rows(reducer, life, (rated, weakest), (momentary, stop_item)),
         "Accuracy and stiffness": _accuracy_rows(reducer, static),
         "Efficiency and heat": _efficiency_rows(reducer, static),
         "Speed": _speed_rows(reducer),
         "Without load": torques_without_load(reducer, static),
         **({"Output bearing": _output_bearing_rows(reducer)} if has_casing(reducer) else {}),
     }
-    groups = {heading: _note_parts(reducer, group) for heading, group in groups.items()}
+    groups = {heading: _add_condition_notes(reducer, group) for heading, group in groups.items()}
     groups["Ratings"] += _toleranced_torque_rows(reducer, life)
     groups["Mass and size"] = _mass_rows(reducer)
     groups["Lubrication and environment"] = tuple(environment_rows(reducer))
@@ -241,7 +243,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
         groups["Assembly"] = tuple(mounting_rows(reducer))
     advance()
     curves = (
-        life_curve(reducer, life, momentary, lasting_limit[0], advance),
+        life_curve(reducer, life, momentary, life_limit[0], advance),
         _efficiency_curve(reducer),
         _wind_up_curve(reducer),
         *no_load_curves(reducer),
@@ -251,15 +253,17 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
 
 
 def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callable[[], None]) -> Contents:
-    """Compute the contents of the data sheet of an RV reducer: quantities, curves, assumptions, weakest part.
+    """Compute the contents of the data sheet of an RV reducer.
 
-    `life` is the required life [h]. `static` is the data sheet by statics at the nominal torque; `advance` is called
-    after each step.
+    They are, in this order: groups of quantities by heading, curves, assumptions (sentences), and the rated item (a
+    part with a kind of failure) that limits the rated torque.
+    `life` is the required life [h]. `static` is the data sheet computed by statics at the nominal torque. `advance`
+    is called after each step, without arguments, to report progress.
     """
     limits = compute_rv_limits(reducer, life)
     advance()
     groups = {
-        heading: _note_parts(reducer, group)
+        heading: _add_condition_notes(reducer, group)
         for heading, group in rv_performance_groups(reducer, life, limits, static).items()
     }
     groups["Ratings"] += _toleranced_torque_rows(reducer, life)
@@ -276,14 +280,14 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
     return groups, curves, rv_notes(life), limits.rated[1]
 
 
-def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    """Return data-sheet quantities with a note that states whether parts are perfect or have errors.
+def _add_condition_notes(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Return the quantities of a `group` with a note that states whether parts are perfect or have errors.
 
-    `group` are the quantities. Quantities that do not depend on such errors (`BY_GEOMETRY_ALONE`) are unchanged.
+    Quantities that do not depend on errors (`BY_GEOMETRY_ALONE`) are unchanged.
     """
-    parts = f"parts {reducer.parts_text}" if reducer.has_errors else "perfect parts"
+    note = f"parts {reducer.parts_text}" if reducer.has_errors else "perfect parts"
     return tuple(
-        item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
+        item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{note}; {item.note}" if item.note else note)
         for item in group
     )
 
@@ -299,11 +303,11 @@ def _rating_rows(
     design = reducer.design
     speed = design.drive.speed
     condition = f"{describe_speed(reducer)} input"
-    by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
-    (rated, weakest), (momentary, stop) = rated_limit, momentary_limit
+    bearing_torque, bearing = rated_torque(reducer, speed, life, is_bearing_life)
+    (rated, weakest), (momentary, stop_item) = rated_limit, momentary_limit
     acceleration_torque, strength_item = min(
         rated_torque(reducer, speed, life, is_strength, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol),
-        (momentary, stop),
+        (momentary, stop_item),
         key=lambda pair: pair[0],
     )
     return (
@@ -318,7 +322,7 @@ def _rating_rows(
         Quantity(
             "bearing_torque",
             "Rated torque of the bearings alone",
-            by_bearings,
+            bearing_torque,
             "N m",
             note=f"{life:g} h, {condition}; limited by {bearing.name}",
         ),
@@ -334,7 +338,7 @@ def _rating_rows(
             "Momentary torque, emergency stop",
             momentary,
             "N m",
-            note=f"safety factor 1; limited by {stop.name}",
+            note=f"safety factor 1; limited by {stop_item.name}",
         ),
         nominal_torque_row(design),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
@@ -368,13 +372,13 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
     `static` is the data sheet computed by statics at the nominal torque.
     """
-    quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
-    error = quantities["output_peak_to_peak_loaded_forward_speed"]
+    quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
         with_name(quantities["backlash"], "Backlash", "without load, mean over a turn"),
-        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}"),
-        with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, input locked"),
-        with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow"),
+        with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}"),
+        with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, input locked"),
+        with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow"),
         hysteresis(reducer),
     )
 
@@ -386,24 +390,37 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """
     design = reducer.design
     quantities = static.quantities
-    law, speed = f", {film_text(reducer)}" if design.has_film else "", describe_speed(reducer)
-    condition = f"{design.rated_torque:.4g} N m, {speed}{law}"
-    with_film = "with seals, and grease in the cams, without bearings of shaft and output"
-    bare = f"{with_film}{law}" if design.has_film else "without seals, grease and bearings"
+    film_note, speed_text = f", {film_text(reducer)}" if design.has_film else "", describe_speed(reducer)
+    condition = f"{design.rated_torque:.4g} N m, {speed_text}{film_note}"
+    film_condition = "with seals, and grease in the cams, without bearings of shaft and output"
+    contact_note = f"{film_condition}{film_note}" if design.has_film else "without seals, grease and bearings"
     housing = rate_at_rated_load(reducer).items["temperature"]
-    ambient, cooling = design.service.ambient_temperature, f"{describe_cooling(design)}, {describe_duty(design)}"
+    ambient, cooling_text = design.service.ambient_temperature, f"{describe_cooling(design)}, {describe_duty(design)}"
     return (
         _drive_efficiency(reducer, f"{condition}, all bearings included"),
         with_name(
             quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
-        with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{bare}; against drive.torque_nm"),
-        figure_row(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{bare}; slow"),
-        figure_row(
-            reducer, "no_load_torque_nm", "No-load running torque", f"{bare}; on the crank, {describe_speed(reducer)}"
+        with_name(
+            quantities["back_driving_torque_rated"],
+            "Back-driving torque",
+            f"{contact_note}; against drive.torque_nm",
         ),
-        figure_row(reducer, "starting_torque_nm", "Starting torque", f"{bare}; on the crank"),
-        Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, {cooling}"),
+        figure_row(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{contact_note}; slow"),
+        figure_row(
+            reducer,
+            "no_load_torque_nm",
+            "No-load running torque",
+            f"{contact_note}; on the crank, {describe_speed(reducer)}",
+        ),
+        figure_row(reducer, "starting_torque_nm", "Starting torque", f"{contact_note}; on the crank"),
+        Quantity(
+            "temperature_rise",
+            "Temperature rise",
+            housing.value - ambient,
+            "K",
+            note=f"{condition}, {cooling_text}",
+        ),
         *_thermal_rows(reducer),
     )
 
@@ -418,9 +435,9 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
     torque = reducer.design.rated_torque
     if not reducer.design.has_film:
         return efficiency
-    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    in_bearings = delivered * (100.0 / efficiency.value - 1.0) - sampled_losses(reducer, torque)[0]
-    return with_interval(efficiency, sampled_efficiency(reducer, torque, further_loss=in_bearings))
+    output_power = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    bearing_loss = output_power * (100.0 / efficiency.value - 1.0) - sampled_losses(reducer, torque)[0]
+    return with_interval(efficiency, sampled_efficiency(reducer, torque, further_loss=bearing_loss))
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
@@ -434,10 +451,10 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
     state = thermal(reducer.design)
     condition = f"{state.condition}; conductances assumed"
     if math.isfinite(state.torque):
-        limit = f"{condition}; limit: {state.limited_by}"
-        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=limit)
-    jam = f"{condition}; {state.jam_difference:.3g} K close the teeth"
-    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=jam)
+        limit_note = f"{condition}; limit: {state.limited_by}"
+        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=limit_note)
+    jam_note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
+    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=jam_note)
 
 
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
@@ -464,22 +481,22 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
     The limits are loads that may act together with the nominal torque, except the axial load, which acts alone.
     """
-    seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
+    bearings, torque_text = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     return (
         figure_row(
             reducer,
             "output_tilting_capacity_nm",
             "Tilting moment",
-            f"{torque}; {seat.layout}, ISO 281 and 76",
+            f"{torque_text}; {bearings.layout}, ISO 281 and 76",
         ),
         figure_row(
             reducer,
             "output_tilting_stiffness_nm_per_arcmin",
             "Tilting stiffness",
-            f"at half the tilting moment, Palmgren; {seat.stiffness_note}",
+            f"at half the tilting moment, Palmgren; {bearings.stiffness_note}",
         ),
-        figure_row(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
-        figure_row(reducer, "output_axial_load_n", "Axial load", f"alone, {seat.axial_source}"),
+        figure_row(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque_text}"),
+        figure_row(reducer, "output_axial_load_n", "Axial load", f"alone, {bearings.axial_source}"),
     )
 
 
@@ -530,9 +547,9 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
-    count = {PIN: design.ring.teeth}
-    mass = sum(solid.mass * count.get(name, 1) for name, solid in solids.items())
-    length = axial_extent(reducer)
+    count_by_solid = {PIN: design.ring.teeth}
+    mass = sum(solid.mass * count_by_solid.get(name, 1) for name, solid in solids.items())
+    extent = axial_extent(reducer)
     return (
         Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn, without covers and bearing rings"),
         Quantity("inertia", "Inertia of the mechanism", KG_CM2 * input_inertia(reducer), "kg cm2", note="at the input"),
@@ -545,7 +562,7 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         Quantity(
             "length",
             "Length of the mechanism",
-            1e3 * (length[1] - length[0]),
+            1e3 * (extent[1] - extent[0]),
             "mm",
             note="input journal to output disc",
         ),
@@ -609,8 +626,10 @@ def life_curve(
                 )
             points.append((speed / RPM, min(torque, momentary)))
         on_point()
-    x, y = np.array(points).T
-    return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
+    speeds, torques = np.array(points).T
+    return Curve(
+        f"Rated torque for {life:g} h", "all items", speeds, torques, "input speed [rpm]", "output torque [N m]"
+    )
 
 
 def _efficiency_curve(reducer: Reducer) -> Curve:
@@ -620,19 +639,19 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
     """
     design = reducer.design
     torques, speed = np.array(CURVES.torque_shares) * design.rated_torque, abs(design.drive.speed)
-    ends = torques[[0, -1]]
-    points = (DutyPoint(float(torque), speed, 1.0) for torque in ends)
-    lost_torque = [
+    end_torques = torques[[0, -1]]
+    points = (DutyPoint(float(torque), speed, 1.0) for torque in end_torques)
+    end_losses = [
         sum(bearing_losses(reducer, solve_loading(reducer, point, CURVES.crank_angles, with_wind_up=False)).values())
         for point in points
     ]
-    shares = []
-    for torque, bearing_loss in zip(torques, np.interp(torques, ends, lost_torque), strict=True):
-        contacts = powers(reducer, float(torque))
-        shares.append(contacts.delivered / (contacts.supplied + bearing_loss))
+    efficiencies = []
+    for torque, bearing_loss in zip(torques, np.interp(torques, end_torques, end_losses), strict=True):
+        contact_powers = powers(reducer, float(torque))
+        efficiencies.append(contact_powers.delivered / (contact_powers.supplied + bearing_loss))
     panel = f"Efficiency at {describe_speed(reducer)}"
     return Curve(
-        panel, "all bearings included", torques, 100.0 * np.array(shares), "output torque [N m]", "efficiency [%]"
+        panel, "all bearings included", torques, 100.0 * np.array(efficiencies), "output torque [N m]", "efficiency [%]"
     )
 
 
@@ -646,15 +665,16 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
     torques = reducer.design.rated_torque * np.array(
         [*(-np.array(CURVES.torsion_shares[::-1])), *CURVES.torsion_shares]
     )
-    turns = [float(loads(static_reducer, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
+    twists = [float(loads(static_reducer, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
     panel = "Torsion, input locked"
-    return Curve(panel, "mean over a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
+    return Curve(panel, "mean over a turn", torques, np.array(twists), "output torque [N m]", "output turn [arcmin]")
 
 
 def _notes(reducer: Reducer, ratings: tuple[str, ...], static: Sheet) -> tuple[str, ...]:
     """Return the assumptions of the data sheet, a sentence each: statics, rated torque, friction, material, clearances.
 
-    `ratings` are the sentences on the rated torque, and `static` is the data sheet by statics with its assumptions.
+    `ratings` are the sentences on the rated torque, and `static` is the data sheet computed by statics, with
+    its assumptions.
     """
     temperature = reducer.design.thermal.words
     return (
@@ -691,8 +711,8 @@ def _material_text(reducer: Reducer) -> str:
     if isinstance(reducer, RvReducer):
         clearances["crank bearing, radial"] = reducer.bearing_clearance
         clearances["planet backlash"] = reducer.planet.backlash
-    text = ", ".join(f"{name} {1e6 * value:.4g}" for name, value in clearances.items())
-    return f"Materials: {materials}. Clearances [um]: {text}."
+    clearance_text = ", ".join(f"{name} {1e6 * value:.4g}" for name, value in clearances.items())
+    return f"Materials: {materials}. Clearances [um]: {clearance_text}."
 
 
 @shows_progress

@@ -39,27 +39,30 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
     torque = abs(worst.point.torque)
     output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak_torque / torque
-    sections = 1 if output.support == "cantilever" else 2
-    shear, strength = force / (sections * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
+    shear_planes = 1 if output.support == "cantilever" else 2
+    shear_stress, shear_strength = (
+        force / (shear_planes * math.pi * radius**2),
+        material.yield_strength / math.sqrt(3.0),
+    )
     pin_shear = RatedItem(
         "peak_pin_shear",
         "emergency stop: shear of an output pin",
-        1e-6 * shear,
-        1e-6 * strength,
+        1e-6 * shear_stress,
+        1e-6 * shear_strength,
         "MPa",
-        strength / shear if shear else math.inf,
+        shear_strength / shear_stress if shear_stress else math.inf,
         None,
         "F/(n pi r^2) against Y/sqrt(3)",
-        f"{sections} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
+        f"{shear_planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
-    bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak_torque / torque / (math.pi * radius**3)
+    bending_stress = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak_torque / torque / (math.pi * radius**3)
     pin_bending = RatedItem(
         "peak_pin_bending",
         "emergency stop: bending of an output pin",
-        1e-6 * bending,
+        1e-6 * bending_stress,
         1e-6 * material.yield_strength,
         "MPa",
-        material.yield_strength / bending if bending else math.inf,
+        material.yield_strength / bending_stress if bending_stress else math.inf,
         None,
         "4 M/(pi r^3) against Y",
         "nominal stress: a notch yields without failing; forces in proportion to the torque",
@@ -73,17 +76,17 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
     items = [pin_shear, pin_bending, tooth_skipping]
-    for key, (consequence, factor, strength_name, source) in KINDS.items():
+    for key, (consequence, pressure_factor, strength_name, source) in KINDS.items():
         limits = {}
         for kind in worst.pressures:
-            limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
+            limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else pressure_factor
             if kind != "cam" or design.gear.bearing == "plain":
                 limits[kind] = limit_factor * min(getattr(part, strength_name) for part in design.partners(kind))
             elif has_bare_rollers(reducer):  # a bought bearing has its static factor
                 limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
         if limits:
-            smallest = peak_torque * min(item.margin(0.0) for item in items)
-            torque_limit, note = _torque_at_limits(worst, limits, smallest)
+            other_limit = peak_torque * min(item.margin(0.0) for item in items)
+            torque_limit, note = _torque_at_limits(worst, limits, other_limit)
             items.append(torque_item(key, f"emergency stop: {consequence}", peak_torque, torque_limit, source, note))
     yield from items
 
@@ -110,12 +113,12 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     """
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
-    guess = torque * (limits[kind] / worst.pressures[kind]) ** 2
-    by_root = "the pressure is taken as the square root of the torque"
-    if abs(guess) > max(FAR_BEYOND * other_limit, abs(torque)):
-        return abs(guess), f"in {kind}, at least: {by_root}, as another limit of the stop is far below"
+    estimated_torque = torque * (limits[kind] / worst.pressures[kind]) ** 2
+    root_note = "the pressure is taken as the square root of the torque"
+    if abs(estimated_torque) > max(FAR_BEYOND * other_limit, abs(torque)):
+        return abs(estimated_torque), f"in {kind}, at least: {root_note}, as another limit of the stop is far below"
     try:
-        limit_torque, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
+        limit_torque, kind = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
     except RunError:
-        return abs(guess), f"in {kind}; no equilibrium was found there: {by_root}"
+        return abs(estimated_torque), f"in {kind}; no equilibrium was found there: {root_note}"
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"

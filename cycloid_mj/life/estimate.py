@@ -94,7 +94,7 @@ def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) ->
     sizes
         Dimensions of the candidates.
     design
-        The design of one of them: all have its teeth, discs, materials, clearances, friction and operating conditions.
+        Design with the teeth, discs, materials, clearances, friction and operating conditions of all candidates.
     diameter
         Outer diameter of the drives with their covers [m].
     deviation
@@ -102,7 +102,7 @@ def estimate(sizes: Sizes, design: Design, diameter: float, deviation: float) ->
     """
     torque = np.full(sizes.circle.shape, FIRST_TORQUE * diameter**3)
     for _ in range(ROUNDS):
-        loads = _Loads.of(sizes, design, deviation, torque)
+        loads = _Loads.compute(sizes, design, deviation, torque)
         limits = {
             **_surface_torque_limits(sizes, design, loads),
             **_bearing_torque_limits(sizes, design, loads, diameter),
@@ -162,7 +162,7 @@ class _Loads:
     arm: Array
 
     @classmethod
-    def of(cls, sizes: Sizes, design: Design, deviation: float, torque: Array) -> "_Loads":
+    def compute(cls, sizes: Sizes, design: Design, deviation: float, torque: Array) -> "_Loads":
         """Compute the loads on the critical disc of n candidate drives at their output torques [N m], shape (n,).
 
         The critical disc carries the largest share of the torque, because its errors let it lead the other discs. Its
@@ -172,29 +172,34 @@ class _Loads:
         """
         teeth, discs = design.ring.teeth, design.gear.discs
         angle = (np.arange(ANGLES) + 0.5) * math.pi / ANGLES
-        circle, pin, ecc = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
-        k1 = ecc * teeth / circle
+        circle, pin_radius, eccentricity = sizes.circle[:, None], sizes.pin[:, None], sizes.eccentricity[:, None]
+        k1 = eccentricity * teeth / circle
         distance = np.sqrt(1.0 + k1**2 - 2.0 * k1 * np.cos(angle))
-        arm = ecc * design.lobes * np.sin(angle) / distance
-        arm_out = sizes.circle_out[:, None] * np.sin(angle)
-        series = 0.5 if design.ring.has_sockets else 1.0
+        arm = eccentricity * design.lobes * np.sin(angle) / distance
+        pin_arm = sizes.circle_out[:, None] * np.sin(angle)
+        series_factor = 0.5 if design.ring.has_sockets else 1.0
         play = design.clearance.pin_gear + design.pin_play
         line = LINE_STIFFNESS * _modulus(design, "output") * sizes.face
         bending = 192.0 * design.material_of("output").youngs_modulus * math.pi / 4.0 * sizes.core**4
         bending = bending / _stack(sizes, design) ** 3
         weights = np.full(len(sizes), 0.5 * teeth / ANGLES), 0.5 * sizes.count / ANGLES
         modulus = _modulus(design, "pin_gear")
-        tooth_springs = arm, weights[0], series * LINE_STIFFNESS * modulus * sizes.face, play
-        pin_springs = arm_out, weights[1], 1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)), design.clearance.output
+        tooth_springs = arm, weights[0], series_factor * LINE_STIFFNESS * modulus * sizes.face, play
+        pin_springs = (
+            pin_arm,
+            weights[1],
+            1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)),
+            design.clearance.output,
+        )
         torsional = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]
-        lead = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
-        disc_share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead / torque, 1.0)
+        lead_torque = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
+        disc_share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead_torque / torque, 1.0)
         error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
         force, pin_force = (share_torque(*springs, disc_share * torque)[0] for springs in (tooth_springs, pin_springs))
-        peak = protruding_forces(*tooth_springs, disc_share * torque, CRITICAL * error)
-        pin_peak = protruding_forces(*pin_springs, disc_share * torque, CRITICAL * deviation)
+        peak_force = protruding_forces(*tooth_springs, disc_share * torque, CRITICAL * error)
+        peak_pin_force = protruding_forces(*pin_springs, disc_share * torque, CRITICAL * deviation)
         path_radius = circle * distance**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
-        curvature = np.maximum(1.0 / pin + 1.0 / (path_radius - pin), 1e-3)
+        curvature = np.maximum(1.0 / pin_radius + 1.0 / (path_radius - pin_radius), 1e-3)
         tangential = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
         radial = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
         pin_sum = weights[1] * pin_force.sum(axis=1)
@@ -202,13 +207,13 @@ class _Loads:
         return cls(
             torque,
             disc_share,
-            peak.max(axis=1),
-            np.sqrt((peak * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
-            pin_peak.max(axis=1),
+            peak_force.max(axis=1),
+            np.sqrt((peak_force * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
+            peak_pin_force.max(axis=1),
             pin_sum,
             np.hypot(tangential, np.abs(radial) + pin_sum),
-            weights[0] * (force * np.abs(circle * distance - pin)).sum(axis=1) * speed / disc_share,
-            np.min(np.where(path_radius > 0.0, path_radius - pin - play, np.inf), axis=1) > 0.0,
+            weights[0] * (force * np.abs(circle * distance - pin_radius)).sum(axis=1) * speed / disc_share,
+            np.min(np.where(path_radius > 0.0, path_radius - pin_radius - play, np.inf), axis=1) > 0.0,
             play,
             arm.max(axis=1),
         )
@@ -223,14 +228,16 @@ def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[
     """Compute the output torques [N m] of n candidates allowed by the pressures on teeth and output pins.
 
     The result has the shape (n,) by name of the limit. The limit is pitting of steel or permanent set of a plastic, and
-    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
+    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
     """
-    hole = sizes.stud + sizes.eccentricity
-    curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
+    hole_radius = sizes.stud + sizes.eccentricity
+    curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole_radius, 1e-6)
     pin_pressure = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
     half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / pin_pressure]) / (math.pi * sizes.face)
-    travel = np.stack([(sizes.circle - sizes.pin) / design.lobes, hole])  # of the contact per radian of the crank
-    loaded_shares = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
+    travel_radius = np.stack(
+        [(sizes.circle - sizes.pin) / design.lobes, hole_radius]
+    )  # of the contact per radian of the crank
+    loaded_shares = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel_radius), strict=True))
     limits = {}
     for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", pin_pressure)):
         partners = design.partners(kind)
@@ -239,16 +246,16 @@ def _surface_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[
             loaded_hours = design.service.life * np.minimum(loaded_shares[kind], 1.0)
             allowed_pressure, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded_hours**SET_POWER, f"{kind}_set"
         else:
-            factor, power = AGMA_2001.factor, AGMA_2001.power
+            pressure_factor, power = AGMA_2001.factor, AGMA_2001.power
             cycles = design.drive.speed / (2.0 * math.pi) * HOUR * design.service.life
-            allowed_pressure = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
+            allowed_pressure = pressure_factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"
         limits[key] = loads.torque * (allowed_pressure / np.maximum(pressure, 1.0)) ** 2
         if design.friction.law == "film" and key.endswith("pitting"):
             limits[f"{key}_lubricated"] = LUBRICANT_FACTOR**2 * limits[key]
         if kind == "pin_gear":
-            factor = SHAKEDOWN_PRESSURE if key.endswith("set") else YIELD_PRESSURE
-            limits["peak_yield"] = loads.torque * 0.5 * (factor * strength / np.maximum(pressure, 1.0)) ** 2
+            pressure_factor = SHAKEDOWN_PRESSURE if key.endswith("set") else YIELD_PRESSURE
+            limits["peak_yield"] = loads.torque * 0.5 * (pressure_factor * strength / np.maximum(pressure, 1.0)) ** 2
     return limits
 
 
@@ -256,10 +263,10 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
     """Compute the output torques [N m] of n candidates allowed by the bearings of cams, shaft, output and rollers.
 
     The result has the shape (n,) by name of the limit. The limits are their lives, and their static ratings at twice
-    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
+    the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
     """
     discs, stack = design.gear.discs, _stack(sizes, design)
-    hours = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6
+    megaturns = HOUR * design.service.life * design.drive.speed / (2.0 * math.pi) / 1e6
     near_arm = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing
     far_arm = stack / 2.0 + sizes.disc + sizes.bearing / 2.0
     near_load, far_load = loads.cam * far_arm / (near_arm + far_arm), loads.cam * near_arm / (near_arm + far_arm)
@@ -267,14 +274,14 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
         near_load = far_load = loads.cam * (stack - sizes.face) / (near_arm + far_arm)
     max_outside = sizes.circle + sizes.pin
     hubs = stock.thin_ball_bearings()
-    wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
-    min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
-    index = np.minimum(
+    min_wall = max(RULES.min_wall, RULES.wall_share * diameter / 2.0)
+    min_bore = sizes.circle_out + (1.0 + RIM) * sizes.stud - min_wall
+    hub_index = np.minimum(
         np.searchsorted([bearing.outside for bearing in hubs], 2.0 * max_outside, side="right") - 1,
         np.searchsorted([bearing.bore for bearing in hubs], 2.0 * min_bore, side="right") - 1,
     )
     dynamic, width, static, bore, diameter = (
-        np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(index, 0)]
+        np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(hub_index, 0)]
         for key in ("dynamic", "width", "static", "bore", "outside")
     )
     is_plastic = design.material_of("gear").is_plastic
@@ -285,19 +292,21 @@ def _bearing_torque_limits(sizes: Sizes, design: Design, loads: _Loads, diameter
     else:
         inner_load = outer_load = loads.pin_sum * (stack - sizes.face) / spacing
     hub_load = np.hypot(inner_load, near_load)
-    roller, ball = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
-    spins = np.maximum(sizes.eccentricity / np.maximum(sizes.stud, 1e-6), 1e-6)
+    roller_power, ball_power = 1.0 / rolling.EXPONENT, 1.0 / rolling.BALL_EXPONENT
+    spin_ratios = np.maximum(sizes.eccentricity / np.maximum(sizes.stud, 1e-6), 1e-6)
     limits = {
-        "cam_bearing": sizes.cam_dynamic / hours**roller / loads.cam,
+        "cam_bearing": sizes.cam_dynamic / megaturns**roller_power / loads.cam,
         "cam_bearing_static": sizes.cam_static / (2.0 * loads.cam),
-        "shaft_bearing_near": sizes.shaft_dynamic / hours**roller / near_load,
+        "shaft_bearing_near": sizes.shaft_dynamic / megaturns**roller_power / near_load,
         "shaft_bearing_near_static": sizes.shaft_static / (2.0 * near_load),
-        "output_bearing_inner": dynamic / (hours / design.lobes) ** ball / hub_load,
+        "output_bearing_inner": dynamic / (megaturns / design.lobes) ** ball_power / hub_load,
         "output_bearing_inner_static": static / (2.0 * hub_load),
-        "output_bearing_outer": dynamic / (hours / design.lobes) ** ball / np.maximum(outer_load, 1e-6),
-        "shaft_bearing_far": sizes.shaft_dynamic / hours**roller / np.maximum(far_load, 1e-6),
+        "output_bearing_outer": dynamic / (megaturns / design.lobes) ** ball_power / np.maximum(outer_load, 1e-6),
+        "shaft_bearing_far": sizes.shaft_dynamic / megaturns**roller_power / np.maximum(far_load, 1e-6),
         "output_rollers": np.where(
-            sizes.needle_dynamic > 0.0, sizes.needle_dynamic / (hours * spins) ** roller / (0.5 * loads.pin), 1e9
+            sizes.needle_dynamic > 0.0,
+            sizes.needle_dynamic / (megaturns * spin_ratios) ** roller_power / (0.5 * loads.pin),
+            1e9,
         ),
     }
     return {key: loads.torque * limit for key, limit in limits.items()}
@@ -312,28 +321,28 @@ def _pin_torque_limits(sizes: Sizes, design: Design, loads: _Loads) -> dict[str,
     """Compute the output torques [N m] of n candidates allowed by output pins and by the walls between holes.
 
     The result has the shape (n,) by name of the limit. The pins are beams clamped at both ends: limits are fatigue, and
-    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at some torque.
+    yield at twice the torque. `sizes` are the dimensions of the candidates, and `loads` their loads at `loads.torque`.
     """
     material, discs = design.material_of("output"), design.gear.discs
     span = discs * sizes.face
-    bending = 4.0 * loads.pin * discs * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)
-    shear = loads.pin * discs / (2.0 * math.pi * np.maximum(sizes.core, 1e-6) ** 2)
+    bending_stress = 4.0 * loads.pin * discs * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)
+    shear_stress = loads.pin * discs / (2.0 * math.pi * np.maximum(sizes.core, 1e-6) ** 2)
     limits = {
-        "output_pin_fatigue": ENDURANCE_SHARE * material.tensile_strength / bending,
-        "peak_pin_bending": material.yield_strength / (2.0 * bending),
-        "peak_pin_shear": material.yield_strength / math.sqrt(3.0) / (2.0 * shear),
+        "output_pin_fatigue": ENDURANCE_SHARE * material.tensile_strength / bending_stress,
+        "peak_pin_bending": material.yield_strength / (2.0 * bending_stress),
+        "peak_pin_shear": material.yield_strength / math.sqrt(3.0) / (2.0 * shear_stress),
     }
-    hole, disc = sizes.stud + sizes.eccentricity, design.material_of("gear")
-    root = sizes.circle - sizes.eccentricity - sizes.pin
+    hole_radius, disc_material = sizes.stud + sizes.eccentricity, design.material_of("gear")
+    root_radius = sizes.circle - sizes.eccentricity - sizes.pin
     walls = {
-        "hole_to_hole": 2.0 * (sizes.circle_out * np.sin(np.pi / sizes.count) - hole),
-        "hole_to_root": root - sizes.circle_out - hole,
-        "bore_to_hole": sizes.circle_out - hole - sizes.bore,
+        "hole_to_hole": 2.0 * (sizes.circle_out * np.sin(np.pi / sizes.count) - hole_radius),
+        "hole_to_root": root_radius - sizes.circle_out - hole_radius,
+        "bore_to_hole": sizes.circle_out - hole_radius - sizes.bore,
     }
     for name, thickness in walls.items():
         wall = np.maximum(thickness, 1e-6)
-        stress = 0.75 * loads.pin / (sizes.face * wall) * np.maximum(2.0 * hole / wall, math.sqrt(3.0))
-        limits[f"{name}_fatigue"] = ENDURANCE_SHARE * disc.tensile_strength / stress
+        stress = 0.75 * loads.pin / (sizes.face * wall) * np.maximum(2.0 * hole_radius / wall, math.sqrt(3.0))
+        limits[f"{name}_fatigue"] = ENDURANCE_SHARE * disc_material.tensile_strength / stress
     return {key: loads.torque * limit for key, limit in limits.items()}
 
 
@@ -356,9 +365,11 @@ def _thermal_torque_limit(sizes: Sizes, design: Design, loads: _Loads, diameter:
     friction_moment = pin_friction * loads.pin_sum * sizes.eccentricity + cam_friction * loads.cam * sizes.bore
     loss = design.mesh_friction * loads.tooth_loss + friction_moment / loads.disc_share * speed
     if design.has_film:
-        cams = cam_mean_diameter(reducer) / design.gear.bore_radius * sizes.bore
-        drag = idle_torque_of(reducer, RollerBearings("cam", design.gear.discs, 1.0, speed)) * cams**3
-        loss = loss + speed * (drag + seal_torque(2.0 * sizes.shaft))
+        cam_diameter = cam_mean_diameter(reducer) / design.gear.bore_radius * sizes.bore
+        cam_idle_torque = (
+            idle_torque_of(reducer, RollerBearings("cam", design.gear.discs, 1.0, speed)) * cam_diameter**3
+        )
+        loss = loss + speed * (cam_idle_torque + seal_torque(2.0 * sizes.shaft))
     radius, service = diameter / 2.0, design.service
     area = 2.0 * math.pi * radius * (radius + _length(sizes, design, diameter))
     max_rise = min(limit.temperature for limit in heat_limits(reducer)) - service.ambient_temperature
@@ -374,17 +385,25 @@ def _length(sizes: Sizes, design: Design, diameter: float) -> Array:
 
 
 def _estimate_mass(sizes: Sizes, design: Design, diameter: float) -> Array:
-    """Estimate the mass of n candidates [kg], shape (n,), by its regression on the masses of five parts.
+    """Estimate the mass of n candidates [kg], shape (n,), as a weighted sum of the masses of five simplified parts.
 
-    These are ring, discs, cams, covers and output discs. `sizes` are the dimensions of the candidates, and `design` has
-    their materials.
+    These are ring, discs, cams, covers and output discs; their weights `MASS` follow from a regression. `sizes` are the
+    dimensions of the candidates, `design` has their materials, and `diameter` [m] is their outer diameter.
     """
     radius, inner_radius, stack = diameter / 2.0, sizes.circle - sizes.pin, _stack(sizes, design)
     ring, disc, shaft, output = (design.material_of(part).density for part in ("housing", "gear", "shaft", "output"))
     light_density = MATERIALS[LIGHT_METAL].density
-    covers = (
+    cover_term = (
         (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(sizes, design, diameter) - stack)
     )
-    bodies = ring * (sizes.outer**2 - inner_radius**2) * stack, disc * (inner_radius**2 - sizes.bore**2) * stack
-    parts = *bodies, shaft * sizes.bore**2 * stack, covers, 2.0 * output * sizes.circle_out**2 * sizes.disc
-    return np.asarray(math.pi * (MASS @ np.stack(parts)))
+    bodies = (
+        ring * (sizes.outer**2 - inner_radius**2) * stack,
+        disc * (inner_radius**2 - sizes.bore**2) * stack,
+    )
+    terms = (
+        *bodies,
+        shaft * sizes.bore**2 * stack,
+        cover_term,
+        2.0 * output * sizes.circle_out**2 * sizes.disc,
+    )
+    return np.asarray(math.pi * (MASS @ np.stack(terms)))

@@ -78,10 +78,10 @@ def endurance_limit(
         Whether the bar rotates under its load; else a smaller part of it has the largest stress.
     """
     factor, power = SURFACES[surface]
-    finish = min(factor * (1e-6 * tensile) ** power, 1.0)
-    size_effect = size_factor(diameter if rotates else ENDURANCE.non_rotating_share * diameter)
-    reliable = 1.0 - ENDURANCE.scatter * NormalDist().inv_cdf(reliability)
-    return min(ENDURANCE.share * tensile, ENDURANCE.maximum) * finish * size_effect * reliable
+    finish_factor = min(factor * (1e-6 * tensile) ** power, 1.0)
+    size_reduction = size_factor(diameter if rotates else ENDURANCE.non_rotating_share * diameter)
+    scatter_factor = 1.0 - ENDURANCE.scatter * NormalDist().inv_cdf(reliability)
+    return min(ENDURANCE.share * tensile, ENDURANCE.maximum) * finish_factor * size_reduction * scatter_factor
 
 
 def size_factor(diameter: float) -> float:
@@ -99,6 +99,6 @@ def notch_factor(shape_factor: float, fillet: float, tensile: float, stress: Str
     `shape_factor` is K_t, `fillet` the notch radius r [m], `tensile` the tensile strength [Pa]. Neuber's sensitivity is
     q = 1/(1 + sqrt(a/r)), with sqrt(a) in sqrt(inch) a polynomial of the strength in ksi, at most 250 (`NEUBER`).
     """
-    ksi = min(tensile / 6.894757e6, 250.0)
-    sqrt_a = sum(factor * ksi**power for power, factor in enumerate(NEUBER[stress]))
+    strength_ksi = min(tensile / 6.894757e6, 250.0)
+    sqrt_a = sum(factor * strength_ksi**power for power, factor in enumerate(NEUBER[stress]))
     return 1.0 + (shape_factor - 1.0) / (1.0 + sqrt_a / math.sqrt(fillet / 0.0254))

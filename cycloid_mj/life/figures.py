@@ -73,14 +73,14 @@ def largest_speed(reducer: Reducer) -> float:
     It follows from the permissible product of speed and mean diameter of each type of bearing, `SPEED_LIMITS`.
     """
     shaft, gear = reducer.design.shaft, reducer.design.gear
-    seat = seat_radius(reducer, bearing_width_of(reducer))
-    speeds = [SPEED_LIMITS.caged / (shaft.radius + seat)]
+    bearing_radius = seat_radius(reducer, bearing_width_of(reducer))
+    speeds = [SPEED_LIMITS.caged / (shaft.radius + bearing_radius)]
     if gear.bearing == "rolling":
         stock_bearing = cam_bearing(reducer)
-        bore = 0.5 * stock_bearing[0].bore if stock_bearing else gear.bore_radius
+        inner_radius = 0.5 * stock_bearing[0].bore if stock_bearing else gear.bore_radius
         factor = SPEED_LIMITS.caged if stock_bearing else SPEED_LIMITS.full_complement_share * SPEED_LIMITS.caged
-        slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
-        speeds.append(factor / (bore + gear.bore_radius) * slower)
+        speed_ratio = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
+        speeds.append(factor / (inner_radius + gear.bore_radius) * speed_ratio)
     return min(speeds)
 
 

@@ -43,15 +43,15 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     design = reducer.design
     service = design.service
     losses = mean_losses(reducer, loadings)
-    lost = sum(losses.values())
+    loss = sum(losses.values())
     area = cooling_area(reducer)
     share = running_share(reducer, loadings)
-    temperature = housing_temperature(reducer, share * lost)
-    film = heat_transfer_coefficient(reducer, temperature)
+    temperature = housing_temperature(reducer, share * loss)
+    film_coefficient = heat_transfer_coefficient(reducer, temperature)
     yield RatedItem(
         "power_lost",
         "power lost",
-        lost,
+        loss,
         math.nan,
         "W",
         None,
@@ -61,28 +61,28 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
     highest_temperature, lowest_temperature = (
-        service.ambient_temperature + share * lost / (coefficient * area) for coefficient in STILL_AIR
+        service.ambient_temperature + share * loss / (coefficient * area) for coefficient in STILL_AIR
     )
     yield rate_housing_temperature(
         reducer,
         temperature,
         "dT = losses/(h A)",
-        f"{lost:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
-        f"at h = {film:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C at 8 to 15) "
-        f"on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
+        f"{loss:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
+        f"at h = {film_coefficient:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C "
+        f"at 8 to 15) on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C",
     )
     for kind in design.pair_kinds:
-        grown = clearance_growth(reducer, kind) * (temperature - REFERENCE_TEMPERATURE)
+        growth = clearance_growth(reducer, kind) * (temperature - REFERENCE_TEMPERATURE)
         clearance = getattr(design.clearance, kind)
         materials = " on ".join(design.material_of(part).name or "unnamed" for part in PARTNERS[kind])
         yield RatedItem(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
-            0.0 - 1e6 * grown,
+            0.0 - 1e6 * growth,
             1e6 * clearance,
             "um",
-            clearance / -grown if grown < 0.0 else math.inf,
+            clearance / -growth if growth < 0.0 else math.inf,
             None,
             "thermal expansion of both parts from 20 °C; safety factor of the clearance",
             f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}; negative: the clearance grows",
@@ -197,9 +197,9 @@ def cooling_area(reducer: Reducer) -> float:
     design = reducer.design
     if has_casing(reducer):
         drive_casing = casing(reducer)
-        bolted = drive_casing.motor.circle**2 + drive_casing.flange_radius**2
+        mounting_term = drive_casing.motor.circle**2 + drive_casing.flange_radius**2
         return math.pi * (
-            2.0 * drive_casing.outer * (drive_casing.outer + drive_casing.top - drive_casing.face) - bolted
+            2.0 * drive_casing.outer * (drive_casing.outer + drive_casing.top - drive_casing.face) - mounting_term
         )
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
@@ -219,24 +219,28 @@ def clearance_growth(reducer: Reducer, kind: str) -> float:
     """
     design = reducer.design
     ring, output = design.ring, design.output
-    alpha = {part: design.material_of(part).expansion for part in PARTS}
+    expansions = {part: design.material_of(part).expansion for part in PARTS}
     if kind == "pin_gear":
-        tips = ring.pin_circle_radius - ring.pin_radius
-        return alpha["housing"] * ring.pin_circle_radius - alpha["pin"] * ring.pin_radius - alpha["gear"] * tips
-    if kind == "tooth":
-        return (alpha["housing"] - alpha["gear"]) * (ring.pin_circle_radius - ring.pin_radius)
-    if kind == "output":
-        circle_mismatch = abs(alpha["gear"] - alpha["output"]) * output.pin_circle_radius
+        tip_radius = ring.pin_circle_radius - ring.pin_radius
         return (
-            alpha["gear"] * output.hole_radius
-            - alpha["output"] * (output.pin_radius + design.gear.eccentricity)
+            expansions["housing"] * ring.pin_circle_radius
+            - expansions["pin"] * ring.pin_radius
+            - expansions["gear"] * tip_radius
+        )
+    if kind == "tooth":
+        return (expansions["housing"] - expansions["gear"]) * (ring.pin_circle_radius - ring.pin_radius)
+    if kind == "output":
+        circle_mismatch = abs(expansions["gear"] - expansions["output"]) * output.pin_circle_radius
+        return (
+            expansions["gear"] * output.hole_radius
+            - expansions["output"] * (output.pin_radius + design.gear.eccentricity)
             - circle_mismatch
         )
     inner, outer = {"cam": ("shaft", "gear"), "pin_socket": ("pin", "housing"), "pin_sleeve": ("pin", "pin")}[kind]
     radius = {"cam": design.gear.bore_radius, "pin_socket": ring.pin_radius, "pin_sleeve": ring.sleeve_bore_radius}[
         kind
     ]
-    return (alpha[outer] - alpha[inner]) * radius
+    return (expansions[outer] - expansions[inner]) * radius
 
 
 @dataclass(frozen=True)
@@ -258,11 +262,14 @@ def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
         ("grease", design.service.grease_temperature, GREASE),
         ("seals", design.service.seal_temperature, SEALS),
     ):
-        usual = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
-        yield HeatLimit(name, temperature, source if temperature == usual else "of the design file")
+        default = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
+        yield HeatLimit(name, temperature, source if temperature == default else "of the design file")
     parts: dict[str, list[str]] = {}
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)
     for material, names in parts.items():
-        entry, name = MATERIALS.get(material), f"{' and '.join(names)}, {material or 'a material without a name'}"
-        yield HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, USUAL_LIMIT, "assumed")
+        entry, name = (
+            MATERIALS.get(material),
+            f"{' and '.join(names)}, {material or 'a material without a name'}",
+        )
+        yield (HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, USUAL_LIMIT, "assumed"))

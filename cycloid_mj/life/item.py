@@ -64,9 +64,9 @@ class RatedItem:
     kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, required_life: float) -> float:
-        """Return the safety factor of a rated part, or its life over the required life [h]; 1 is just enough.
+        """Return the safety factor of a rated part, or the ratio of its life to `required_life` [h]; inf without limit.
 
-        It is inf for a part without a limit.
+        The part is sufficient if this margin [1] is at least 1.
         """
         if self.safety is not None:
             return self.safety
@@ -102,8 +102,8 @@ class RatedItem:
         A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). An item without a
         limit is not judged.
         """
-        figure = self.safety is None and self.life is None
-        return judge(None if figure else self.margin(required_life), self.decisive)
+        has_no_limit = self.safety is None and self.life is None
+        return judge(None if has_no_limit else self.margin(required_life), self.decisive)
 
     @property
     def load_text(self) -> str:

@@ -103,11 +103,11 @@ def _rate_parts(
     """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
-    by_key = sort_by_margin(items, life)
-    spread = rate_cam_compliance(reducer, duty) if compliance else None
-    assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
+    sorted_items = sort_by_margin(items, life)
+    cam_compliance = rate_cam_compliance(reducer, duty) if compliance else None
+    assumptions = *_assumptions(reducer, duty), *([cam_compliance.words] if cam_compliance else [])
     condition = describe_condition(design, duty)
-    rating = Rating(design.name, condition, life, by_key, assumptions, spread, work, reducer.parts_text)
+    rating = Rating(design.name, condition, life, sorted_items, assumptions, cam_compliance, work, reducer.parts_text)
     return _add_thermal_limits(rating, design, duty) if compliance else rating
 
 
@@ -162,8 +162,8 @@ def _rate_all_items(
     Returns
     -------
     tuple
-        The rated items (a part with a kind of failure each); and the numerical work of the duty's point with the
-        slowest static equilibria, the mean number of assemblies of the equations per crank angle (`Loading.work`).
+        The rated items (a part with a kind of failure each); and the solver effort: the mean number of assemblies of
+        the equilibrium equations per crank angle (`Loading.work`), at the point of the duty where it is largest.
 
     Raises
     ------

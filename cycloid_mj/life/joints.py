@@ -144,8 +144,8 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torques [N m] of the screws of a drive, by their name in the bill of materials."""
     clamp = cam_clamp(reducer)
-    clamped = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
-    return clamped | {
+    clamp_torques = {names.CAM_SCREW: _clamp_tightening(reducer, clamp)} if clamp else {}
+    return clamp_torques | {
         part.item: screwed_joint.tightening_torque
         for screwed_joint in screwed_joints(reducer)
         for part in screwed_joint.joint.bought
@@ -154,52 +154,52 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the torque capacity of the screws and dowels of each clamped face, and of the ring between the covers.
+    """Yield the safety factors of screws and dowels at each clamped face, and of a ring clamped between the covers.
 
     If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are the torques on
     crank, carrier and ring at the peak torque of the output.
     """
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
-    dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
-    by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
+    dowel_torques = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
+    dowel_torque_by_face = {frozenset(joint.parts): torque for joint, torque in dowel_torques.items()}
     covers = {names.MOTOR_COVER, names.OUTPUT_COVER}
-    clamp = next((screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == covers), None)
-    ring_slip_torque = _ring_slip_torque(reducer, clamp) if clamp else 0.0
+    cover_joint = next((screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == covers), None)
+    ring_slip_torque = _ring_slip_torque(reducer, cover_joint) if cover_joint else 0.0
     for screwed_joint in screwed:
         parts = screwed_joint.joint.parts
         if names.RETAINER in parts:
             continue  # it transmits no torque
-        through_ring = (names.MOTOR_COVER, names.HOUSING, names.OUTPUT_COVER) if {*parts} == covers else parts
-        positive = min(by_face.get(frozenset(face), 0.0) for face in pairwise(through_ring))
-        shared = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
-        shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
+        part_chain = (names.MOTOR_COVER, names.HOUSING, names.OUTPUT_COVER) if {*parts} == covers else parts
+        dowel_torque = min(dowel_torque_by_face.get(frozenset(face), 0.0) for face in pairwise(part_chain))
+        common_note = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
+        common_note += f"; dowels transmit {dowel_torque:.3g} N m without friction" if dowel_torque else ""
         for limit in screwed_joint.limits:
             yield torque_item(
                 f"{_slug(screwed_joint.joint)}_{limit.mechanism}",
                 f"{screwed_joint.joint.name}, {limit.description}",
                 torques.torque_between(parts),
-                max(limit.torque, positive),
+                max(limit.torque, dowel_torque),
                 limit.source,
-                limit.note + shared,
+                limit.note + common_note,
             )
-    for joint, torque in dowelled.items():
+    for joint, torque in dowel_torques.items():
         (part,) = joint.bought
         friction_torques = [
             screwed_joint.torque for screwed_joint in screwed if {*joint.parts} <= {*screwed_joint.joint.parts}
         ]
-        clamped = max(friction_torques, default=ring_slip_torque if names.HOUSING in joint.parts else 0.0)
-        friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
+        friction_torque = max(friction_torques, default=ring_slip_torque if names.HOUSING in joint.parts else 0.0)
+        friction_note = f"; screws transmit {friction_torque:.3g} N m by friction" if friction_torque else ""
         yield torque_item(
             _slug(joint),
             joint.name,
             torques.torque_between(joint.parts),
-            max(torque, clamped),
+            max(torque, friction_torque),
             f"n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and {_hole_source(reducer, joint)}",
-            f"{len(part.origins)} x {part.designation}{friction}",
+            f"{len(part.origins)} x {part.designation}{friction_note}",
         )
-    if clamp:
-        ring = [torque for joint, torque in dowelled.items() if names.HOUSING in joint.parts]
-        yield _rate_clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
+    if cover_joint:
+        ring_dowel_torques = [torque for joint, torque in dowel_torques.items() if names.HOUSING in joint.parts]
+        yield _rate_clamped_ring(reducer, torques.ring, cover_joint, max(ring_dowel_torques, default=0.0))
 
 
 def retainer_joint(reducer: Reducer) -> ScrewedJoint:
@@ -245,7 +245,7 @@ def _rate_clamped_ring(
     `cover_screws` are the screws that clamp it.
     """
     slip_torque = _ring_slip_torque(reducer, cover_screws)
-    dowels = f"; dowels transmit {dowel_torque:.3g} N m" if dowel_torque else ""
+    dowel_note = f"; dowels transmit {dowel_torque:.3g} N m" if dowel_torque else ""
     return torque_item(
         "joint_ring",
         "ring between the covers, slip",
@@ -254,7 +254,7 @@ def _rate_clamped_ring(
         "T = n F mu r (VDI 2230, R2/2)",
         f"assumed: the rims of the covers stand back, so that {cover_screws.designation} clamp the ring with "
         f"{1e-3 * cover_screws.preload:.3g} kN each at its mean radius, friction "
-        f"{JOINTS.interface_friction:g}{dowels}",
+        f"{JOINTS.interface_friction:g}{dowel_note}",
     )
 
 
@@ -272,8 +272,8 @@ def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> Screw
     """
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
-    nominal = dict(screw.dimensions)["thread"] if screw else _foreign_thread(covers, joint)
-    thread = strength.Thread(nominal, stock.pitch(nominal))
+    nominal_diameter = dict(screw.dimensions)["thread"] if screw else _foreign_thread(covers, joint)
+    thread = strength.Thread(nominal_diameter, stock.pitch(nominal_diameter))
     assumed_class = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
     property_class = screw.material.split()[-1] if screw else assumed_class
     screwed_joint = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
@@ -319,17 +319,19 @@ def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPar
     Each has the preload of a screw [N] and the slip torque of the joint [N m] that the part allows. `screw` is the
     bought screw of the joint; None if it is not in the bill of materials.
     """
-    nominal, joint = screwed_joint.thread.diameter, screwed_joint.joint
-    top = screw.origins[0][2] if screw else math.inf
-    bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
+    nominal_diameter, joint = screwed_joint.thread.diameter, screwed_joint.joint
+    screw_top = screw.origins[0][2] if screw else math.inf
+    screw_bottom = screw_top - dict(screw.dimensions)["length"] if screw else -math.inf
     washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == names.FLANGE_WASHER), 0.0)
-    for part, (_, radius, low, high) in joint.holes:
+    for part, (_, radius, hole_start, hole_end) in joint.holes:
         material = _material(reducer, part)
-        if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top - washer, abs_tol=1e-9):
+        if math.isclose(radius, 0.5 * stock.bolt_hole(nominal_diameter)) and math.isclose(
+            hole_end, screw_top - washer, abs_tol=1e-9
+        ):
             yield _head_limit(screwed_joint, part, material, washer)
-        elif math.isclose(radius, core_radius(reducer, nominal)):
-            insert = insert_in(reducer, nominal)
-            engaged_length = min(high, top) - max(low, bottom)
+        elif math.isclose(radius, core_radius(reducer, nominal_diameter)):
+            insert = insert_in(reducer, nominal_diameter)
+            engaged_length = min(hole_end, screw_top) - max(hole_start, screw_bottom)
             yield _thread_limit(screwed_joint, part, material, insert, engaged_length)
 
 
@@ -339,19 +341,21 @@ def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, wash
     It has the preload of each screw [N] and the slip torque [N m]. `part` is the name of the part under the heads,
     `material` its material, `washer_thickness` [m] is 0 without washers.
     """
-    nominal = screwed_joint.thread.diameter
-    bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
+    nominal_diameter = screwed_joint.thread.diameter
+    bearing_diameter, hole_diameter = stock.head_bearing(nominal_diameter), stock.bolt_hole(nominal_diameter)
     if washer_thickness:
-        bearing = strength.washer_bearing(bearing, washer_thickness, stock.washer_of(nominal).outside)
-    allowed = _permanent_share(material) * material.tensile_strength
-    preload = allowed / strength.head_pressure(1.0, bearing, hole)
+        bearing_diameter = strength.washer_bearing(
+            bearing_diameter, washer_thickness, stock.washer_of(nominal_diameter).outside
+        )
+    allowed_pressure = _permanent_share(material) * material.tensile_strength
+    preload = allowed_pressure / strength.head_pressure(1.0, bearing_diameter, hole_diameter)
     return ScrewLimit(
         "heads",
         "pressure under the heads",
         preload,
         strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius),
         "p = F/A <= R_m (VDI 2230, R10/1 and A9), T = n F mu r",
-        f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a "
+        f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed_pressure:.3g} MPa under a "
         f"{'washer' if washer_thickness else 'head'}, "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
     )
@@ -366,17 +370,17 @@ def _thread_limit(
     `material` its material; `insert` is None if they are cut in the part. `engaged_length` [m] is the engaged length of
     the threads.
     """
-    shear = (
+    shear_strength = (
         JOINTS.plastic_shear * material.yield_strength
         if material.is_plastic
         else JOINTS.metal_shear * material.tensile_strength
     )
     if insert:
-        force = strength.pull_out_force(insert.hole, insert.length, shear)
+        force = strength.pull_out_force(insert.hole, insert.length, shear_strength)
         description, source = "pull-out of the inserts", "F = pi D l tau around an insert"
         note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
     else:
-        force = screwed_joint.thread.stripping_force(engaged_length, shear)
+        force = screwed_joint.thread.stripping_force(engaged_length, shear_strength)
         description, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
         note = f"threads in {part}, {1e3 * engaged_length:.3g} mm engaged"
     preload = _permanent_share(material) * force
@@ -386,7 +390,7 @@ def _thread_limit(
         preload,
         strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius),
         f"{source}, T = n F mu r",
-        f"{note}, of {material.name or 'unnamed material'}, shear strength {1e-6 * shear:.3g} MPa: "
+        f"{note}, of {material.name or 'unnamed material'}, shear strength {1e-6 * shear_strength:.3g} MPa: "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
     )
 
@@ -429,18 +433,18 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 
     `torques` are the torques on crank, carrier and ring at the peak torque of the output.
     """
-    drive_casing, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
-    bore, shrunk = drive_casing.motor_bore, shrink_fit(reducer, drive_casing)
-    if bore:
-        radius, low, high = bore
+    drive_casing, shaft_diameter = casing(reducer), 2.0 * reducer.design.shaft.radius
+    motor_bore, cam_shrink_fit = drive_casing.motor_bore, shrink_fit(reducer, drive_casing)
+    if motor_bore:
+        radius, low, high = motor_bore
         yield _rate_glued_shaft(
             "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low
         )
     for joint in drive_joints(reducer, drive_casing):
         if joint.kind is JointKind.KEYED:
-            yield _rate_key(reducer, joint, torques.crank, shaft)
-        elif shrunk and joint.kind is JointKind.PRESSED and names.SHAFT in joint.parts:
-            yield _rate_shrunk_cams(joint.name, torques.crank, shrunk)
+            yield _rate_key(reducer, joint, torques.crank, shaft_diameter)
+        elif cam_shrink_fit and joint.kind is JointKind.PRESSED and names.SHAFT in joint.parts:
+            yield _rate_shrunk_cams(joint.name, torques.crank, cam_shrink_fit)
         elif joint.kind is JointKind.SPLINED:
             yield _rate_splined_cams(reducer, joint, torques.crank)
         elif joint.kind is JointKind.CLAMPED:
@@ -461,11 +465,11 @@ def _rate_shrunk_cams(name: str, torque: float, shrunk: ShrinkFit) -> RatedItem:
 
     `shrunk` has the dimensions of the shrink fit.
     """
-    press = shrunk.press
-    item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press, shrunk.zones, shrunk.yield_pressure)
-    largest = -fits.clearances(shrunk.zones, press.diameter)[0]
-    growth = press.growth(min(press.pressure(largest), shrunk.yield_pressure))
-    wall = 0.5 * (press.outside - press.diameter)
+    press_fit = shrunk.press
+    item = _press_fit_item(("joint_cams", f"{name}, shrunk"), torque, press_fit, shrunk.zones, shrunk.yield_pressure)
+    max_interference = -fits.clearances(shrunk.zones, press_fit.diameter)[0]
+    growth = press_fit.growth(min(press_fit.pressure(max_interference), shrunk.yield_pressure))
+    wall = 0.5 * (press_fit.outside - press_fit.diameter)
     note = (
         f"{item.note}; thinnest wall {1e3 * wall:.3g} mm; the cam grows by up to {1e6 * growth:.2g} um in diameter: "
         "grind it smaller by as much; assumed: one cam carries the whole torque"
@@ -480,16 +484,16 @@ def _rate_splined_cams(reducer: Reducer, joint: Joint, torque: float) -> RatedIt
     """
     spline = cam_spline(reducer)
     assert spline is not None
-    hub = strength.StraightSpline(spline.count, spline.minor, spline.major, joint.length)
-    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
+    spline_hub = strength.StraightSpline(spline.count, spline.minor, spline.major, joint.length)
+    min_yield_strength = min(_material(reducer, part).yield_strength for part in joint.parts)
     return torque_item(
         "joint_cams",
         f"{joint.name}, splined",
         torque,
-        hub.torque(softest),
+        spline_hub.torque(min_yield_strength),
         "p = 2 T/(d_m h l 0.75 n) <= R_e (Roloff/Matek 12.8)",
-        f"{spline.designation}, h = {1e3 * hub.flank_height:.3g} mm, {1e3 * joint.length:.3g} mm long, R_e "
-        f"{1e-6 * softest:.4g} MPa; assumed: one cam carries the whole torque",
+        f"{spline.designation}, h = {1e3 * spline_hub.flank_height:.3g} mm, {1e3 * joint.length:.3g} mm long, R_e "
+        f"{1e-6 * min_yield_strength:.4g} MPa; assumed: one cam carries the whole torque",
     )
 
 
@@ -528,13 +532,15 @@ def _clamp_tightening(reducer: Reducer, clamp: CamClamp) -> float:
 def _clamp_preload(reducer: Reducer, clamp: CamClamp) -> tuple[float, str]:
     """Return the preload of a clamping screw [N], limited by screw, thread or face, and which of them limits it."""
     thread, material = _clamp_thread(clamp), reducer.design.material_of(names.SHAFT)
-    nominal = clamp.bolt.thread
-    shear = JOINTS.metal_shear * material.tensile_strength
-    face = strength.head_pressure(1.0, stock.head_bearing(nominal), stock.bolt_hole(nominal))
+    nominal_diameter = clamp.bolt.thread
+    shear_strength = JOINTS.metal_shear * material.tensile_strength
+    pressure_per_force = strength.head_pressure(
+        1.0, stock.head_bearing(nominal_diameter), stock.bolt_hole(nominal_diameter)
+    )
     limits = (
         (thread.usual_preload(strength.PROOF_STRESS[USUAL_CLASS]), "the screw"),
-        (thread.stripping_force(clamp.engaged_length, shear), "its thread in the cam"),
-        (material.tensile_strength / face, "the face under its head"),
+        (thread.stripping_force(clamp.engaged_length, shear_strength), "its thread in the cam"),
+        (material.tensile_strength / pressure_per_force, "the face under its head"),
     )
     return min(limits)
 
@@ -545,16 +551,16 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: flo
     `shaft_diameter` is in [m].
     """
     (part,) = joint.bought
-    sizes = dict(part.dimensions)
-    key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
-    softest = min(_material(reducer, part_name).yield_strength for part_name in joint.parts)
+    key_sizes = dict(part.dimensions)
+    key = strength.ParallelKey(key_sizes["height"], key_sizes["depth"], key_sizes["length"])
+    min_yield_strength = min(_material(reducer, part_name).yield_strength for part_name in joint.parts)
     return torque_item(
         _slug(joint),
         joint.name,
         torque,
-        key.torque(shaft_diameter, softest),
+        key.torque(shaft_diameter, min_yield_strength),
         "p = 2 T/(d (h - t1) l) <= 0.9 R_e (DIN 6892, method C)",
-        f"{part.designation}, {1e3 * key.carrying_length:.3g} mm carry, R_e {1e-6 * softest:.4g} MPa",
+        f"{part.designation}, {1e3 * key.carrying_length:.3g} mm carry, R_e {1e-6 * min_yield_strength:.4g} MPa",
     )
 
 
@@ -566,25 +572,25 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
     design, output = reducer.design, reducer.design.output
     if in_one_piece(reducer):
         return
-    disc = _material(reducer, names.OUTPUT)
+    disc_material = _material(reducer, names.OUTPUT)
     force = force_scale * float(loading.output.sum(axis=1).max())
     moment = force_scale * float(pin_moment(reducer, loading.output).max())
-    diameter, depth, limit = 2.0 * output.root_radius, output.disc_thickness, disc.yield_strength
+    diameter, depth, yield_strength = 2.0 * output.root_radius, output.disc_thickness, disc_material.yield_strength
     if output.support == "cantilever":
-        pressure, support = strength.clamped_pin_pressure(force, moment, diameter, depth), "clamped in its hole"
+        pressure, support_text = strength.clamped_pin_pressure(force, moment, diameter, depth), "clamped in its hole"
     else:
-        pressure, support = 0.5 * force / (diameter * depth), "on two supports, half of the force on each"
+        pressure, support_text = 0.5 * force / (diameter * depth), "on two supports, half of the force on each"
     yield RatedItem(
         "joint_output_pin_hole",
         "output pin in its disc, pressure of the hole",
         1e-6 * pressure,
-        1e-6 * limit,
+        1e-6 * yield_strength,
         "MPa",
-        limit / pressure if pressure else math.inf,
+        yield_strength / pressure if pressure else math.inf,
         None,
         "p = F/(d s) + 6 (M + F s/2)/(d s^2) <= R_e (Roloff/Matek 9.19)",
-        f"pin of {1e3 * diameter:.4g} mm, {1e3 * depth:.4g} mm deep in {disc.name or 'the disc'}, {support}; "
-        "forces in proportion to the torque",
+        f"pin of {1e3 * diameter:.4g} mm, {1e3 * depth:.4g} mm deep in {disc_material.name or 'the disc'}, "
+        f"{support_text}; forces in proportion to the torque",
     )
     if not is_printed(reducer, names.OUTPUT):
         friction_torque = design.friction_of("output") * force * output.root_radius
@@ -592,7 +598,7 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
             reducer,
             ("joint_output_pin_press", "output pin in its disc, press fit against turning"),
             friction_torque,
-            (output.root_radius, output.disc_thickness, names.OUTPUT, disc),
+            (output.root_radius, output.disc_thickness, names.OUTPUT, disc_material),
             output_pin_fit(reducer),
         )
 
@@ -652,8 +658,8 @@ def _rate_press_fit(
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
-    strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
-    return _press_fit_item(key_and_name, turning_torque, fit, zones, strongest)
+    max_pressure = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
+    return _press_fit_item(key_and_name, turning_torque, fit, zones, max_pressure)
 
 
 def _press_fit_item(
@@ -667,12 +673,12 @@ def _press_fit_item(
     least_interference, largest_interference = (
         -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
     )
-    mean, *ends = (
+    mean_interference, *end_interferences = (
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
     )
     mean_pressure, least_pressure, largest_pressure = (
-        min(fit.pressure(value), max_pressure) for value in (mean, *ends)
+        min(fit.pressure(value), max_pressure) for value in (mean_interference, *end_interferences)
     )
     key, name = key_and_name
     return torque_item(
@@ -681,7 +687,7 @@ def _press_fit_item(
         torque,
         fit.torque(mean_pressure),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{zones}, mean interference less smoothing {1e6 * mean:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
+        f"{zones}, mean interference less smoothing {1e6 * mean_interference:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
         f"{fit.torque(least_pressure):.3g} to {fit.torque(largest_pressure):.3g} N m over the zones; friction "
         f"{JOINTS.interface_friction:g} (assumed)",
     )

@@ -180,19 +180,19 @@ def solve_loading(
             f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at a lower torque with "
             "--load-nm"
         ) from error
-    cam = contact_loads.cam.reshape(crank_angles, -1, 2)
-    shaft = shaft_dimensions(reducer)
-    stations, forces = _shaft_forces(cold_reducer, shaft, springs.crank, cam)
+    cam_forces = contact_loads.cam.reshape(crank_angles, -1, 2)
+    shaft_geometry = shaft_dimensions(reducer)
+    stations, forces = _shaft_forces(cold_reducer, shaft_geometry, springs.crank, cam_forces)
     return Loading(
         point=point,
         reducer=turning_reducer,
         springs=springs,
         contacts=contact_loads,
         crank=springs.crank,
-        cam=magnitudes(cam),
+        cam=magnitudes(cam_forces),
         shaft=forces,
         stations=stations,
-        output=contact_loads.output.reshape(crank_angles, cam.shape[1], -1),
+        output=contact_loads.output.reshape(crank_angles, cam_forces.shape[1], -1),
         on_output=compute_reactions(turning_reducer, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
         pressures=_peak_pressures(turning_reducer, springs, contact_loads),
@@ -205,14 +205,15 @@ def solve_loading(
 
 
 def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
-    """Solve for the mean rotation of the disc relative to the crank that the load causes, without clearances [rad].
+    """Compute the elastic rotation of the discs against the crank under the full torque [rad], a mean over the turn.
 
-    `springs` are the contact springs. The rotation between `PRELOAD_SHARE` of the `torque` [N m] and the full torque is
-    extrapolated to no torque. `contact_loads` are the equilibria under the full torque.
+    To exclude clearances, the rotation between `PRELOAD_SHARE` of the `torque` [N m] and the full torque is
+    extrapolated linearly to zero torque. `springs` are the contact springs, `contact_loads` the equilibria under the
+    full torque.
     """
     preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
-    turn = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
-    return turn / (reducer.design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
+    arc_length = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
+    return arc_length / (reducer.design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
 
 
 def _peak_pressures(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, float]:
@@ -233,14 +234,14 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
     `contact_loads` are the contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
-    slip, count = np.abs(springs.slip), springs.teeth
+    slip_speeds, tooth_count = np.abs(springs.slip), springs.teeth
     discs, directions = contact_loads.discs, springs.directions
-    towards = np.arctan2(directions[..., 1], directions[..., 0])
-    teeth, tooth_speed, seat = contact_loads.teeth, slip[:, :count], design.seat_pair
+    force_angles = np.arctan2(directions[..., 1], directions[..., 0])
+    teeth, tooth_speed, seat = contact_loads.teeth, slip_speeds[:, :tooth_count], design.seat_pair
     in_seat = slides_in_seat(design, contact_loads.friction, teeth.shape)
-    has_both = bool(seat) and design.has_film
+    slides_in_both = bool(seat) and design.has_film
     sliding: dict[str, Sliding] = {}
-    if has_both or not in_seat.any():
+    if slides_in_both or not in_seat.any():
         on_flank = np.where(in_seat, 0.0, teeth)
         line_power = _largest_line_power(
             on_flank * tooth_speed, tooth_phases(reducer, springs.crank), _flank_lengths(reducer)
@@ -248,7 +249,7 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
         sliding[design.tooth_pair] = _summarize_sliding(
             reducer, design.tooth_pair, on_flank, tooth_speed, ring.pin_radius, line_power
         )
-    if has_both or in_seat.any():
+    if slides_in_both or in_seat.any():
         teeth = np.where(in_seat, teeth, 0.0)
         radius = ring.sleeve_bore_radius if seat == "pin_sleeve" else ring.pin_radius
         seat_speed = tooth_speed * radius / ring.pin_radius
@@ -258,14 +259,14 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
             azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
             lengths = _circle_lengths(radius, teeth.shape[1])
             line_power = _largest_line_power(
-                teeth * seat_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False
+                teeth * seat_speed, force_angles[:, :tooth_count] + azimuth, lengths, passes_evenly=False
             )
         sliding[seat] = _summarize_sliding(reducer, seat, teeth, seat_speed, radius, line_power)
-    output_forces, pin_speed = contact_loads.output, slip[:, count:]
+    output_forces, pin_speed = contact_loads.output, slip_speeds[:, tooth_count:]
     if not output.rollers:
         lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
-        hole_angle = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
+        hole_angle = force_angles[:, tooth_count:] + springs.crank[:, np.newaxis] / design.lobes
         line_power = _largest_line_power(output_forces * pin_speed, hole_angle + azimuth, lengths)
         sliding["output"] = _summarize_sliding(
             reducer, "output", output_forces, pin_speed, output.pin_radius, line_power
@@ -287,10 +288,10 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
 
 
 def slides_in_seat(design: Design, friction: FilmFriction | None, shape: tuple[int, ...]) -> Mask:
-    """Return whether each ring pin slides in its seat, and not on the flank of the disc, as an array of a shape.
+    """Return a mask that is true for each tooth contact whose ring pin slides in its seat, not on the disc's flank.
 
     A pin slides where friction is lower. With the law ``coulomb`` (`friction` is None), this is the same for all pins,
-    and the result has the shape `shape`. With the law ``film``, the result is ``friction.rolls``.
+    and the mask has the shape `shape`. With the law ``film``, the mask is ``friction.rolls``.
     """
     if friction is not None:
         return friction.rolls
@@ -341,8 +342,8 @@ def _largest_line_power(power: Array, angle: Array, lengths: Array, passes_evenl
         Whether each contact passes through all angles at constant speed, so that it spends equal times in all sectors;
         otherwise these times are counted from the crank angles.
     """
-    mean, total = sector_means(power, angle)
-    sector_power = mean * power.shape[1] / SECTORS if passes_evenly else total / len(power)
+    sector_mean, sector_sum = sector_means(power, angle)
+    sector_power = sector_mean * power.shape[1] / SECTORS if passes_evenly else sector_sum / len(power)
     return float((sector_power / lengths).max())
 
 
@@ -352,8 +353,8 @@ def sector_means(values: Array, angle: Array) -> tuple[Array, Array]:
     `values` and the angles [rad] that assign them to sectors have the same shape.
     """
     sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
-    total = np.asarray(np.bincount(sector, weights=values.ravel(), minlength=SECTORS), float)
-    return total / np.maximum(np.bincount(sector, minlength=SECTORS), 1), total
+    sector_sum = np.asarray(np.bincount(sector, weights=values.ravel(), minlength=SECTORS), float)
+    return sector_sum / np.maximum(np.bincount(sector, minlength=SECTORS), 1), sector_sum
 
 
 def tooth_phases(reducer: Reducer, crank: Array) -> Array:
@@ -387,8 +388,8 @@ def _flank_lengths(reducer: Reducer) -> Array:
     pin passes a lobe.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
-    ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes
-    lengths = -np.diff(profile.arc_length(gear, ends, reducer.profile_offset))
+    sector_ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes
+    lengths = -np.diff(profile.arc_length(gear, sector_ends, reducer.profile_offset))
     return np.asarray(reducer.design.gear.discs * lobes * lengths)
 
 

@@ -84,9 +84,9 @@ def reference_viscosity(speed: float, pitch: float) -> float:
     pitch
         Pitch diameter [m].
     """
-    rpm, millimetres = abs(speed) / RPM, 1e3 * pitch
+    rpm, pitch_mm = abs(speed) / RPM, 1e3 * pitch
     factor = 45000.0 * rpm**-0.83 if rpm < 1000.0 else 4500.0 / math.sqrt(rpm)
-    return factor / math.sqrt(millimetres)
+    return factor / math.sqrt(pitch_mm)
 
 
 def fatigue_load_limit(static: float, pitch: float, curve: LifeCurve) -> float:
@@ -114,10 +114,12 @@ def life_factor(kappa: float, cleanliness: float, limit: float, load: float, cur
         return LIMITS.min_factor
     kappa = min(kappa, LIMITS.max_kappa)
     factor, power = next(
-        (coefficient, exponent) for end, coefficient, exponent in curve.ranges if kappa < end or end == LIMITS.max_kappa
+        (coefficient, exponent)
+        for max_range_kappa, coefficient, exponent in curve.ranges
+        if kappa < max_range_kappa or max_range_kappa == LIMITS.max_kappa
     )
-    film = (curve.offset - factor / kappa**power) ** curve.film_exponent
-    denominator = 1.0 - film * (cleanliness * limit / load) ** curve.load_exponent
+    film_term = (curve.offset - factor / kappa**power) ** curve.film_exponent
+    denominator = 1.0 - film_term * (cleanliness * limit / load) ** curve.load_exponent
     return (
         min(LIMITS.max_factor, LIMITS.min_factor * denominator**curve.exponent)
         if denominator > 0.0

@@ -89,8 +89,8 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     torques = []
     for factors, count, diameter, speed_ratio in _bearing_torque_terms(reducer):
         mean, low, high = 0.5 * sum(factors), *factors
-        unit = count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
-        torques.append((mean * unit, low * unit, high * unit))
+        torque_per_factor = count * speed_ratio * idle_torque(1.0, diameter, speed_ratio * abs(speed), viscosity)
+        torques.append((mean * torque_per_factor, low * torque_per_factor, high * torque_per_factor))
     preload = _preload_torque(reducer, crank_speed)
     bearings, low, high = (preload + sum(column) for column in zip(*torques, strict=True))
     seals = _seal_torque(reducer, crank_speed)
@@ -125,16 +125,16 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
             if stock_bearing
             else 2.0 * (design.gear.bore_radius - 2.0 * reducer.contacts.roller_radius)
         )
-        ball = stock_bearing is not None and has_inner_ring(stock_bearing[0])
-        return "ball" if ball else "needle", design.gear.discs, 0.5 * bore + design.gear.bore_radius
+        is_ball = stock_bearing is not None and has_inner_ring(stock_bearing[0])
+        return "ball" if is_ball else "needle", design.gear.discs, 0.5 * bore + design.gear.bore_radius
     if bearing.key == "output_rollers":
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
         return "crossed roller" if hub.has_crossed_rollers else "ball", 1, 0.5 * (hub.bore + hub.outside)
-    on_shaft = shaft_bearing(reducer)
-    ball = on_shaft is not None and has_inner_ring(on_shaft)
-    return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
+    shaft_stock_bearing = shaft_bearing(reducer)
+    is_ball = shaft_stock_bearing is not None and has_inner_ring(shaft_stock_bearing)
+    return "ball" if is_ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
 
 
 def _preload_torque(reducer: Reducer, crank_speed: float) -> float:
@@ -160,8 +160,8 @@ def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
     if design.drag.crank or design.drag.output or design.has_film:
         return 0.0
     shaft_torque, hub_torque = seal_torques(reducer)
-    output_speed = (
+    seal_speeds = (
         relative_speed(reducer, crank_speed, ("shaft", "housing")),
         relative_speed(reducer, crank_speed, ("output", "housing")),
     )
-    return output_speed[0] / crank_speed * shaft_torque + output_speed[1] / crank_speed * hub_torque
+    return seal_speeds[0] / crank_speed * shaft_torque + seal_speeds[1] / crank_speed * hub_torque

@@ -206,8 +206,8 @@ class CrossedRollerBearing:
         radius, moment, power = 0.5 * self.bearing.pitch, 0.5 * self.moment, 1.0 / CROSSED_ROLLERS.load_exponent + 1.0
         mean_sine = math.gamma(0.5 * (power + 1.0)) / (math.sqrt(math.pi) * math.gamma(0.5 * power + 1.0))
         force = moment / (0.5 * count * mean_sine * cosine * radius)
-        load_share = force**CROSSED_ROLLERS.load_exponent / (1e3 * length) ** CROSSED_ROLLERS.length_exponent
-        approach = 1e-3 * CROSSED_ROLLERS.approach * load_share
+        load_term = force**CROSSED_ROLLERS.load_exponent / (1e3 * length) ** CROSSED_ROLLERS.length_exponent
+        approach = 1e-3 * CROSSED_ROLLERS.approach * load_term
         return moment * radius * cosine / approach if moment else 0.0
 
 
@@ -226,8 +226,8 @@ def seat_stiffness(bore: float, outside: float, width: float, modulus: float, po
         Young's modulus [Pa] and Poisson's ratio of the plate.
     """
     kappa, shear = (3.0 - poisson) / (1.0 + poisson), modulus / (2.0 * (1.0 + poisson))
-    share = (outside**2 - bore**2) / (outside**2 + bore**2)
-    return 2.0 * math.pi * shear * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - share / kappa)
+    ring_ratio = (outside**2 - bore**2) / (outside**2 + bore**2)
+    return 2.0 * math.pi * shear * (1.0 + kappa) * width / (kappa * math.log(outside / bore) - ring_ratio / kappa)
 
 
 def _cover_seat_stiffness(reducer: Reducer) -> float:
@@ -266,22 +266,24 @@ def output_bearings(reducer: Reducer) -> OutputBearings | CrossedRollerBearing:
         No static equilibrium exists.
     """
     drive_casing, design = casing(reducer), reducer.design
-    hub, face = drive_casing.hub, drive_casing.ends[1]
+    hub, flange_face = drive_casing.hub, drive_casing.ends[1]
     speed = abs(design.drive.speed) / design.reduction
     exponent = rolling.EXPONENT if hub.has_crossed_rollers else rolling.BALL_EXPONENT
-    lasting_force = rolling.load_for_life(hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent)
-    capacity = min(lasting_force / design.bearing.service_factor, hub.static)
+    force_for_life = rolling.load_for_life(
+        hub.dynamic, design.service.life, speed, design.bearing.reliability, exponent
+    )
+    capacity = min(force_for_life / design.bearing.service_factor, hub.static)
     if hub.has_crossed_rollers:
-        load, moment = _own_load_and_moment(reducer)
+        own_load, own_moment = _own_load_and_moment(reducer)
         retainer = retainer_joint(reducer)
-        lever, preload = face - 0.5 * sum(drive_casing.bearings[-1]), retainer.count * retainer.preload
-        return CrossedRollerBearing(hub, lever, capacity, load, gaping_moment(retainer) - moment, preload)
+        lever, preload = flange_face - 0.5 * sum(drive_casing.bearings[-1]), retainer.count * retainer.preload
+        return CrossedRollerBearing(hub, lever, capacity, own_load, gaping_moment(retainer) - own_moment, preload)
     inner, outer = drive_casing.load_centres
     return OutputBearings(
         bearing=hub,
         row=balls_of(hub),
         spacing=outer - inner,
-        lever=face - outer,
+        lever=flange_face - outer,
         dynamic=hub.dynamic,
         static=hub.static,
         capacity=capacity,
@@ -295,9 +297,9 @@ def _own_load_and_moment(reducer: Reducer) -> tuple[float, float]:
 
     The forces of discs and shaft on the output cause them; external loads are not included.
     """
-    at_rated = _rated_loading(reducer)
-    _, moment = crossed_roller_loads(reducer, at_rated)
-    return float(output_bearing_loads(reducer, at_rated)[0].max()), float(moment.max())
+    rated_loading = _rated_loading(reducer)
+    _, moment = crossed_roller_loads(reducer, rated_loading)
+    return float(output_bearing_loads(reducer, rated_loading)[0].max()), float(moment.max())
 
 
 def _rated_loading(reducer: Reducer) -> Loading:

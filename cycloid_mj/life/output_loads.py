@@ -92,8 +92,8 @@ def equivalent_load(bearing: StockBearing, load: Array) -> Array:
     if not bearing.contact_angle:
         return load
     preload = BALL_BEARINGS.preload_share * bearing.dynamic
-    with_preload = BALL_BEARINGS.radial_factor * load + BALL_BEARINGS.axial_factor * preload
-    return np.maximum(load, with_preload)
+    preloaded_load = BALL_BEARINGS.radial_factor * load + BALL_BEARINGS.axial_factor * preload
+    return np.maximum(load, preloaded_load)
 
 
 def output_bearing_loads(reducer: Reducer, loading: Loading) -> tuple[Array, ...]:
@@ -133,9 +133,9 @@ def crossed_roller_loads(reducer: Reducer, loading: Loading) -> tuple[Array, Arr
     `loading` has the solved forces. They are in equilibrium with the forces of the discs on the output, and that of the
     shaft if it has a bearing in the hub. Raises DesignError if the covers do not fit.
     """
-    planes, middle = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
-    about_middle = Planes(planes.force, planes.axial_position - middle)
-    return magnitudes(about_middle.net), magnitudes(about_middle.moment)
+    planes, bearing_position = _output_planes(reducer, loading), 0.5 * sum(casing(reducer).bearings[-1])
+    planes_about_bearing = Planes(planes.force, planes.axial_position - bearing_position)
+    return magnitudes(planes_about_bearing.net), magnitudes(planes_about_bearing.moment)
 
 
 def _output_planes(reducer: Reducer, loading: Loading) -> Planes:

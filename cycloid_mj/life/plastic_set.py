@@ -36,7 +36,7 @@ def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> Rat
     limit = SHAKEDOWN_PRESSURE * strength
     pressure = max(loading.pressures[kind] for loading in loadings)
     damage = sum(loading.point.share * damage_rate(loading, kind, limit) for loading in loadings)
-    standing = 1.0 / float(creep_damage(pressure, limit))
+    standstill_life = 1.0 / float(creep_damage(pressure, limit))
     return RatedItem(
         f"{kind}_set",
         f"{name}, permanent set of the plastic",
@@ -47,7 +47,7 @@ def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> Rat
         1.0 / damage if damage else math.inf,
         "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
         f"Y = {1e-6 * strength:.4g} MPa for a short load; a place is loaded while the contact strip passes it; at "
-        f"standstill under the largest load the life is {standing:.3g} h",
+        f"standstill under the largest load the life is {standstill_life:.3g} h",
     )
 
 
@@ -69,14 +69,14 @@ def damage_rate(loading: Loading, kind: str, limit: float) -> float:
     design = loading.reducer.design
     force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, kind)
     contact = loading.reducer.contacts[kind]
-    constant = creep_damage(contact.pressure(force, curvature), limit)
+    standstill_rate = creep_damage(contact.pressure(force, curvature), limit)
     rates = []
     for part, material in zip(PARTNERS[kind], design.partners(kind), strict=True):
         if material.is_plastic:
             shares = load_shares(loading, kind, part, contact.half_width(force, curvature))
-            damage = shares * constant
-            averaged = part == "gear" and kind == design.tooth_pair
-            rates.append(_mean_over_passes(loading, damage) if averaged else float(damage.max()))
+            damage = shares * standstill_rate
+            is_disc_flank = part == "gear" and kind == design.tooth_pair
+            rates.append(_mean_over_passes(loading, damage) if is_disc_flank else float(damage.max()))
     return max(rates)
 
 
@@ -106,9 +106,9 @@ def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Ar
         phases = tooth_phases(reducer, loading.springs.crank)
         speeds = tooth_speeds(reducer.tooth_profile, phases, reducer.speed_against_ring)
         crank = design.drive.speed
-        turning = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
-        passing = np.abs(speeds.moving if part == "gear" else speeds.fixed)
-        shares = half_width * turning / (math.pi * np.maximum(passing, np.finfo(float).tiny))
+        turning_speed = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
+        passing_speed = np.abs(speeds.moving if part == "gear" else speeds.fixed)
+        shares = half_width * turning_speed / (math.pi * np.maximum(passing_speed, np.finfo(float).tiny))
     else:
         shares = np.ones_like(half_width)
     return np.asarray(np.minimum(shares, 1.0))
@@ -122,5 +122,10 @@ def _mean_over_passes(loading: Loading, damage: Array) -> float:
     `loading` has the static forces at a point of the duty cycle.
     """
     teeth, phases = loading.reducer.design.ring.teeth, tooth_phases(loading.reducer, loading.springs.crank)
-    groups = (slice(first, first + teeth) for first in range(0, damage.shape[1], teeth))
-    return max(float(sector_means(damage[:, group], phases[:, group])[0].max()) for group in groups)
+    contacts_by_ring = (
+        slice(first_contact, first_contact + teeth) for first_contact in range(0, damage.shape[1], teeth)
+    )
+    return max(
+        float(sector_means(damage[:, ring_contacts], phases[:, ring_contacts])[0].max())
+        for ring_contacts in contacts_by_ring
+    )

@@ -90,10 +90,12 @@ def rated_torque(
     """
     design = reducer.design
     torque, low, high = start_torque or design.rated_torque, 0.0, math.inf
-    decides = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
+    is_considered = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
     weakest: RatedItem | None = None
     while high > SEARCH.lowest * design.rated_torque:
-        limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, decides, crank_angles, with_stops, parts)
+        limit, item = _extrapolate_torque_limit(
+            reducer, torque, speed, life, is_considered, crank_angles, with_stops, parts
+        )
         if abs(limit / torque - 1.0) <= rtol and item:
             return limit, item
         if limit >= torque and item:
@@ -168,7 +170,7 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
     tuple
         The torque [N m], and the item that limits it.
     """
-    limits = ((_limit_by_law(item, torque, life), item) for item in items)
+    limits = ((_extrapolate_item_limit(item, torque, life), item) for item in items)
     return min(limits, key=lambda pair: pair[0])
 
 
@@ -184,9 +186,9 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
     """
     design = reducer.design
     duty = constant_duty(design.rated_torque, design.drive.speed)
-    stops = (item for item in rate_at_rated_load(reducer).items.values() if is_stop(reducer, item.key))
-    first = min(stops, key=lambda item: item.safety or 0.0)
-    return duty.peak * (first.safety or 0.0), first
+    stop_items = (item for item in rate_at_rated_load(reducer).items.values() if is_stop(reducer, item.key))
+    weakest_item = min(stop_items, key=lambda item: item.safety or 0.0)
+    return duty.peak * (weakest_item.safety or 0.0), weakest_item
 
 
 def rated_and_momentary_torque(
@@ -205,31 +207,31 @@ def rated_and_momentary_torque(
         For the rated, then the momentary torque: its value [N m], and the item that limits it.
     """
     items = tuple(rated_items)
-    limits_stop = is_momentary if reducer is None else partial(is_stop, reducer)
-    stops = [item for item in items if limits_stop(item.key)]
-    others = [item for item in items if item.decisive and not limits_stop(item.key)]
-    momentary = min(((PEAK_FACTOR * torque * item.margin(life), item) for item in stops), key=itemgetter(0))
-    return min(weakest_torque(others, torque, life), momentary, key=lambda pair: pair[0]), momentary
+    is_stop_item = is_momentary if reducer is None else partial(is_stop, reducer)
+    stop_items = [item for item in items if is_stop_item(item.key)]
+    other_items = [item for item in items if item.decisive and not is_stop_item(item.key)]
+    momentary = min(((PEAK_FACTOR * torque * item.margin(life), item) for item in stop_items), key=itemgetter(0))
+    return min(weakest_torque(other_items, torque, life), momentary, key=lambda pair: pair[0]), momentary
 
 
 def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dict[str, float]:
     """Compute the torque [N m] at which each item fails by its law, by key; see `weakest_torque`."""
-    return {item.key: _limit_by_law(item, torque, life) for item in items}
+    return {item.key: _extrapolate_item_limit(item, torque, life) for item in items}
 
 
-def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which a rated part just reaches its limit, or the required `life` [h].
+def _extrapolate_item_limit(item: RatedItem, torque: float, life: float) -> float:
+    """Extrapolate the output torque [N m] at which a rated item just reaches its limit, or the required `life` [h].
 
-    `item` is the part with a kind of failure. It was rated at `torque` [N m]. The load of an item is assumed to follow
-    a power law of the torque, such as the square root for pressures.
+    `item` is a part with a kind of failure that was rated at `torque` [N m]. Its load is assumed to be a power of the
+    torque, such as the square root for pressures.
     """
     margin = item.margin(life)
     if item.safety is None:
         # the strip that loads a plastic is as wide as the pressure is high: damage ~ p^(1 + 1/SET_POWER)
         power = 2.0 * (SET_POWER / (1.0 + SET_POWER) if item.key.endswith("_set") else AGMA_2001.power)
         return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else power))
-    by_pressure = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
-    return torque * (margin**2 if by_pressure else margin)
+    is_pressure_limit = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
+    return torque * (margin**2 if is_pressure_limit else margin)
 
 
 def is_momentary(key: str) -> bool:

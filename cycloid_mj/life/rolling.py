@@ -57,11 +57,11 @@ def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diame
     `pitch_diameter` are in [m], and are converted to mm for the formula.
     """
     gamma = diameter / pitch_diameter
-    ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
-    shape = gamma ** (2.0 / 9.0) * (1.0 - gamma) ** (29.0 / 27.0) / (1.0 + gamma) ** 0.25
-    factor = ISO_281.roller_factor * ISO_281.roller_reduction * shape * (1.0 + ratio**4.5) ** (-2.0 / 9.0)
-    millimetres = (1e3 * length) ** (7.0 / 9.0) * (1e3 * diameter) ** (29.0 / 27.0)
-    return ISO_281.roller_steel * factor * rollers**0.75 * millimetres
+    raceway_ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
+    size_factor = gamma ** (2.0 / 9.0) * (1.0 - gamma) ** (29.0 / 27.0) / (1.0 + gamma) ** 0.25
+    factor = ISO_281.roller_factor * ISO_281.roller_reduction * size_factor * (1.0 + raceway_ratio**4.5) ** (-2.0 / 9.0)
+    size_in_mm = (1e3 * length) ** (7.0 / 9.0) * (1e3 * diameter) ** (29.0 / 27.0)
+    return ISO_281.roller_steel * factor * rollers**0.75 * size_in_mm
 
 
 def static_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
@@ -77,10 +77,16 @@ def ball_capacity(balls: float, diameter: float, pitch_diameter: float) -> float
     are converted to mm for the formula.
     """
     gamma = diameter / pitch_diameter
-    ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72
-    groove = (2.0 * ISO_281.groove / (2.0 * ISO_281.groove - 1.0)) ** 0.41
-    shape = gamma**0.3 * (1.0 - gamma) ** 1.39 / (1.0 + gamma) ** (1.0 / 3.0)
-    factor = ISO_281.ball_factor * ISO_281.ball_reduction * groove * shape * (1.0 + ratio ** (10.0 / 3.0)) ** -0.3
+    raceway_ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72
+    groove_factor = (2.0 * ISO_281.groove / (2.0 * ISO_281.groove - 1.0)) ** 0.41
+    size_factor = gamma**0.3 * (1.0 - gamma) ** 1.39 / (1.0 + gamma) ** (1.0 / 3.0)
+    factor = (
+        ISO_281.ball_factor
+        * ISO_281.ball_reduction
+        * groove_factor
+        * size_factor
+        * (1.0 + raceway_ratio ** (10.0 / 3.0)) ** -0.3
+    )
     return float(ISO_281.ball_steel * factor * balls ** (2.0 / 3.0) * (1e3 * diameter) ** 1.8)
 
 

@@ -75,9 +75,9 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
         *_rate_teeth(reducer, torques, weighted_speeds, duty.peak, speed_ratios),
         *_rate_planets(reducer, torques, weighted_speeds, speed_ratios),
     ]
-    by_key = sort_by_margin(items, life)
+    sorted_items = sort_by_margin(items, life)
     condition, assumptions = describe_condition(reducer.design, duty), tuple(_assumptions(reducer, duty))
-    return Rating(reducer.design.name, condition, life, by_key, assumptions, None, 0.0, reducer.parts_text)
+    return Rating(reducer.design.name, condition, life, sorted_items, assumptions, None, 0.0, reducer.parts_text)
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
@@ -124,11 +124,13 @@ def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> R
 
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
     """Return the rollers of the bearings of a crank: the needles in a disc, and assumed tapered rollers in a flange."""
-    cranks, outer = reducer.cranks, 2.0 * reducer.cranks.taper_radius
+    cranks, cup_diameter = reducer.cranks, 2.0 * reducer.cranks.taper_radius
     pitch = 2.0 * reducer.needle_circle_radius
     return (
         RollerRow(cranks.needles, 2.0 * cranks.needle_radius, reducer.design.gear.face_width, pitch),
-        RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer),
+        RollerRow(
+            TAPERS.rollers, TAPERS.diameter * cup_diameter, TAPERS.length * cup_diameter, TAPERS.pitch * cup_diameter
+        ),
     )
 
 
@@ -138,9 +140,9 @@ def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     The forces follow from ideal load sharing or from the static equilibrium, whichever has the larger mean. `torque` [N
     m] acts on the output.
     """
-    shared, solved = ideal_rv(reducer, torque), solve_running_equilibrium(reducer, torque)
-    means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
-    return (shared if means[0] >= means[1] else solved).cranks
+    ideal_loads, solved_loads = ideal_rv(reducer, torque), solve_running_equilibrium(reducer, torque)
+    mean_loads = [rolling.mean_load(loads.bearings) for loads in (ideal_loads, solved_loads)]
+    return (ideal_loads if mean_loads[0] >= mean_loads[1] else solved_loads).cranks
 
 
 def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
@@ -151,10 +153,10 @@ def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
     and the D discs at m crank angles, shape (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
-    support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
-    near_share = (support - planes) / (2.0 * support)
+    support_position = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
+    near_share = (support_position - planes) / (2.0 * support_position)
     support_forces = [np.einsum("mdnj,d->mnj", disc_forces, share) for share in (near_share, 1.0 - near_share)]
-    return np.concatenate([np.linalg.norm(item, axis=-1) for item in support_forces], axis=1)
+    return np.concatenate([np.linalg.norm(forces_at_support, axis=-1) for forces_at_support in support_forces], axis=1)
 
 
 def _rate_bearing(
@@ -173,8 +175,8 @@ def _rate_bearing(
     the oil.
     """
     settings = reducer.design.bearing
-    means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
-    load = settings.service_factor * rolling.mean_load(means, weighted_speeds)
+    mean_loads = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
+    load = settings.service_factor * rolling.mean_load(mean_loads, weighted_speeds)
     life = rolling.life_hours(bearing_row.ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability)
     yield RatedItem(
         bearing_row.key,
@@ -195,16 +197,16 @@ def _rate_bearing(
         key, name, ratings = bearing_row.key, bearing_row.name, bearing_row.ratings
         speed = float(weighted_speeds.sum()) / running_share
         yield rate_modified_life(key, name, ratings, viscosity, settings.cleanliness, load, life, speed)
-    worst = peak_torque * max(
+    peak_force = peak_torque * max(
         float(force.max()) / torque for force, torque in zip(bearing_row.forces, torques, strict=True)
     )
     yield RatedItem(
         f"{bearing_row.key}_static",
         f"{bearing_row.name}, static factor",
-        worst,
+        peak_force,
         bearing_row.ratings.static,
         "N",
-        bearing_row.ratings.static / worst,
+        bearing_row.ratings.static / peak_force,
         None,
         "s0 = C0/P0, ISO 76",
         f"C0 {bearing_row.ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to "
@@ -237,15 +239,15 @@ def _rate_teeth(
         float(contact.pressure(solve_running_equilibrium(reducer, float(torque)).pins, curvature).max())
         for torque in torques
     ]
-    worst = pressures[int(np.argmax(torques))] * math.sqrt(peak_torque / torques.max())
+    peak_pressure = pressures[int(np.argmax(torques))] * math.sqrt(peak_torque / torques.max())
     limit = YIELD_PRESSURE * contact.strength
     yield RatedItem(
         f"{kind}_yield",
         "teeth on pins, first yield",
-        1e-6 * worst,
+        1e-6 * peak_pressure,
         1e-6 * limit,
         "MPa",
-        (limit / worst) ** 2,
+        (limit / peak_pressure) ** 2,
         None,
         f"p0 = {YIELD_PRESSURE:g} Y below the surface; safety by torque",
         f"at the peak torque of {peak_torque:.4g} N m, pressure with the root of the torque",
@@ -308,8 +310,8 @@ def _rate_planets(
     design's speed [1].
     """
     planet, material = reducer.planet, reducer.design.material
-    radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
-    curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in radii)
+    pitch_radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
+    curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in pitch_radii)
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
     forces = [float(solve_running_equilibrium(reducer, float(torque)).flanks.max()) for torque in torques]
     pressures = [
@@ -320,7 +322,7 @@ def _rate_planets(
     pitting = _rate_pitting("sun_pitting", "sun on planets, pitting", reducer, kind, pressures, load_rates)
     yield pitting
     if reducer.design.has_film:
-        entrainment = reducer.crank_speed * radii[1] * math.sin(planet.pressure_angle)
+        entrainment = reducer.crank_speed * pitch_radii[1] * math.sin(planet.pressure_angle)
         contacts = [(entrainment, 1.0 / curvature)] * len(torques)
         yield _rate_lubricated(reducer, pitting, contacts, pressures, load_rates, speed_ratios)
 
@@ -342,21 +344,22 @@ def _rate_pitting(
         Number of loads on a tooth per second at each point of the duty, times the point's share of time and 2 pi
         [rad/s].
     """
-    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    hourly = load_rates / (2.0 * math.pi) * HOUR
+    allowed_pressure, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
+    loads_per_hour = load_rates / (2.0 * math.pi) * HOUR
     damage = sum(
-        float(loads) / pitting_cycles(pressure, allowed) for loads, pressure in zip(hourly, pressures, strict=True)
+        float(loads) / pitting_cycles(pressure, allowed_pressure)
+        for loads, pressure in zip(loads_per_hour, pressures, strict=True)
     )
     return RatedItem(
         key,
         name,
         1e-6 * max(pressures),
-        1e-6 * allowed,
+        1e-6 * allowed_pressure,
         "MPa",
         None,
         1.0 / damage,
         "Z_N = 2.466 n^-0.056, S_c by hardness, AGMA 2001-D04; Miner",
-        f"{hourly.sum():.0f} loads per hour on each tooth; {source}",
+        f"{loads_per_hour.sum():.0f} loads per hour on each tooth; {source}",
         ItemKind.SURFACE,
     )
 

@@ -66,7 +66,9 @@ class RvTorqueLimits:
 
 
 def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
-    """Compute rated and momentary torque of an RV reducer, for a life [h] at the design's speed.
+    """Compute rated torque, rated torque of the bearings, and momentary torque of an RV reducer, each with its limit.
+
+    The limit is the rated item that sets the torque. Rated torques are for a `life` [h] at the design's speed.
 
     Raises
     ------
@@ -74,7 +76,9 @@ def compute_rv_limits(reducer: RvReducer, life: float) -> RvTorqueLimits:
         There is no rated torque for that life.
     """
     speed = reducer.design.drive.speed
-    rated_alone, bearings = (rated_torque(reducer, speed, life, limits) for limits in (None, is_bearing_life))
+    rated_alone, bearings = (
+        rated_torque(reducer, speed, life, limits_torque) for limits_torque in (None, is_bearing_life)
+    )
     return RvTorqueLimits(rated_alone, bearings, momentary_torque(reducer))
 
 
@@ -107,7 +111,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 
     `limits` are the rated and momentary torque for a `life` [h] at the design's speed.
     """
-    design, (rated, weakest), (momentary, stop) = reducer.design, limits.rated, limits.momentary
+    design, (rated, weakest), (momentary, stop_item) = reducer.design, limits.rated, limits.momentary
     bearing_torque, bearing = limits.bearings
     condition = f"{describe_speed(reducer)} input"
     yield ratio_row(design)
@@ -130,7 +134,7 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
         "Momentary torque, emergency stop",
         momentary,
         "N m",
-        note=f"crank bearings and teeth only; limited by {stop.name}",
+        note=f"crank bearings and teeth only; limited by {stop_item.name}",
     )
     yield nominal_torque_row(design)
     yield Quantity("input_speed", "Rated input speed", abs(design.drive.speed) / RPM, "rpm", note="of the sun")
@@ -145,12 +149,12 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     The transmission errors are those by load, by deviations and by tolerances. `static` is the data sheet computed by
     statics at the nominal torque.
     """
-    quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
-    error = quantities["output_peak_to_peak_loaded_forward_speed"]
+    quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
     yield with_name(quantities["backlash"], "Backlash", "without load, mean over a turn of the carrier, sun locked")
-    yield with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}, sun locked")
-    yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, sun locked")
-    yield with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow")
+    yield with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque_text}, sun locked")
+    yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, sun locked")
+    yield with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow")
     if quantities["te_errors"].value:
         condition = (
             "cranks, bores, carrier, planets without clearance and load; positions of pins at the nominal torque"
@@ -184,14 +188,14 @@ def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """
     design = reducer.design
     losses_text = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
-    law = f"; {film_text(reducer)}" if design.has_film else ""
-    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {losses_text}{law}"
+    film_note = f"; {film_text(reducer)}" if design.has_film else ""
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {losses_text}{film_note}"
     yield with_name(static.quantities["efficiency"], "Efficiency", condition)
     if design.has_film:
-        place = f"on the sun, main bearings without preload{law}"
-        at_speed = f"{describe_speed(reducer)}, {place}"
-        yield figure_row(reducer, "no_load_torque_nm", "No-load running torque", at_speed)
-        yield figure_row(reducer, "starting_torque_nm", "Starting torque", place)
+        shaft_note = f"on the sun, main bearings without preload{film_note}"
+        speed_note = f"{describe_speed(reducer)}, {shaft_note}"
+        yield figure_row(reducer, "no_load_torque_nm", "No-load running torque", speed_note)
+        yield figure_row(reducer, "starting_torque_nm", "Starting torque", shaft_note)
     if not design.thermal.applied:
         yield from _thermal_rows(reducer)
 
@@ -206,8 +210,8 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     """Yield the data-sheet rows of the steady temperature rises [K] and the torque [N m] and speed [rpm] they allow."""
     state = _solve_nominal_state(reducer, reducer.design.service.duty_share)
     temperatures = state.temperatures
-    cooling = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
-    condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling}"
+    cooling_text = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
+    condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling_text}"
     rise = temperatures["housing"] - reducer.design.service.ambient_temperature
     hottest = max(temperatures, key=lambda part: temperatures[part])
     yield Quantity(
@@ -218,7 +222,7 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
         note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
     )
     if math.isfinite(state.torque):
-        note = f"{describe_speed(reducer)}, {cooling}; limit: {state.limited_by}"
+        note = f"{describe_speed(reducer)}, {cooling_text}; limit: {state.limited_by}"
         yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
     if math.isfinite(speed := _solve_nominal_state(reducer, 1.0).speed):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
@@ -272,17 +276,17 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     yield from grease_rows(design)
     if design.thermal.applied:
         return
-    loaded, ambient = design.service.duty_share, design.service.ambient_temperature
-    state = _solve_nominal_state(reducer, loaded)
+    duty_share, ambient = design.service.duty_share, design.service.ambient_temperature
+    state = _solve_nominal_state(reducer, duty_share)
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
-    rise = max(state.temperatures.values()) - ambient
+    max_rise = max(state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
-    reached = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
-    if limit.temperature - rise >= grease_of(design).coldest:
-        warmest, note = limit.temperature - rise, f"{condition}, {describe_duty(design)}; then {reached}"
-        yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
-    share = 100.0 * min(loaded * (limit.temperature - ambient) / rise, 1.0) if rise > 0.0 else 100.0
-    note = f"{condition}; limit: {reached}"
+    limit_text = f"{limit.temperature:g} °C at the hottest part ({limit.name})"
+    if limit.temperature - max_rise >= grease_of(design).coldest:
+        max_ambient, note = limit.temperature - max_rise, f"{condition}, {describe_duty(design)}; then {limit_text}"
+        yield Quantity("ambient_max", "Ambient temperature, to", max_ambient, "°C", note=note)
+    share = 100.0 * min(duty_share * (limit.temperature - ambient) / max_rise, 1.0) if max_rise > 0.0 else 100.0
+    note = f"{condition}; limit: {limit_text}"
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
@@ -306,15 +310,17 @@ def rv_wind_up_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     `shares` are the positive torques over the nominal torque; the curve also has the same negative torques. A positive
     torque brakes the drive, and a positive rotation is in its direction.
     """
-    sense = float(np.sign(reducer.design.drive.speed))
+    rotation_sign = float(np.sign(reducer.design.drive.speed))
     torques = reducer.design.rated_torque * np.array([*(-np.array(shares[::-1])), *shares])
     count = rv_sheet.SETTINGS.rotation_angles
-    turns = [
+    rotations = [
         reducer.share * float(np.mean(solve_rv_equilibrium(reducer, torque, count).carrier_turn)) / ARCMINUTE
         for torque in torques.tolist()
     ]
     name, panel = "mean over a turn of the carrier", "Torsion, sun locked"
-    return Curve(panel, name, torques, -sense * np.array(turns), "output torque [N m]", "output turn [arcmin]")
+    return Curve(
+        panel, name, torques, -rotation_sign * np.array(rotations), "output torque [N m]", "output turn [arcmin]"
+    )
 
 
 def rv_notes(life: float) -> tuple[str, ...]:

@@ -34,12 +34,12 @@ RV_THERMAL_ASSUMPTIONS = (
 def describe_rv_friction(reducer: RvReducer) -> str:
     """Return a sentence that states at which temperatures the friction of an RV reducer is computed."""
     friction = reducer.design.friction
-    law = (
+    friction_text = (
         f"film of {friction.lubricant} at the temperature of the parts in contact"
         if reducer.design.has_film
         else "the coefficients of the design at any temperature"
     )
-    return f"friction: {law}; sun and planets have the temperature of the cranks"
+    return f"friction: {friction_text}; sun and planets have the temperature of the cranks"
 
 
 def solve_rv_losses(
@@ -61,13 +61,17 @@ def solve_rv_losses(
     """
     losses = []
     for point in points:
-        turning = reducer.but(drive={"speed": math.copysign(point.speed, reducer.design.drive.speed)})
-        warm = warm_reducer(turning, temperatures)
-        losses.append(dict(friction_powers(warm, abs(point.torque), crank_angles)))
-    largest = max(abs(point.torque) for point in points)
-    warm = warm_reducer(reducer, temperatures)
-    loads = solve_running_equilibrium(warm, largest, crank_angles)
-    links = (*_contact_links(warm, loads), *_grease_links(reducer), *_air_links(reducer, temperatures["housing"]))
+        turning_reducer = reducer.but(drive={"speed": math.copysign(point.speed, reducer.design.drive.speed)})
+        heated = warm_reducer(turning_reducer, temperatures)
+        losses.append(dict(friction_powers(heated, abs(point.torque), crank_angles)))
+    max_torque = max(abs(point.torque) for point in points)
+    heated = warm_reducer(reducer, temperatures)
+    loads = solve_running_equilibrium(heated, max_torque, crank_angles)
+    links = (
+        *_contact_links(heated, loads),
+        *_grease_links(reducer),
+        *_air_links(reducer, temperatures["housing"]),
+    )
     return tuple(losses), Network(links, capacities)
 
 
@@ -93,12 +97,12 @@ def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
         (steel, disc),
     )
     yield Conductance("crank", "disc", needles, "needles of the cranks, a third of them loaded")
-    outer = 2.0 * cranks.taper_radius
+    cup_diameter = 2.0 * cranks.taper_radius
     tapers = _row_conductance(
         flange_forces(reducer, loads.cranks),
         TAPERS.rollers,
-        0.5 * TAPERS.diameter * outer,
-        TAPERS.length * outer,
+        0.5 * TAPERS.diameter * cup_diameter,
+        TAPERS.length * cup_diameter,
         (steel, steel),
     )
     source = f"tapered bearings of the cranks, {TAPERS.rollers} rollers assumed, a third of them loaded"
@@ -120,12 +124,14 @@ def _row_conductance(
 def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] through grease, of discs to flanges and of flanges to the housing."""
     design, cranks = reducer.design, reducer.cranks
-    holes = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
-    face = math.pi * (min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - holes)
+    hole_squares = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
+    face = math.pi * (
+        min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - hole_squares
+    )
     rim = 2.0 * math.pi * reducer.flange_radius * cranks.flange_thickness
-    per_area = design.thermal.grease_conductivity / design.thermal.face_gap
-    yield Conductance("disc", "output", 2.0 * per_area * face, "grease between discs and flanges, k A/gap")
-    yield Conductance("output", "housing", 2.0 * per_area * rim, "grease between flanges and housing, k A/gap")
+    coefficient = design.thermal.grease_conductivity / design.thermal.face_gap
+    yield Conductance("disc", "output", 2.0 * coefficient * face, "grease between discs and flanges, k A/gap")
+    yield Conductance("output", "housing", 2.0 * coefficient * rim, "grease between flanges and housing, k A/gap")
 
 
 def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conductance]:
@@ -134,12 +140,14 @@ def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conducta
     `wall_temperature` [°C] is the temperature of the housing's wall.
     """
     design = reducer.design
-    outer, ends = design.housing.outer_radius, math.pi * reducer.flange_radius**2
+    radius, end_area = design.housing.outer_radius, math.pi * reducer.flange_radius**2
     length = design.gear.stack_width + 2.0 * reducer.cranks.flange_thickness
-    faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
-    yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
+    contact_area = 2.0 * math.pi * (radius**2 - design.ring.pin_circle_radius**2)
+    yield Conductance(
+        "ring", "housing", design.thermal.joint_conductance * contact_area, "clamped faces of the ring, h A"
+    )
     coefficient = heat_transfer_coefficient(reducer, wall_temperature)
-    area = 2.0 * math.pi * outer * (outer + length) - 2.0 * ends
+    area = 2.0 * math.pi * radius * (radius + length) - 2.0 * end_area
     source = f"h A, {convection_source(design, coefficient)}"
     yield Conductance("housing", "ambient", coefficient * area, source)
-    yield Conductance("output", "ambient", coefficient * 2.0 * ends, f"ends of the carrier, {source}")
+    yield Conductance("output", "ambient", coefficient * 2.0 * end_area, f"ends of the carrier, {source}")

@@ -118,7 +118,7 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
     back-driving is used.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
-    running, running_warm, starting, back_driving = (
+    running_row, warm_running_row, starting_row, back_driving_row = (
         contact_torque(reducer, key, temperature)
         for key, temperature in (
             ("no_load_torque_nm", SETTINGS.cold),
@@ -130,19 +130,19 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
     cold_torque, warm_torque = (
         no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm)
     )
-    start = no_load_torque(reducer, 0.0, SETTINGS.cold)
+    start_torque = no_load_torque(reducer, 0.0, SETTINGS.cold)
     efficiency = 0.01 * static_sheet.quantities["back_driving_efficiency"].value
     torque_ratio = design.reduction / efficiency if efficiency > 0.0 else math.nan
     range_text = "range" if not design.has_film else "5 to 95 % of the film, and range of the bearings"
     rows = (
-        ("running_torque_cold", "No-load torque, 20 °C", running, cold_torque, 1.0, "on the crank"),
-        ("running_torque_warm", "No-load torque, 60 °C", running_warm, warm_torque, 1.0, "on the crank"),
-        ("starting_torque_drive", "Starting torque, 20 °C", starting, start, 1.0, "on the crank"),
+        ("running_torque_cold", "No-load torque, 20 °C", running_row, cold_torque, 1.0, "on the crank"),
+        ("running_torque_warm", "No-load torque, 60 °C", warm_running_row, warm_torque, 1.0, "on the crank"),
+        ("starting_torque_drive", "Starting torque, 20 °C", starting_row, start_torque, 1.0, "on the crank"),
         (
             "back_driving_torque_drive",
             "Back-driving torque, 20 °C",
-            back_driving,
-            start,
+            back_driving_row,
+            start_torque,
             torque_ratio,
             "on the output, crank free",
         ),
@@ -178,8 +178,10 @@ def _torque_row(
         return replace(contact_row, key=key, name=name)
     low = (contact_row.value if contact_row.low is None else contact_row.low) + torque_ratio * bearing_torque.low
     high = (contact_row.value if contact_row.high is None else contact_row.high) + torque_ratio * bearing_torque.high
-    inputs = f", mostly from {' and '.join(cause for cause, _ in contact_row.causes[:2])}" if contact_row.causes else ""
-    interval = f"{low:.3g} to {high:.3g} ({range_text}){inputs}; " if math.isfinite(low) else ""
+    causes_text = (
+        f", mostly from {' and '.join(cause for cause, _ in contact_row.causes[:2])}" if contact_row.causes else ""
+    )
+    interval = f"{low:.3g} to {high:.3g} ({range_text}){causes_text}; " if math.isfinite(low) else ""
     note = f"with seals, grease, bearings; {shaft_text}; {interval}Palmgren's M0 and ISO/TR 14179-2"
     row = Quantity(key, name, contact_row.value + torque_ratio * bearing_torque.total, "N m", note=note)
     return replace(row, low=low, high=high, causes=contact_row.causes) if contact_row.causes else row
@@ -206,8 +208,8 @@ def _contact_torques_by_speed(reducer: Reducer, speeds: Array, temperature: floa
     key, torques = "no_load_torque_nm", np.full(len(speeds), math.nan)
     for index, speed in enumerate(speeds):
         with suppress(DesignError, RunError):
-            at_speed = state_seals(reducer).but(drive={"speed": float(speed)})
-            torques[index] = compute(_at_temperature(at_speed, temperature), [key])[key]
+            driven_reducer = state_seals(reducer).but(drive={"speed": float(speed)})
+            torques[index] = compute(_at_temperature(driven_reducer, temperature), [key])[key]
     return torques
 
 
@@ -251,24 +253,26 @@ def environment_rows(reducer: Reducer) -> Iterator[Quantity]:
     The duty is the share of the time at nominal torque and speed [%] that heat allows. The highest ambient temperature
     is left out if the nominal torque allows no temperature in the range of the grease.
     """
-    design, housing = reducer.design, rate_at_rated_load(reducer).items["temperature"]
+    design, housing_item = reducer.design, rate_at_rated_load(reducer).items["temperature"]
     yield from grease_rows(design)
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
-    warmest = limit.temperature - (housing.value - design.service.ambient_temperature)
+    max_ambient = limit.temperature - (housing_item.value - design.service.ambient_temperature)
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(design)}"
-    if warmest >= grease_of(design).coldest:
+    if max_ambient >= grease_of(design).coldest:
         note = f"{condition}, {describe_duty(design)}; then {limit.temperature:g} °C at the housing ({limit.name})"
-        yield Quantity("ambient_max", "Ambient temperature, to", warmest, "°C", note=note)
-    share = 100.0 * min(design.service.duty_share * (housing.safety or 1.0), 1.0)
-    note = f"{condition}; limited by {housing.name}"
+        yield Quantity("ambient_max", "Ambient temperature, to", max_ambient, "°C", note=note)
+    share = 100.0 * min(design.service.duty_share * (housing_item.safety or 1.0), 1.0)
+    note = f"{condition}; limited by {housing_item.name}"
     yield Quantity("duty", "Duty at nominal torque and speed", share, "%", note=note)
 
 
 def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
     """Yield the data-sheet rows of output run-out, input shaft radial load, motor torque and tightening torques."""
     design, covers = reducer.design, casing(reducer)
-    bore = 1e3 * covers.hub.bore
-    radial_run_out = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
+    bore_mm = 1e3 * covers.hub.bore
+    radial_run_out = next(
+        (run_out for max_bore, run_out in RADIAL_RUN_OUTS if bore_mm <= max_bore), RADIAL_RUN_OUTS[-1][1]
+    )
     if covers.hub.has_crossed_rollers:
         axial_run_out, reason = (
             float(radial_run_out),
@@ -313,18 +317,18 @@ def _input_load_row(reducer: Reducer) -> Quantity:
         reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], with_wind_up=False
     )
     far_bearing, near_bearing = (0.5 * sum(ends) for ends in shaft.bearings)
-    end = crank_segments(reducer)["journal"].z0
-    near_share = (end - far_bearing) / (near_bearing - far_bearing)
+    shaft_end = crank_segments(reducer)["journal"].z0
+    near_share = (shaft_end - far_bearing) / (near_bearing - far_bearing)
     shares = {"shaft_bearing_far": 1.0 - near_share, "shaft_bearing_near": near_share}
     limits = []
     for bearing in bearings_of(reducer):
         if share := abs(shares.get(bearing.key, 0.0)):
             speed = bearing.speed(reducer, design.drive.speed)
-            lasting_force = rolling.load_for_life(
+            force_for_life = rolling.load_for_life(
                 bearing.ratings.dynamic, design.service.life, speed, design.bearing.reliability
             )
             nominal_force = float(bearing_forces(reducer, bearing.key, loading).max())
-            spare_force = min(lasting_force / design.bearing.service_factor, bearing.ratings.static) - nominal_force
+            spare_force = min(force_for_life / design.bearing.service_factor, bearing.ratings.static) - nominal_force
             limits.append(max(spare_force, 0.0) / share)
     return Quantity(
         "input_radial_load",

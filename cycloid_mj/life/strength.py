@@ -69,10 +69,10 @@ def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
     design = reducer.design
     material, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
     moment = float(pin_moment(reducer, pin_forces).max())
-    nominal = 4.0 * moment / (math.pi * radius**3)
-    shape = shoulder_factor(radius, fillet, math.inf, BENDING)
-    notch = design.service.notch_factor or notch_factor(shape, fillet, material.tensile_strength)
-    amplitude = 0.5 * notch * nominal
+    nominal_stress = 4.0 * moment / (math.pi * radius**3)
+    shape_factor = shoulder_factor(radius, fillet, math.inf, BENDING)
+    notch = design.service.notch_factor or notch_factor(shape_factor, fillet, material.tensile_strength)
+    amplitude = 0.5 * notch * nominal_stress
     fatigue = Fatigue(
         amplitude,
         amplitude,
@@ -84,7 +84,7 @@ def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
     return RatedItem(
         "output_pin_fatigue",
         "output pin at its root, fatigue",
-        1e-6 * nominal,
+        1e-6 * nominal_stress,
         1e-6 * fatigue.endurance,
         "MPa",
         fatigue.safety,
@@ -110,28 +110,30 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
     design = reducer.design
     shaft, material = shaft_dimensions(reducer), design.material_of("shaft")
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
-    section = shaft.nominal_bending
+    stress_per_moment = shaft.nominal_bending
     endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)
     rated_shoulders: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
-        factors, notch = _shoulder_factors(reducer, shoulder)
-        bending_stress = factors[0] * section * bending_moment(worst, shoulder.z) @ directions.T
-        shear = factors[1] * 0.5 * section * worst.crank_torque
-        high, low = bending_stress.max(axis=0), bending_stress.min(axis=0)
-        amplitude = 0.5 * (high - low)
-        mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
-        weakest = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
-        fatigue = Fatigue(float(amplitude[weakest]), float(mean[weakest]), endurance, material.tensile_strength)
+        factors, notch_text = _shoulder_factors(reducer, shoulder)
+        bending_stress = factors[0] * stress_per_moment * bending_moment(worst, shoulder.z) @ directions.T
+        shear_stress = factors[1] * 0.5 * stress_per_moment * worst.crank_torque
+        max_stress, min_stress = bending_stress.max(axis=0), bending_stress.min(axis=0)
+        amplitude = 0.5 * (max_stress - min_stress)
+        mean = np.hypot(0.5 * (max_stress + min_stress), math.sqrt(3.0) * shear_stress)
+        critical_fibre = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
+        fatigue = Fatigue(
+            float(amplitude[critical_fibre]), float(mean[critical_fibre]), endurance, material.tensile_strength
+        )
         item = RatedItem(
             "shaft_fatigue",
             f"shaft, {shoulder.name}, fatigue",
-            1e-6 * float(mean[weakest] + amplitude[weakest]),
+            1e-6 * float(mean[critical_fibre] + amplitude[critical_fibre]),
             1e-6 * endurance,
             "MPa",
             fatigue.safety,
             None,
             "Goodman, notch factors of DIN 743-2, ripple of a load that turns with the shaft",
-            f"{notch}, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
+            f"{notch_text}, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
             f"{'nominal stress of the hollow section; ' if shaft.bore_radius else ''}"
             f"{_limit_source(reducer, 'shaft')}",
         )
@@ -150,13 +152,13 @@ def _shoulder_factors(reducer: Reducer, shoulder: Shoulder) -> tuple[tuple[float
     if seat and not has_cam_shoulders(design):
         return seat, f"seat of a {SEATS[design.cam_joint].description}"
     bending, torsion = (
-        notch_factor(shoulder_factor(design.shaft.radius, fillet, shoulder.outer, terms), fillet, tensile, stress)
-        for terms, stress in SHOULDER_STRESSES
+        notch_factor(shoulder_factor(design.shaft.radius, fillet, shoulder.outer, shape_terms), fillet, tensile, stress)
+        for shape_terms, stress in SHOULDER_STRESSES
     )
-    text = f"fillet of {1e3 * fillet:.3g} mm"
+    notch_text = f"fillet of {1e3 * fillet:.3g} mm"
     if seat:
-        return (max(bending, seat[0]), max(torsion, seat[1])), f"{text} at splines larger than the journals"
-    return (bending, torsion), text
+        return (max(bending, seat[0]), max(torsion, seat[1])), f"{notch_text} at splines larger than the journals"
+    return (bending, torsion), notch_text
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
@@ -165,14 +167,16 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
     `part` is the name of the part in the study; stresses are scaled from the study's load to a torque [N m].
     """
     material = reducer.design.material_of(PART_OF[family(part)])
-    scale = torque / stress_range.load
+    load_ratio = torque / stress_range.load
     endurance = _endurance_limit(reducer, material.tensile_strength, 0.0)
-    fatigue = Fatigue(scale * stress_range.amplitude, scale * stress_range.mean, endurance, material.tensile_strength)
-    scale_note = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
+    fatigue = Fatigue(
+        load_ratio * stress_range.amplitude, load_ratio * stress_range.mean, endurance, material.tensile_strength
+    )
+    scale_note = "" if math.isclose(load_ratio, 1.0, rel_tol=1e-3) else f", times {load_ratio:.3g} for this torque"
     return RatedItem(
         f"{part}_fatigue",
         f"{STUDIED[family(part)]}, fatigue",
-        1e-6 * scale * (stress_range.amplitude + max(stress_range.mean, 0.0)),
+        1e-6 * load_ratio * (stress_range.amplitude + max(stress_range.mean, 0.0)),
         1e-6 * endurance,
         "MPa",
         fatigue.safety,
@@ -190,13 +194,13 @@ def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     """
     design = reducer.design
     material = design.material_of(wall.part)
-    by_tooth = wall.kind == design.tooth_pair
-    force = worst.teeth if by_tooth else float(worst.output.max())
-    span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
+    is_tooth_force = wall.kind == design.tooth_pair
+    force = worst.teeth if is_tooth_force else float(worst.output.max())
+    span = 2.0 * (design.ring.pin_radius if is_tooth_force else design.output.hole_radius)
     width = design.line_length(wall.kind)
-    bending = 0.75 * force * span / (width * wall.thickness**2)
-    shear = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
-    amplitude = 0.5 * max(bending, shear)
+    bending_stress = 0.75 * force * span / (width * wall.thickness**2)
+    shear_stress = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
+    amplitude = 0.5 * max(bending_stress, shear_stress)
     fatigue = Fatigue(
         amplitude,
         amplitude,

@@ -77,11 +77,11 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         if reducer.contacts[kind].weaker_is_plastic:
             yield rate_permanent_set(loadings, kind, name)
             continue
-        for key, limit_name, factor, source in (
+        for key, limit_name, pressure_factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
             ("shakedown", "shakedown", SHAKEDOWN_PRESSURE, "p0 = 4 k = 2.31 Y, rolling line (Johnson 1985, 9.2)"),
         ):
-            limit = factor * strength
+            limit = pressure_factor * strength
             yield RatedItem(
                 f"{kind}_{key}",
                 f"{name}, {limit_name}",
@@ -111,14 +111,14 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
     `loadings` are the solved forces at the points of the duty, `kind` is the kind of mating pair, `pressure` its
     largest Hertz pressure over the duty [Pa], which is only reported.
     """
-    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
+    allowed_pressure, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     damage, least_damage, hourly, pin_cycles = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
         loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
         hourly += loads
         pin_cycles += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
-        damage += loads / pitting_cycles(loading.pressures[kind], allowed)
-        least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed)
+        damage += loads / pitting_cycles(loading.pressures[kind], allowed_pressure)
+        least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed_pressure)
     life = 1.0 / damage
     note = (
         f"{hourly:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), {pin_cycles:.0f} "
@@ -132,7 +132,7 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
         f"{kind}_pitting",
         f"{NAMES[kind]}, pitting",
         1e-6 * pressure,
-        1e-6 * allowed,
+        1e-6 * allowed_pressure,
         "MPa",
         None,
         life,
@@ -155,11 +155,11 @@ def rate_lubricated_pitting(
     load_rates
         Number of loads on a tooth per second at each point, times the point's share of time and 2 pi [rad/s].
     """
-    allowed, damage = 1e6 * pitting.limit, 0.0
-    for item, pressure, load_rate in zip(factors, pressures, load_rates, strict=True):
-        cycles = lubricated_cycles(pitting_cycles(pressure, allowed), item.product, AGMA_2001.power)
+    allowed_pressure, damage = 1e6 * pitting.limit, 0.0
+    for point_factors, pressure, load_rate in zip(factors, pressures, load_rates, strict=True):
+        cycles = lubricated_cycles(pitting_cycles(pressure, allowed_pressure), point_factors.product, AGMA_2001.power)
         damage += _turns_per_hour(load_rate) / cycles
-    smallest = min(factors, key=lambda item: item.product)
+    smallest = min(factors, key=lambda point_factors: point_factors.product)
     return RatedItem(
         f"{pitting.key}_lubricated",
         f"{pitting.name} with the lubricant",

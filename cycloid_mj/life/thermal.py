@@ -120,7 +120,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     points = _running_points(reducer.design, duty)
     steady_state = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
-    warm = at_temperatures(reducer.design, temperatures)
+    warm_design = at_temperatures(reducer.design, temperatures)
     ambient = reducer.design.service.ambient_temperature
     course = _solve_warm_up(reducer, duty, steady_state, settings)
     moments = _follow_clearances(reducer.design, course)
@@ -136,8 +136,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         network=steady_state.network,
         difference=temperatures["disc"] - temperatures["ring"],
         jam_difference=jam_difference(reducer.design),
-        clearances=warm_clearances(warm),
-        play=tooth_play(warm),
+        clearances=warm_clearances(warm_design),
+        play=tooth_play(warm_design),
         torque=torque_limit.torque,
         speed=_find_speed_limit(reducer, points, steady_state, settings),
         limited_by=torque_limit.name,
@@ -164,15 +164,15 @@ def _find_speed_limit(
     `points` are those of the duty cycle, `steady_state` their losses and temperatures, and `settings` those of the
     search.
     """
-    share, _ = _find_scale_limit(
+    speed_factor, _ = _find_scale_limit(
         reducer,
-        lambda share: [replace(point, speed=share * point.speed) for point in points],
+        lambda speed_factor: [replace(point, speed=speed_factor * point.speed) for point in points],
         steady_state.losses,
         steady_state,
         settings.solved,
         settings,
     )
-    return share * max(point.speed for point in points)
+    return speed_factor * max(point.speed for point in points)
 
 
 @dataclass(frozen=True)
@@ -215,21 +215,33 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
     for _ in range(settings.rounds):
-        by_point, network = _solve_losses(reducer, points, temperatures, capacities, settings)
-        losses, cold, previous = _mean(points, by_point), cold or by_point, temperatures
+        point_losses, network = _solve_losses(reducer, points, temperatures, capacities, settings)
+        losses, cold, previous = (
+            _mean(points, point_losses),
+            cold or point_losses,
+            temperatures,
+        )
         rises = network.rises(heat_by_node(reducer, losses))
         temperatures = {part: ambient + rise for part, rise in rises.items()}
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
             has_converged = True
             break
-        step = 1.0
-        while step >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
-            step *= 0.5
+        step_size = 1.0
+        while step_size >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
+            step_size *= 0.5
             temperatures = {part: 0.5 * (previous[part] + value) for part, value in temperatures.items()}
-        if step < settings.smallest_step:
+        if step_size < settings.smallest_step:
             break
     final = {part: ambient + rise for part, rise in rises.items()}
-    return _Steady(final, losses, network, has_converged, cold or by_point, by_point, previous["disc"])
+    return _Steady(
+        final,
+        losses,
+        network,
+        has_converged,
+        cold or point_losses,
+        point_losses,
+        previous["disc"],
+    )
 
 
 def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
@@ -267,8 +279,8 @@ def _solve_losses(
         for point in points
     ]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    by_point = tuple(mean_losses(reducer, [loading]) for loading in loadings)
-    return by_point, build_network(reducer, worst, temperatures["housing"], capacities)
+    point_losses = tuple(mean_losses(reducer, [loading]) for loading in loadings)
+    return point_losses, build_network(reducer, worst, temperatures["housing"], capacities)
 
 
 def _mean(points: Sequence[DutyPoint], by_point: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -292,21 +304,24 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     reference = design.thermal.disc
     span = steady_state.warm_temperature - reference
     cold_losses = steady_state.cold if steady_state.converged else steady_state.warm
-    states = iter(zip(cold_losses, steady_state.warm, strict=True))
+    loss_pairs = iter(zip(cold_losses, steady_state.warm, strict=True))
     heating = []
     for point in duty.points:
-        cold, warm = (heat_by_node(reducer, losses) for losses in (next(states) if point.speed else ({}, {})))
-        slope = {node: (warm[node] - heat) / span if span else 0.0 for node, heat in cold.items()}
-        heating.append(HeatingPoint(point.share * cycle, cold, slope))
+        cold_heat, warm_heat = (
+            heat_by_node(reducer, losses) for losses in (next(loss_pairs) if point.speed else ({}, {}))
+        )
+        slope = {node: (warm_heat[node] - heat) / span if span else 0.0 for node, heat in cold_heat.items()}
+        heating.append(HeatingPoint(point.share * cycle, cold_heat, slope))
     heating = [point for point in heating if point.duration > 0.0]
     reference_rise = reference - design.service.ambient_temperature
     return solve_course(steady_state.network, heating, "disc", reference_rise, duration, settings.samples)
 
 
 def _follow_clearances(design: Design, course: TemperatureCourse) -> list[TightestTime]:
-    """Return play [m], tightest pair and temperature rises [K] at each time of a warm-up and of its periodic state.
+    """Compute tooth play [m], tightest pair and temperature rises [K] at the times of a warm-up and a steady cycle.
 
-    `course` has the temperature rises over time. Its periodic state counts as the end of the warm-up.
+    `course` has the temperature rises over time, and those over a cycle of the duty in the periodic state. The times
+    of this cycle are stated as the end of the warm-up.
     """
     ambient = design.service.ambient_temperature
     moments = []
@@ -314,10 +329,10 @@ def _follow_clearances(design: Design, course: TemperatureCourse) -> list[Tighte
     all_rises = {part: np.append(rise, course.periodic[part]) for part, rise in course.rises.items()}
     for index, time in enumerate(all_times):
         rises = {part: float(rise[index]) for part, rise in all_rises.items()}
-        warm = at_temperatures(design, {part: ambient + rise for part, rise in rises.items()})
-        clearances = warm_clearances(warm)
+        warm_design = at_temperatures(design, {part: ambient + rise for part, rise in rises.items()})
+        clearances = warm_clearances(warm_design)
         pair = min(clearances, key=clearances.__getitem__)
-        moments.append(TightestTime(float(time), tooth_play(warm), pair, clearances[pair], rises))
+        moments.append(TightestTime(float(time), tooth_play(warm_design), pair, clearances[pair], rises))
     return moments
 
 
@@ -355,7 +370,7 @@ def _find_torque_limit(
     settings
         Settings of the search.
     """
-    largest, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
+    max_torque, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
     loaded_losses = _mean(points, steady_state.warm if steady_state.converged else steady_state.cold)
     growth_by_source = _loss_growth(reducer, points, steady_state, loaded_losses, settings)
     factor, name = _find_scale_limit(
@@ -363,23 +378,23 @@ def _find_torque_limit(
         lambda share: [replace(point, torque=share * point.torque) for point in points],
         growth_by_source,
         steady_state,
-        settings.solved * max(1.0, reducer.design.rated_torque / largest),
+        settings.solved * max(1.0, reducer.design.rated_torque / max_torque),
         settings,
     )
-    full, growth = (sum(losses.values()) / running for losses in (loaded_losses, growth_by_source))
+    full_loss, loss_growth = (sum(losses.values()) / running for losses in (loaded_losses, growth_by_source))
 
     def factor_at(losses: float) -> float:
         """Return the factor [1] on the torques at which the running drive loses a power [W], at least 0."""
-        return max(0.0, 1.0 + (losses - full) / growth)
+        return max(0.0, 1.0 + (losses - full_loss) / loss_growth)
 
-    allowed = running * (full + growth * (factor - 1.0))
-    by_duty = {share: factor_at(allowed / share) * largest for share in settings.duty_shares}
+    allowed_loss = running * (full_loss + loss_growth * (factor - 1.0))
+    by_duty = {share: factor_at(allowed_loss / share) * max_torque for share in settings.duty_shares}
     if tightest is not None and math.isfinite(factor):
-        limit = _find_limit(reducer, tightest.rises, settings)
-        in_cycle = factor_at(limit.factor * full)
-        if in_cycle < factor:
-            factor, name = in_cycle, f"{limit.name}, at times of a cycle"
-    return _TorqueLimit(factor * largest, name, by_duty)
+        limit = _find_loss_factor_limit(reducer, tightest.rises, settings)
+        cycle_factor = factor_at(limit.factor * full_loss)
+        if cycle_factor < factor:
+            factor, name = cycle_factor, f"{limit.name}, at times of a cycle"
+    return _TorqueLimit(factor * max_torque, name, by_duty)
 
 
 def _loss_growth(
@@ -389,7 +404,7 @@ def _loss_growth(
     losses: Mapping[str, float],
     settings: ThermalSettings,
 ) -> dict[str, float]:
-    """Return the increase of the losses by source [W] if all torques of a duty grow by their own size.
+    """Return the increase of the losses by source [W] if all torques of a duty are doubled, by linear extrapolation.
 
     It is the slope between the mean `losses` [W] of the duty and those at the nominal torque, or at a quarter of the
     duty's torques (`ThermalSettings.light_load`), at the steady temperatures, or at 20 °C if there is no steady state.
@@ -398,18 +413,20 @@ def _loss_growth(
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
         temperatures = steady_state.temperatures
-    nominal = reducer.design.rated_torque / max(abs(point.torque) for point in points)
-    factors = [settings.light_load] if 0.5 <= nominal <= 2.0 else [nominal, settings.light_load]
+    nominal_ratio = reducer.design.rated_torque / max(abs(point.torque) for point in points)
+    factors = [settings.light_load] if 0.5 <= nominal_ratio <= 2.0 else [nominal_ratio, settings.light_load]
     for factor in factors:
         scaled = [replace(point, torque=factor * point.torque) for point in points]
         try:
-            by_point, _ = _solve_losses(reducer, scaled, temperatures, steady_state.network.capacities, settings)
+            point_losses, _ = _solve_losses(reducer, scaled, temperatures, steady_state.network.capacities, settings)
         except RunError:
             if factor == factors[-1]:
                 raise
             continue  # no equilibrium at the nominal torque
         break
-    return {source: (other - losses[source]) / (factor - 1.0) for source, other in _mean(points, by_point).items()}
+    return {
+        source: (changed - losses[source]) / (factor - 1.0) for source, changed in _mean(points, point_losses).items()
+    }
 
 
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
@@ -426,9 +443,9 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
         yield f"{limit.temperature:g} °C, {limit.name}", (limit.temperature - hottest) / max(limit.temperature, 1.0)
     if isinstance(reducer, RvReducer):
         return
-    warm = at_temperatures(design, temperatures)
-    yield "thermal expansion closes the teeth", tooth_play(warm) / max(tooth_play(design), 1e-12)
-    for pair, clearance in warm_clearances(warm).items():
+    warm_design = at_temperatures(design, temperatures)
+    yield "thermal expansion closes the teeth", tooth_play(warm_design) / max(tooth_play(design), 1e-12)
+    for pair, clearance in warm_clearances(warm_design).items():
         yield (
             f"thermal expansion closes the clearance of {pair.replace('_', ' ')}",
             clearance / getattr(design.clearance, pair),
@@ -466,48 +483,49 @@ def _find_scale_limit(
     tuple
         The factor [1], and the limit that is then reached, in words.
     """
-    network, previous = steady_state.network, None
-    limit = _estimate_limit(reducer, steady_state, growth, settings)
-    scale, slope = limit.factor, sum(growth.values())
+    network, last_point = steady_state.network, None
+    limit = _estimate_scale_limit(reducer, steady_state, growth, settings)
+    scale, loss_slope = limit.factor, sum(growth.values())
     for _ in range(settings.corrections):
         if not 0.0 < scale < largest_corrected:
             break
         points = scale_duty(scale)
         try:
-            by_point, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
+            point_losses, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
         except RunError:
             break
-        losses = _mean(points, by_point)
-        limit = _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
+        losses = _mean(points, point_losses)
+        limit = _find_loss_factor_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
         excess = 1.0 / limit.factor - 1.0  # relative; linear in the factor where losses are
-        step = (limit.factor - 1.0) * (sum(losses.values()) / slope if slope > 0.0 else scale)
-        if previous is not None and excess != previous[1]:
-            secant = -excess * (scale - previous[0]) / (excess - previous[1])
-            step = secant if secant * step > 0.0 else step
-        following = min(max(scale + step, 0.5 * scale), 2.0 * scale)
-        error = max(abs(excess), abs(following / scale - 1.0))
-        has_converged = previous is not None and error < settings.resolution
-        previous, scale = (scale, excess), following
+        scale_step = (limit.factor - 1.0) * (sum(losses.values()) / loss_slope if loss_slope > 0.0 else scale)
+        if last_point is not None and excess != last_point[1]:
+            secant_step = -excess * (scale - last_point[0]) / (excess - last_point[1])
+            scale_step = secant_step if secant_step * scale_step > 0.0 else scale_step
+        next_scale = min(max(scale + scale_step, 0.5 * scale), 2.0 * scale)
+        error = max(abs(excess), abs(next_scale / scale - 1.0))
+        has_converged = last_point is not None and error < settings.resolution
+        last_point, scale = (scale, excess), next_scale
         if has_converged:
             break
     return scale, limit.name
 
 
-def _estimate_limit(
+def _estimate_scale_limit(
     reducer: Reducer, steady_state: _Steady, growth: Mapping[str, float], settings: ThermalSettings
 ) -> "_LossLimit":
-    """Return the factor on torque or speed at which a limit is reached if the losses are linear in this factor.
+    """Return the factor on torque or speed at which a thermal limit is reached, for losses linear in the factor.
 
-    `growth` is the increase of the losses by source [W] when the factor increases by 1. If the part of the losses
-    without torque alone exceeds a limit, all losses are assumed to be in proportion to the factor. `steady_state` has
-    the steady temperatures, `settings` are those of the thermal computation.
+    The result also has the limit in words, and the temperatures of the parts there. `growth` is the increase of the
+    losses by source [W] when the factor increases by 1. If the part of the losses without torque alone exceeds a limit,
+    all losses are assumed to be in proportion to the factor. `steady_state` has the steady temperatures, `settings` are
+    those of the thermal computation.
     """
-    idle = {source: losses - growth[source] for source, losses in steady_state.losses.items()}
+    idle_losses = {source: losses - growth[source] for source, losses in steady_state.losses.items()}
     rises, idle_rises = (
-        steady_state.network.rises(heat_by_node(reducer, losses)) for losses in (steady_state.losses, idle)
+        steady_state.network.rises(heat_by_node(reducer, losses)) for losses in (steady_state.losses, idle_losses)
     )
-    limit = _find_limit(reducer, rises, settings, idle_rises)
-    return limit if limit.factor > 0.0 else _find_limit(reducer, rises, settings)
+    limit = _find_loss_factor_limit(reducer, rises, settings, idle_rises)
+    return limit if limit.factor > 0.0 else _find_loss_factor_limit(reducer, rises, settings)
 
 
 @dataclass(frozen=True)
@@ -522,17 +540,17 @@ class _LossLimit:
     temperatures: dict[str, float]
 
 
-def _find_limit(
+def _find_loss_factor_limit(
     reducer: Reducer,
     rises: Mapping[str, float],
     settings: ThermalSettings,
     idle_rises: Mapping[str, float] | None = None,
 ) -> _LossLimit:
-    """Return the factor on temperature rises over the air at which the first temperature limit is reached.
+    """Return the factor on temperature rises over the air at which the first thermal limit is reached.
 
-    `rises` [K] are the temperature rises of the parts. The factor does not apply to their part `idle_rises` [K], by
-    default none. It is inf if no limit is reached up to `settings.largest`, and 0 if a limit is already exceeded with
-    the factor 0.
+    The result also has the limit in words, and the temperatures of the parts there [°C]. `rises` [K] are the
+    temperature rises of the parts. The factor does not apply to their part `idle_rises` [K], by default none. It is inf
+    if no limit is reached up to `settings.largest`, and 0 if a limit is already exceeded with the factor 0.
     """
     from scipy.optimize import brentq
 
@@ -540,8 +558,8 @@ def _find_limit(
 
     def temperatures_at(loss_factor: float) -> dict[str, float]:
         """Return the temperatures [°C] for rises times a factor."""
-        idle = idle_rises or dict.fromkeys(rises, 0.0)
-        return {part: ambient + idle[part] + loss_factor * (rise - idle[part]) for part, rise in rises.items()}
+        constant = idle_rises or dict.fromkeys(rises, 0.0)
+        return {part: ambient + constant[part] + loss_factor * (rise - constant[part]) for part, rise in rises.items()}
 
     def tightest_margin(loss_factor: float) -> tuple[float, str]:
         """Return the smallest margin and its limit in words, for temperature rises times a factor."""
@@ -597,8 +615,8 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
     rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
-    share = running_share(reducer, loadings)
-    difference, limit = share * (rises["disc"] - rises["ring"]), jam_difference(reducer.design)
+    running_part = running_share(reducer, loadings)
+    difference, limit = running_part * (rises["disc"] - rises["ring"]), jam_difference(reducer.design)
     yield RatedItem(
         "jam_difference",
         "disc warmer than the ring",
@@ -608,7 +626,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
         limit / difference if difference > 0.0 else math.inf,
         None,
         "thermal network; limit: play/(alpha (E - rho)) of the teeth",
-        f"{'' if share == 1.0 else f'running for {share:.0%} of the time, mean of the cycles; '}"
+        f"{'' if running_part == 1.0 else f'running for {running_part:.0%} of the time, mean of the cycles; '}"
         "conductances of grease, bearings and joints are assumed ([thermal]); all temperatures: `cycloid-mj thermal`",
     )
 

@@ -81,31 +81,33 @@ def solve_course(
     """
     from scipy.linalg import expm
 
-    cycle = sum(point.duration for point in points)
-    cycles = max(1, math.ceil(end / cycle * (1.0 - 1e-9)))
-    per_cycle = max(1, round(samples / cycles))
+    cycle_duration = sum(point.duration for point in points)
+    cycles = max(1, math.ceil(end / cycle_duration * (1.0 - 1e-9)))
+    samples_per_cycle = max(1, round(samples / cycles))
     nodes = list(network.capacities)
     capacity = np.array([network.capacities[node] for node in nodes])
     steps: list[tuple[Array, float]] = []
     for point in points:
-        count = max(1, round(per_cycle * point.duration / cycle))
-        heat, slope = (np.array([each.get(node, 0.0) for node in nodes]) for each in (point.heat, point.slope))
-        rates = np.zeros((len(nodes) + 1, len(nodes) + 1))
-        rates[:-1, :-1] = -network.matrix
-        rates[:-1, nodes.index(controlling)] += slope
-        rates[:-1, -1] = heat - slope * reference_rise
-        rates[:-1] /= capacity[:, np.newaxis]
+        count = max(1, round(samples_per_cycle * point.duration / cycle_duration))
+        heat, slope = (
+            np.array([values_by_node.get(node, 0.0) for node in nodes]) for values_by_node in (point.heat, point.slope)
+        )
+        rate_matrix = np.zeros((len(nodes) + 1, len(nodes) + 1))
+        rate_matrix[:-1, :-1] = -network.matrix
+        rate_matrix[:-1, nodes.index(controlling)] += slope
+        rate_matrix[:-1, -1] = heat - slope * reference_rise
+        rate_matrix[:-1] /= capacity[:, np.newaxis]
         duration = point.duration / count
-        steps += [(expm(duration * rates), duration)] * count
+        steps += [(expm(duration * rate_matrix), duration)] * count
     step_matrices = [matrix for matrix, _ in steps]
     cycle_matrix = np.linalg.multi_dot([*step_matrices[::-1], np.eye(len(nodes) + 1)])
     periodic_start = np.linalg.solve(np.eye(len(nodes)) - cycle_matrix[:-1, :-1], cycle_matrix[:-1, -1])
     times = np.cumsum([0.0, *[duration for _, duration in steps] * cycles])
-    rises, periodic = (
+    rises, periodic_rises = (
         dict(zip(nodes, _follow(start, matrices), strict=True))
         for start, matrices in ((np.zeros(len(nodes)), step_matrices * cycles), (periodic_start, step_matrices))
     )
-    return TemperatureCourse(times, rises, periodic)
+    return TemperatureCourse(times, rises, periodic_rises)
 
 
 def _follow(start: Array, step_matrices: Sequence[Array]) -> Array:

@@ -104,13 +104,13 @@ def line_contact_conductance(force: Array, length: float, radius: float, partner
     Each side is a cylinder with the `radius` R [m] and the conductivity k that is heated over the contact's width 2 b:
     pi k L/ln(4 R/b). Both sides are in series. `length` [m] is the length L of the line, `partners` are both materials.
     """
-    compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
+    compliance = sum((1.0 - partner.poisson**2) / partner.youngs_modulus for partner in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
     resistance = np.zeros_like(half_width)
     is_loaded = half_width > 0.0
     for material in partners:
-        constriction = np.log(np.maximum(4.0 * radius / half_width[is_loaded], math.e))
-        resistance[is_loaded] += constriction / (math.pi * heat_properties(material).conductivity * length)
+        log_ratio = np.log(np.maximum(4.0 * radius / half_width[is_loaded], math.e))
+        resistance[is_loaded] += log_ratio / (math.pi * heat_properties(material).conductivity * length)
     return np.divide(1.0, resistance, out=np.zeros_like(resistance), where=is_loaded)
 
 
@@ -131,13 +131,13 @@ class Network:
 
         The heat into the nodes [W] is G (T - T_ambient) in the steady state, with the temperatures T of the nodes.
         """
-        order = {name: index for index, name in enumerate(self.capacities)}
-        matrix = np.zeros((len(order), len(order)))
-        for item in self.conductances:
-            ends = [order[name] for name in (item.first, item.second) if name != self.air]
-            for row in ends:
-                for column in ends:
-                    matrix[row, column] += item.value if row == column else -item.value
+        node_index = {name: index for index, name in enumerate(self.capacities)}
+        matrix = np.zeros((len(node_index), len(node_index)))
+        for conductance in self.conductances:
+            node_indices = [node_index[name] for name in (conductance.first, conductance.second) if name != self.air]
+            for row in node_indices:
+                for column in node_indices:
+                    matrix[row, column] += conductance.value if row == column else -conductance.value
         return matrix
 
     def rises(self, powers: Mapping[str, float]) -> dict[str, float]:
@@ -168,10 +168,10 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
     `losses` [W] are by source; those of unknown sources, such as seals, heat the housing.
     """
     bearings = () if isinstance(reducer, RvReducer) else bearings_of(reducer)
-    joins = {bearing.key: tuple(NODE_OF_BODY[body] for body in bearing.joins) for bearing in bearings}
+    nodes_by_bearing = {bearing.key: tuple(NODE_OF_BODY[body] for body in bearing.joins) for bearing in bearings}
     heat = dict.fromkeys(HEATED, 0.0)
     for source, power in losses.items():
-        nodes = HEAT_SOURCES.get(source) or joins.get(source) or ("housing",)
+        nodes = HEAT_SOURCES.get(source) or nodes_by_bearing.get(source) or ("housing",)
         for node in nodes:
             heat[node] += power / len(nodes)
     return heat
@@ -242,12 +242,12 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
 
     Forces are means over the crank angles of `loading`.
     """
-    low, high = shaft_dimensions(reducer).bearings[0]
+    bearing_start, bearing_end = shaft_dimensions(reducer).bearings[0]
     steel = reducer.design.material_of("shaft")
     for bearing in bearings_of(reducer):
         if not bearing.bore:
             continue
-        width = casing(reducer).hub.width if bearing.key.startswith("output") else high - low
+        width = casing(reducer).hub.width if bearing.key.startswith("output") else bearing_end - bearing_start
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
         roller_radius = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
         value = roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
@@ -262,9 +262,9 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
 
 def _face_links(design: Design) -> Iterator[Conductance]:
     """Yield the heat conductances [W/K] through the grease between end faces of discs and housing or output."""
-    root = design.ring.pin_circle_radius - design.ring.pin_radius
-    holes = design.output.pins * design.output.hole_radius**2
-    area = math.pi * (root**2 - design.gear.bore_radius**2 - holes)
+    root_radius = design.ring.pin_circle_radius - design.ring.pin_radius
+    hole_radii_squared = design.output.pins * design.output.hole_radius**2
+    area = math.pi * (root_radius**2 - design.gear.bore_radius**2 - hole_radii_squared)
     value = design.thermal.grease_conductivity * area / design.thermal.face_gap
     for node in ("housing", "output"):
         yield Conductance("disc", node, value, "grease on a face of the discs, k A/gap")
@@ -277,18 +277,20 @@ def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conduc
     `wall_temperature` [°C] is the temperature of the housing's wall.
     """
     design = reducer.design
-    outer = design.housing.outer_radius
-    faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
-    yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
+    outer_radius = design.housing.outer_radius
+    clamped_area = 2.0 * math.pi * (outer_radius**2 - design.ring.pin_circle_radius**2)
+    yield Conductance(
+        "ring", "housing", design.thermal.joint_conductance * clamped_area, "clamped faces of the ring, h A"
+    )
     coefficient = heat_transfer_coefficient(reducer, wall_temperature)
     source = convection_source(design, coefficient)
     area = cooling_area(reducer)
     if has_casing(reducer):
         yield Conductance("housing", "ambient", coefficient * area, f"h A, {source}")
         return
-    end = math.pi * outer**2
-    yield Conductance("housing", "ambient", coefficient * (area - end), f"h A without covers, {source}")
-    yield Conductance("output", "ambient", coefficient * end, f"end of the output disc, {source}")
+    end_area = math.pi * outer_radius**2
+    yield Conductance("housing", "ambient", coefficient * (area - end_area), f"h A without covers, {source}")
+    yield Conductance("output", "ambient", coefficient * end_area, f"end of the output disc, {source}")
 
 
 def convection_source(design: Design, coefficient: float) -> str:
@@ -303,12 +305,12 @@ def heat_capacities(reducer: Reducer) -> dict[str, float]:
     The housing has the capacity of the covers, but at least a share `shell_share` (1 %) of the capacity of all other
     nodes together. Without covers, it has this smallest capacity.
     """
-    bodies = dict.fromkeys(HEATED, 0.0)
-    mechanism = masses(reducer)
-    for name, mass in mechanism.items():
+    capacities = dict.fromkeys(HEATED, 0.0)
+    part_masses = masses(reducer)
+    for name, mass in part_masses.items():
         part = next(part for stem, part in PART_OF_STEM.items() if name.startswith(stem))
-        bodies[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat
-    covers = drive_mass(reducer) - sum(mechanism.values()) if has_casing(reducer) else 0.0
-    specific = heat_properties(reducer.design.material_of("housing")).specific_heat
-    bodies["housing"] = max(covers * specific, ASSUMED.shell_share * sum(bodies.values()))
-    return bodies
+        capacities[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat
+    cover_mass = drive_mass(reducer) - sum(part_masses.values()) if has_casing(reducer) else 0.0
+    housing_specific_heat = heat_properties(reducer.design.material_of("housing")).specific_heat
+    capacities["housing"] = max(cover_mass * housing_specific_heat, ASSUMED.shell_share * sum(capacities.values()))
+    return capacities

@@ -33,10 +33,10 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind
         coefficient = pair_wear_coefficient(reducer, pair)
-        density = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
+        mean_line_power = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
         speed = sum(loading.sliding[kind].speed * loading.point.share for loading in loadings)
-        largest = max(loading.sliding[kind].pressure_speed for loading in loadings)
-        depth = coefficient.typical * density / reducer.design.gear.face_width * HOUR * WEAR_HOURS
+        max_pressure_speed = max(loading.sliding[kind].pressure_speed for loading in loadings)
+        depth = coefficient.typical * mean_line_power / reducer.design.gear.face_width * HOUR * WEAR_HOURS
         limit = getattr(reducer.design.clearance, pair)
         distance = speed * 3.6 * WEAR_HOURS
         yield RatedItem(
@@ -61,7 +61,7 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         yield _item_without_limit(
             f"{kind}_pv",
             f"p v of {NAMES[kind]}",
-            1e-6 * largest,
+            1e-6 * max_pressure_speed,
             "MPa m/s",
             "largest F v/(2 r w), on the projected area of the pin",
             "no limit: see the data sheet of the material",

@@ -104,10 +104,10 @@ class WearingDrive:
         numbers of teeth and pins, so that the pins take m different, equally spaced positions within a pitch.
         """
         reducer, design, count = self.reducer, self.reducer.design, self.settings.poses
-        turn, periods = reducer.mesh_turn, design.output.pins
+        turn, period_count = reducer.mesh_turn, design.output.pins
         if isinstance(reducer, RvReducer):
-            turn, periods = reducer.crank_turn, design.lobes
-        while math.gcd(count, design.ring.teeth * periods) > 1:
+            turn, period_count = reducer.crank_turn, design.lobes
+        while math.gcd(count, design.ring.teeth * period_count) > 1:
             count += 1
         return np.arange(count) / count * turn
 
@@ -175,11 +175,11 @@ def lost_motion(reducer: Reducer) -> float:
     """
     if isinstance(reducer, RvReducer):
         return rv_sheet.lost_motion(reducer, reducer.design.rated_torque)
-    still = at_rest(reducer)
-    springs = springs_of(still, turn_evenly(reducer), friction=False)
-    small = LOST_MOTION_SHARE * reducer.design.rated_torque
+    static_reducer = at_rest(reducer)
+    springs = springs_of(static_reducer, turn_evenly(reducer), friction=False)
+    small_torque = LOST_MOTION_SHARE * reducer.design.rated_torque
     positive_turn, negative_turn = (
-        loads(still, springs, side * small, warm_start=True).output_turn for side in (1.0, -1.0)
+        loads(static_reducer, springs, sign * small_torque, warm_start=True).output_turn for sign in (1.0, -1.0)
     )
     return float(np.mean(positive_turn - negative_turn))
 
@@ -208,10 +208,10 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
         while hours < end:
             check_interrupt()
             rates = drive.dose_rates(reducer)
-            step = _stable_step(drive, case, doses, rates)
-            last = hours + step >= end
-            step, hours = (end - hours, end) if last else (step, hours + step)
-            doses = {key: dose + step * HOUR * rates[key] for key, dose in doses.items()}
+            time_step = _stable_step(drive, case, doses, rates)
+            is_last_step = hours + time_step >= end
+            time_step, hours = (end - hours, end) if is_last_step else (time_step, hours + time_step)
+            doses = {key: dose + time_step * HOUR * rates[key] for key, dose in doses.items()}
             depths = {key: worn_depth(dose, *drive.laws[key].values(case)) for key, dose in doses.items()}
             reducer = layout(drive.reducer.design, worn_gaps(drive.surfaces, depths, rates))
             yield WearState(hours, doses, depths, reducer, lost_motion(reducer))
@@ -224,10 +224,10 @@ def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], ra
     distance so far [Pa m] of each cell of a surface, and `rates` their rates [Pa m/s]: key of the surface -> (cells,).
     The result is inf without wear.
     """
-    steps = [math.inf]
+    time_steps = [math.inf]
     for surface in drive.surfaces:
         law = drive.laws[surface.key].values(case)
-        speed = surface.opening * float(np.max(wear_rate(doses[surface.key], *law) * rates[surface.key]))
-        if speed > 0.0:
-            steps.append(drive.settings.step_share * drive.deflections[surface.gap] / speed / HOUR)
-    return min(steps)
+        opening_rate = surface.opening * float(np.max(wear_rate(doses[surface.key], *law) * rates[surface.key]))
+        if opening_rate > 0.0:
+            time_steps.append(drive.settings.step_share * drive.deflections[surface.gap] / opening_rate / HOUR)
+    return min(time_steps)

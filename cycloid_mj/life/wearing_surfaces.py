@@ -133,32 +133,40 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     length, count = design.line_length(design.tooth_pair), ring.mate_count * design.gear.discs
     phase = np.append(table_angles(TABLE), math.pi)
     angle_on_pin = profile.conjugate_alpha(gear, phase)
-    seat, bore = design.seat_pair, ring.sleeve_bore_radius
+    seat, bore_radius = design.seat_pair, ring.sleeve_bore_radius
     circumference = 2.0 * math.pi * ring.pin_radius
     coordinate = ring.pin_radius * angle_on_pin
-    in_seats = bool(seat) and (design.has_film or design.mesh_friction < design.friction_of(design.tooth_pair))
-    on_flanks = not in_seats or design.has_film
-    if on_flanks:
-        flank = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
+    seats_wear = bool(seat) and (design.has_film or design.mesh_friction < design.friction_of(design.tooth_pair))
+    flanks_wear = not seats_wear or design.has_film
+    if flanks_wear:
+        flank_length = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
         flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
-        flanks = design.lobes * design.gear.discs * ring.halves
+        flank_count = design.lobes * design.gear.discs * ring.halves
         yield WearingSurface(
-            "flank", "flanks of the discs", "gear", "teeth", "flank", flanks, flank, length, flank_coordinate
+            "flank",
+            "flanks of the discs",
+            "gear",
+            "teeth",
+            "flank",
+            flank_count,
+            flank_length,
+            length,
+            flank_coordinate,
         )
     if seat == "pin_socket":
         # a smaller pin also widens the clearance of its socket
         yield WearingSurface("pin", "pins", "pin", "teeth", "teeth", count, circumference, length, opening=2.0)
-    elif seat and on_flanks:
+    elif seat and flanks_wear:
         yield WearingSurface("pin", "pins", "pin", "teeth", "flank", count, circumference, length)
     elif not seat:
         key, name, part = ("pin", "pins", "pin") if ring.kind == "pin" else ("lobe", "lobes of the ring", "housing")
         yield WearingSurface(key, name, part, "teeth", "flank", count, circumference, length, coordinate)
-    if in_seats and seat == "pin_socket":
+    if seats_wear and seat == "pin_socket":
         yield WearingSurface(
             "socket", "sockets of the pins", "housing", "teeth", "seat", count, circumference, length, coordinate
         )
-    elif in_seats:
-        bore_circumference, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
+    elif seats_wear:
+        bore_circumference, lever = 2.0 * math.pi * bore_radius, bore_radius / ring.pin_radius
         yield WearingSurface(
             "sleeve", "bores of the sleeves", "pin", "teeth", "seat", count, bore_circumference, length, lever=lever
         )
@@ -171,7 +179,7 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
             count,
             bore_circumference,
             length,
-            bore * angle_on_pin,
+            bore_radius * angle_on_pin,
             lever,
         )
 
@@ -231,34 +239,34 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     `springs` and `contact_loads` are the contact springs and the forces at the crank angles of the turn.
     """
     design, teeth = reducer.design, springs.teeth
-    slip = np.abs(springs.slip)
+    slip_speeds = np.abs(springs.slip)
     contacts = springs.contacts
     hole_direction = (
         contacts.slope[:, teeth:, 2:-1:3].sum(axis=-1),
         -contacts.shift_slope[:, teeth:, 2:-1:3].sum(axis=-1),
     )
-    cam = contact_loads.cam
+    cam_forces = contact_loads.cam
     # direction of the force from the middle of the crank to that of the disc
     cam_direction = springs.crank[:, np.newaxis] + np.array(reducer.phases) + 0.5 * math.pi
-    cam_force = np.linalg.norm(cam, axis=-1)
+    cam_force = np.linalg.norm(cam_forces, axis=-1)
     cam_speed = design.gear.bore_radius * relative_speed(reducer, design.drive.speed)
-    tooth = design.tooth_pair
-    on_teeth = SlidingContacts(
+    tooth_pair = design.tooth_pair
+    tooth_contacts = SlidingContacts(
         _wrap(-contacts.phase[:, :teeth]),
         contact_loads.teeth,
-        slip[:, :teeth],
-        _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
+        slip_speeds[:, :teeth],
+        _half_width(reducer, tooth_pair, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
     )
     return {
-        **_split_teeth(on_teeth, slides_in_seat(design, contact_loads.friction, on_teeth.force.shape)),
+        **_split_teeth(tooth_contacts, slides_in_seat(design, contact_loads.friction, tooth_contacts.force.shape)),
         "output": SlidingContacts(
             np.arctan2(*hole_direction),
             contact_loads.output,
-            slip[:, teeth:],
+            slip_speeds[:, teeth:],
             _half_width(reducer, "output", contact_loads.output, None, design.output.pin_radius),
         ),
         "cam": SlidingContacts(
-            _wrap(np.arctan2(cam[..., 1], cam[..., 0]) - cam_direction),
+            _wrap(np.arctan2(cam_forces[..., 1], cam_forces[..., 0]) - cam_direction),
             cam_force,
             np.full_like(cam_force, cam_speed),
             _half_width(reducer, "cam", cam_force, None, design.gear.bore_radius),
@@ -277,9 +285,9 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
     RunError
         No static equilibrium exists.
     """
-    springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
-    friction = running_friction(reducer, crank, np.sign(on_carrier))
-    solution = solve_rv_loads(springs, on_carrier, friction)
+    springs, carrier_torque = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
+    friction = running_friction(reducer, crank, np.sign(carrier_torque))
+    solution = solve_rv_loads(springs, carrier_torque, friction)
     force = solution.pins
     speed = np.abs(springs.slip) * abs(reducer.speed_against_ring)
     kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
@@ -338,8 +346,8 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     cell_sums = sum_over_cells(
         coordinates, sliding.half_width[is_loaded], power[is_loaded], surface.section, surface.cells
     )
-    forward = cell_sums / len(power) / area
-    return 0.5 * (forward + forward[::-1])
+    forward_rate = cell_sums / len(power) / area
+    return 0.5 * (forward_rate + forward_rate[::-1])
 
 
 def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
@@ -380,12 +388,12 @@ def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], r
         Rate of wear of the same cells, shape (cells,), by key. These are the weights of the mean depth of a plain cam,
         because only its loaded side determines the clearance.
     """
-    tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
-    cam = 0.0
+    gaps_by_angle = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
+    cam_gap = 0.0
     for surface in surfaces:
         depth = depths[surface.key]
         if surface.gap == "cam":
-            cam += float(np.average(depth, weights=rates[surface.key]))
+            cam_gap += float(np.average(depth, weights=rates[surface.key]))
         else:
-            tables[surface.gap] += surface.opening * surface.interpolate_depth(depth)
-    return WornGaps(tables["teeth"], tables["output"], cam)
+            gaps_by_angle[surface.gap] += surface.opening * surface.interpolate_depth(depth)
+    return WornGaps(gaps_by_angle["teeth"], gaps_by_angle["output"], cam_gap)
