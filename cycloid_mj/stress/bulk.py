@@ -76,9 +76,11 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
     is_at_corner = np.zeros(len(points), bool)
     if len(grid.singular_points):
         is_at_corner = np.asarray(cKDTree(grid.singular_points).query(points)[0]) < grid.corner_distance
-    order = np.argsort(case.angle, kind="stable")
-    ends = np.searchsorted(case.angle[order], np.arange(case.angles + 1))
-    return Distances(points, axial_distance, case.points[order, :2], ends, is_at_corner, grid.mesh.nvertices)
+    angle_order = np.argsort(case.angle, kind="stable")
+    patch_ends = np.searchsorted(case.angle[angle_order], np.arange(case.angles + 1))
+    return Distances(
+        points, axial_distance, case.points[angle_order, :2], patch_ends, is_at_corner, grid.mesh.nvertices
+    )
 
 
 def search_distances(distances: Distances, start: float) -> Array:
@@ -89,8 +91,8 @@ def search_distances(distances: Distances, start: float) -> Array:
     `distances.farthest`, beyond which no vertex of the part is left at some crank angle. If there are fewer than three
     distances up to the limit, the limit itself is appended.
     """
-    steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
-    reached_distances = steps[steps <= distances.farthest()]
+    candidates = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
+    reached_distances = candidates[candidates <= distances.farthest()]
     return (
         reached_distances
         if len(reached_distances) > DISTANCES_PER_OCTAVE

@@ -64,28 +64,29 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness matrix of a part; return its load case, which solves for displacements.
+    """Factorise the stiffness matrix of a part; return a function of the crank angles that solves for displacements.
 
-    `grid` is the finite-element mesh of the part. The loads at a crank angle are contact pressure, weight and inertia.
+    The result (`LoadCase`) has this function and the narrow contact patches. `grid` is the finite-element mesh of the
+    part. The loads at a crank angle are contact pressure, weight and inertia.
     The load torque of the output acts at its hub, where the supports carry it. Loads on a part without supports are in
     equilibrium with its acceleration (d'Alembert).
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
     part = elastic.assemble_body(grid, material_of(reducer, grid.part))
-    mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
+    unit_mass_loads, mass_factors = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
     contact_accelerations, imbalance = elastic.solve_accelerations(part, contact_loads)
-    mass_accelerations, mass_imbalance = elastic.solve_accelerations(part, mass)
-    imbalance += shares.T @ mass_imbalance
+    mass_accelerations, mass_imbalance = elastic.solve_accelerations(part, unit_mass_loads)
+    imbalance += mass_factors.T @ mass_imbalance
     # both are spread over the mass: one dense product at each angle, and few forces of contacts
-    mass_fields, shares = (
-        np.hstack([mass, part.carried]),
-        np.vstack([shares, -contact_accelerations - mass_accelerations @ shares]),
+    mass_fields, mass_factors = (
+        np.hstack([unit_mass_loads, part.carried]),
+        np.vstack([mass_factors, -contact_accelerations - mass_accelerations @ mass_factors]),
     )
 
     def solve_response(angles: Integers) -> Response:
         """Solve for the response to the loads at the angles with the indices `angles`, shape (c,)."""
-        forces, contacts = mass_fields @ shares[:, angles], contact_loads[:, angles].tocoo()
+        forces, contacts = mass_fields @ mass_factors[:, angles], contact_loads[:, angles].tocoo()
         forces[contacts.row, contacts.col] += contacts.data
         displacement = elastic.displacements(part, forces)
         reaction = elastic.reactions(part, displacement, forces)

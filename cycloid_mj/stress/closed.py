@@ -34,11 +34,11 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
     theory. If a contact is conformal at the angle of its largest `loads.pressure`, its stresses are NaN at every angle,
     because the largest of the remaining values would be mistaken for its maximum.
     """
-    worst = np.argmax(loads.pressure, axis=0)
-    is_valid = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
+    largest_rows = np.argmax(loads.pressure, axis=0)
+    is_valid = loads.hertz & loads.hertz[largest_rows, np.arange(len(loads.labels))]
     pressure = np.where(is_valid, loads.pressure, np.nan)
-    share, _ = largest_von_mises(material_of(reducer, loads.part).poisson)
-    return LineStress(pressure, share * pressure)
+    von_mises_ratio, _ = largest_von_mises(material_of(reducer, loads.part).poisson)
+    return LineStress(pressure, von_mises_ratio * pressure)
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
@@ -49,8 +49,8 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
     = nu (sigma_x + sigma_z) with Poisson's ratio nu (Johnson 1985, Eq. 4.46).
     """
     z = np.asarray(depth, float)
-    root = np.sqrt(1.0 + z**2)
-    lateral, normal = -(1.0 + 2.0 * z**2) / root + 2.0 * z, -1.0 / root
+    s = np.sqrt(1.0 + z**2)
+    lateral, normal = -(1.0 + 2.0 * z**2) / s + 2.0 * z, -1.0 / s
     axial = poisson * (lateral + normal)
     return np.sqrt(((lateral - axial) ** 2 + (axial - normal) ** 2 + (normal - lateral) ** 2) / 2.0)
 
@@ -66,5 +66,5 @@ def largest_von_mises(poisson: float) -> tuple[float, float]:
         for a Poisson's ratio of 0.3.
     """
     # for any Poisson's ratio it is less deep than 3 b
-    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, 3.0), method="bounded")
-    return float(-deepest.fun), float(deepest.x)
+    minimum = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, 3.0), method="bounded")
+    return float(-minimum.fun), float(minimum.x)

@@ -208,8 +208,8 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
         Radius of the thinner body [m].
     """
     length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
-    conformal = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
-    bounded_curvature = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
+    min_curvature = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
+    bounded_curvature = np.maximum(curvature, np.maximum(min_curvature, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded_curvature, modulus).half_width
 
 
@@ -380,8 +380,8 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
     for disc, (pin_number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = names.numbered_name(names.OUTPUT_PIN, pin_number)
         contact_force = _in(frame, _on_gear(turn, name, disc).reaction())
-        widest = np.full_like(contact_force.size, MAX_HALF_ANGLE * output.root_radius)
-        width = widest if output.rollers else _round_width(turn, "output", contact_force)
+        max_width = np.full_like(contact_force.size, MAX_HALF_ANGLE * output.root_radius)
+        width = max_width if output.rollers else _round_width(turn, "output", contact_force)
         position = contact_force.on_disc(centre, output.root_radius, width)
         contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", contact_force, position, width))
     return contacts

@@ -72,11 +72,13 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
     solves a mesh with other supports. The estimate depends on the numbers of unknowns of these meshes, by `settings`.
     """
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
-    finer = grid.unknowns * settings.finer(grid) ** rates.growth
-    grids = [grid.unknowns, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
-    solved_unknowns = grid.unknowns * settings.angles + finer * settings.checked
-    seconds = rates.factor * sum(unknowns**rates.exponent for unknowns in grids) + rates.per_angle * solved_unknowns
-    return Cost(seconds, COST.base_memory + rates.memory * finer, COST.retained_per_unknown * grid.unknowns)
+    finer_unknowns = grid.unknowns * settings.finer(grid) ** rates.growth
+    unknown_counts = [grid.unknowns, finer_unknowns, *([grid.unknowns] if grid.part in SUPPORTS else [])]
+    solved_unknowns = grid.unknowns * settings.angles + finer_unknowns * settings.checked
+    seconds = (
+        rates.factor * sum(unknowns**rates.exponent for unknowns in unknown_counts) + rates.per_angle * solved_unknowns
+    )
+    return Cost(seconds, COST.base_memory + rates.memory * finer_unknowns, COST.retained_per_unknown * grid.unknowns)
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:

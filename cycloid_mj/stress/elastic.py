@@ -254,19 +254,19 @@ def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | 
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)
     gradients = np.stack([shape[0].grad for shape in basis.basis])
-    measure = grid.thickness * basis.dx
+    volumes = grid.thickness * basis.dx
     lame, shear = lame_parameters(material, dimension)
     gradients_along = [np.ascontiguousarray(gradients[:, axis].transpose(1, 2, 0)) for axis in range(dimension)]
-    weighted = [(slope * measure[..., np.newaxis]).transpose(0, 2, 1) for slope in gradients_along]
-    laplacian = shear * sum(weighted[axis] @ gradients_along[axis] for axis in range(dimension))
+    weighted_gradients = [(gradient * volumes[..., np.newaxis]).transpose(0, 2, 1) for gradient in gradients_along]
+    laplacian = shear * sum(weighted_gradients[axis] @ gradients_along[axis] for axis in range(dimension))
     assembler = assembler or _Assembler(grid)
     blocks = np.empty((assembler.pair_count, dimension, dimension))
     for i, j in zip(*np.triu_indices(dimension), strict=True):
-        product = weighted[i] @ gradients_along[j]
-        element = lame * product + shear * product.transpose(0, 2, 1) + (laplacian if i == j else 0.0)
-        blocks[:, i, j] = assembler.sum_pairs(element)
+        product = weighted_gradients[i] @ gradients_along[j]
+        element_matrices = lame * product + shear * product.transpose(0, 2, 1) + (laplacian if i == j else 0.0)
+        blocks[:, i, j] = assembler.sum_pairs(element_matrices)
         if i != j:
-            blocks[:, j, i] = assembler.sum_pairs(element.transpose(0, 2, 1))
+            blocks[:, j, i] = assembler.sum_pairs(element_matrices.transpose(0, 2, 1))
     return assembler.matrix(blocks)
 
 
@@ -293,8 +293,8 @@ class _Assembler:
         The attribute `pair_count` is their number.
         """
         cells, self._nodes = grid.cells, len(grid.points)
-        keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
-        pairs, self._slot = np.unique(keys, return_inverse=True)
+        pair_keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
+        pairs, self._slot = np.unique(pair_keys, return_inverse=True)
         self._columns = pairs % self._nodes
         self._starts = np.searchsorted(pairs, np.arange(self._nodes + 1) * self._nodes)
         self.pair_count = len(pairs)
@@ -336,11 +336,12 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
     graph = sparse.coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(grid.mesh.nvertices,) * 2)
-    pieces = csgraph.connected_components(graph, directed=False)[0]
-    if pieces != 1:
+    piece_count = csgraph.connected_components(graph, directed=False)[0]
+    if piece_count != 1:
         raise CycloidError(
-            f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but it must be in one "
-            "piece. Export this part with `cycloid-mj export`, find the holes that separate it, and reduce or move them"
+            f"the finite-element mesh of the {grid.part} consists of {piece_count} separate pieces, but it must be "
+            "in one piece. Export this part with `cycloid-mj export`, find the holes that separate it, and reduce or "
+            "move them"
         )
     scaled_motions = motions / np.linalg.norm(motions, axis=0)
     support_matrix = scaled_motions[fixed].T @ scaled_motions[fixed]
@@ -349,8 +350,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
         support_matrix = support_matrix + support_stiffness / max(
             float(np.abs(support_stiffness).max()), np.finfo(float).tiny
         )
-    values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
-    if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
+    eigenvalues = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
+    if not eigenvalues[0] > 1e-12 * max(eigenvalues[-1], np.finfo(float).tiny):
         raise CycloidError(
             f"the finite-element mesh of the {grid.part} can move as a rigid body, because all its supported nodes lie "
             "at one point: support nodes at two or more different points"

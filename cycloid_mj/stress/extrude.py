@@ -47,32 +47,40 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
     # the stress of the output is largest at the roots of its pins, not near contacts
-    share = 0.8 if part == "output" else 1.0
-    coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
-    section_settings = replace(settings, **coarse, refinement=share * settings.refinement)
+    edge_factor = 0.8 if part == "output" else 1.0
+    coarser_edges: dict[str, Any] = {
+        name: edge_factor * getattr(settings, name) for name, edge_factor in COARSER.items()
+    }
+    section_settings = replace(settings, **coarser_edges, refinement=edge_factor * settings.refinement)
     section = planar_grid(part_region(reducer, part), section_settings, length, section=True)
-    layer = settings.layer_edge * length / settings.refinement
+    layer_height = settings.layer_edge * length / settings.refinement
     min_layers = MIN_LAYERS.get(part, 2)
     planes = (0.0,) if family(part) == GEAR else gear.disc_planes
-    layer = min(layer, gear.face_width / min_layers)
-    discs = [_levels(plane - gear.face_width / 2, plane + gear.face_width / 2, layer) for plane in planes]
+    layer_height = min(layer_height, gear.face_width / min_layers)
+    disc_levels = [_levels(plane - gear.face_width / 2, plane + gear.face_width / 2, layer_height) for plane in planes]
     # neighbours are joined by a layer across their gap
-    stack = np.concatenate(discs)
+    stack_levels = np.concatenate(disc_levels)
     if part != "output":
-        return extrude_section(section, stack, np.ones((len(stack) - 1, len(section.cells)), bool), _layers_of(discs))
-    face, disc_thickness = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
-    output_levels = _levels(face, face + disc_thickness, settings.layer_edge * length / settings.refinement)
+        return extrude_section(
+            section, stack_levels, np.ones((len(stack_levels) - 1, len(section.cells)), bool), _layers_of(disc_levels)
+        )
+    output_face, disc_thickness = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
+    output_levels = _levels(
+        output_face, output_face + disc_thickness, settings.layer_edge * length / settings.refinement
+    )
     second_levels = -output_levels[::-1] if design.output.support == "both_ends" else np.zeros(0)
-    levels = np.concatenate([second_levels, stack, output_levels])
+    levels = np.concatenate([second_levels, stack_levels, output_levels])
     is_filled = np.ones((len(levels) - 1, len(section.cells)), bool)
-    pin_layers = slice(max(len(second_levels) - 1, 0), len(second_levels) + len(stack))
+    pin_layers = slice(max(len(second_levels) - 1, 0), len(second_levels) + len(stack_levels))
     is_filled[pin_layers] = _within_pins(reducer, section)
-    grid = extrude_section(section, levels, is_filled, _layers_of(discs, len(second_levels)))
+    grid = extrude_section(section, levels, is_filled, _layers_of(disc_levels, len(second_levels)))
     # the bulk excludes the roots of the pins and the rims of the hub
-    distance = 0.5 * design.output.root_radius
-    corners = [_output_corners(reducer, face, output_levels[-1], distance / 4)]
-    corners += [_output_corners(reducer, -face, -output_levels[-1], distance / 4)] if len(second_levels) else []
-    return replace(grid, singular_points=np.concatenate(corners), corner_distance=distance)
+    corner_distance = 0.5 * design.output.root_radius
+    corners = [_output_corners(reducer, output_face, output_levels[-1], corner_distance / 4)]
+    corners += (
+        [_output_corners(reducer, -output_face, -output_levels[-1], corner_distance / 4)] if len(second_levels) else []
+    )
+    return replace(grid, singular_points=np.concatenate(corners), corner_distance=corner_distance)
 
 
 def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
@@ -97,23 +105,23 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
         heights.
     """
     vertex_index = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
-    for layer, cells in enumerate(is_filled):
-        vertex_index[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
+    for layer, filled_cells in enumerate(is_filled):
+        vertex_index[layer : layer + 2, np.unique(section.mesh.t[:, filled_cells])] = 0
     vertex_index[vertex_index == 0] = np.arange(np.count_nonzero(vertex_index == 0))
     level, vertex = np.nonzero(vertex_index >= 0)
     points = np.column_stack([section.points[vertex], levels[level]])
     tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, vertex_index)
-    node, height = np.concatenate(nodes), np.concatenate(heights)
+    section_node, height_index = np.concatenate(nodes), np.concatenate(heights)
     z = np.interp(np.arange(2 * len(levels) - 1) / 2, np.arange(len(levels)), levels)
-    middles = np.column_stack([section.points[node], z[height]])
-    mesh, vertices, grid = quadratic_mesh(
+    middles = np.column_stack([section.points[section_node], z[height_index]])
+    mesh, vertices, middle_nodes = quadratic_mesh(
         points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part
     )
     node_index = np.full((len(z), len(section.points)), -1, np.int64)
     node_index[::2, : section.mesh.nvertices][level, vertex] = vertices
-    node_index[height, node] = grid
+    node_index[height_index, section_node] = middle_nodes
     fixed_nodes = node_index[:, section.fixed_nodes]
-    pressed_nodes = [node_index[2 * part.start : 2 * part.stop - 1] for part in loaded_slices]
+    pressed_nodes = [node_index[2 * loaded_slice.start : 2 * loaded_slice.stop - 1] for loaded_slice in loaded_slices]
     unknowns = 3 * len(mesh.doflocs.T)
     return Grid(
         part=section.part,
@@ -127,8 +135,8 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
             section,
             np.concatenate(pressed_nodes),
             tuple(
-                _distribution_matrix(nodes, _simpson(levels[part]), unknowns)
-                for nodes, part in zip(pressed_nodes, loaded_slices, strict=True)
+                _distribution_matrix(nodes, _simpson(levels[loaded_slice]), unknowns)
+                for nodes, loaded_slice in zip(pressed_nodes, loaded_slices, strict=True)
             ),
         ),
     )
@@ -153,21 +161,21 @@ def _divide_prisms(section: Grid, is_filled: Mask, vertex_index: Integers) -> tu
         (e, 2), node of the section over which the middle of each edge is (e,), and index of the height of this middle
         (e,), where level i has the index 2 i.
     """
-    local = np.argsort(section.mesh.t.T, axis=1)
+    sorted_corners = np.argsort(section.mesh.t.T, axis=1)
     tetrahedra, ends, nodes, heights = [], [], [], []
-    for layer, cells in enumerate(is_filled):
-        rows = np.flatnonzero(cells)
+    for layer, filled_cells in enumerate(is_filled):
+        cell_indices = np.flatnonzero(filled_cells)
         for corners in _TETRAHEDRA:
-            orders = [local[rows, rank] for rank, _ in corners]
+            orders = [sorted_corners[cell_indices, rank] for rank, _ in corners]
             tetrahedron = [
-                vertex_index[layer + top, section.cells[rows, order]]
-                for order, (_, top) in zip(orders, corners, strict=True)
+                vertex_index[layer + upper, section.cells[cell_indices, order]]
+                for order, (_, upper) in zip(orders, corners, strict=True)
             ]
             tetrahedra.append(np.column_stack(tetrahedron))
             for i, j in zip(*np.triu_indices(4, 1), strict=True):
                 ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
-                nodes.append(section.cells[rows, _NODE[orders[i], orders[j]]])
-                heights.append(np.full(len(rows), 2 * layer + corners[i][1] + corners[j][1]))
+                nodes.append(section.cells[cell_indices, _NODE[orders[i], orders[j]]])
+                heights.append(np.full(len(cell_indices), 2 * layer + corners[i][1] + corners[j][1]))
     return tetrahedra, ends, nodes, heights
 
 
@@ -183,9 +191,9 @@ def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -
     unknowns
         Number of unknowns n of the solid.
     """
-    complete = np.flatnonzero((solid_nodes >= 0).all(axis=0))
-    rows = 3 * solid_nodes[:, complete, np.newaxis] + np.arange(2)
-    columns = np.broadcast_to(2 * complete[:, np.newaxis] + np.arange(2), rows.shape)
+    complete_nodes = np.flatnonzero((solid_nodes >= 0).all(axis=0))
+    rows = 3 * solid_nodes[:, complete_nodes, np.newaxis] + np.arange(2)
+    columns = np.broadcast_to(2 * complete_nodes[:, np.newaxis] + np.arange(2), rows.shape)
     values = np.broadcast_to(weights[:, np.newaxis, np.newaxis], rows.shape)
     entries = (values.ravel(), (rows.ravel(), columns.ravel()))
     return sparse.coo_matrix(entries, shape=(unknowns, 2 * solid_nodes.shape[1])).tocsr()
@@ -216,9 +224,9 @@ def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) 
     `spacing` [m] is their distance. `face` and `back` are the heights z [m] of the faces of the output disc; the pins
     are on `face`.
     """
-    pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
-    roots = [_ring(pin, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
-    return np.concatenate([*roots, _ring(hub, spacing, face), _ring(hub, spacing, back)])
+    pin_radius, hub_radius = reducer.design.output.root_radius, reducer.design.shaft.radius
+    roots = [_ring(pin_radius, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
+    return np.concatenate([*roots, _ring(hub_radius, spacing, face), _ring(hub_radius, spacing, back)])
 
 
 def _ring(radius: float, spacing: float, z: float) -> Array:

@@ -225,17 +225,17 @@ def _collect_maxima(
     on_state
         Called with the index of each angle and the stress components of all nodes at it.
     """
-    search_steps = search_distances(distances, grid.bulk_distance) if distance is None else np.array([distance])
+    tried_distances = search_distances(distances, grid.bulk_distance) if distance is None else np.array([distance])
     maxima: list[tuple[Array, ...]] = []
-    counter = count()
+    angle_indices = count()
     for response in responses:
-        stress, chosen_nodes = components(response.displacements), []
-        for state, stress_size in zip(
+        stress, block_maxima = components(response.displacements), []
+        for state, equivalent_stress in zip(
             np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True
         ):
-            on_state(index := next(counter), state)
-            chosen_nodes.append(largest_beyond(distances, search_steps, index, stress_size))
-        largest_stresses, nodes = map(np.array, zip(*chosen_nodes, strict=True))
+            on_state(index := next(angle_indices), state)
+            block_maxima.append(largest_beyond(distances, tried_distances, index, equivalent_stress))
+        largest_stresses, nodes = map(np.array, zip(*block_maxima, strict=True))
         maxima.append((largest_stresses, nodes, response.reaction, response.imbalance, response.moments))
     largest_stresses, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
     plateau_index = find_plateau(largest_stresses.max(axis=0), DISTANCES_PER_OCTAVE) if distance is None else 0
@@ -244,13 +244,13 @@ def _collect_maxima(
         angle=np.array(loads.angle),
         bulk_stress=largest_stresses[:, plateau_index],
         bulk_place=grid.points[nodes[:, plateau_index]],
-        distances=search_steps,
+        distances=tried_distances,
         stress_by_distance=largest_stresses.T,
         reaction=reaction,
         imbalance=imbalance,
         moments=moments,
         load=np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1, initial=0.0),
-        bulk_distance=float(search_steps[plateau_index]),
+        bulk_distance=float(tried_distances[plateau_index]),
         unknowns=grid.unknowns,
     )
 
@@ -267,13 +267,13 @@ def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple
     if not len(grid.singular_points):
         return ()
     stress = von_mises(part.components(part.case.response(np.array([index])).displacements)[..., 0])
-    bulk = []
+    stress_by_distance = []
     for factor in CORNER_DISTANCES:
         distances = measure_distances(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
-        limit = min(distance, distances.farthest() * (1.0 - 1e-9))
-        sizes, _ = largest_beyond(distances, np.array([limit]), index, stress)
-        bulk.append((factor * grid.corner_distance, float(sizes[0])))
-    return tuple(bulk)
+        patch_distance = min(distance, distances.farthest() * (1.0 - 1e-9))
+        largest_stresses, _ = largest_beyond(distances, np.array([patch_distance]), index, stress)
+        stress_by_distance.append((factor * grid.corner_distance, float(largest_stresses[0])))
+    return tuple(stress_by_distance)
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:

@@ -40,9 +40,9 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     design = design.but(drive={"ramp": 0.0})
     if design.drive.speed == 0.0:
         return design
-    rate = max(design.settings.log_rate, 720 * abs(design.drive.speed) / (2.0 * math.pi))
+    log_rate = max(design.settings.log_rate, 720 * abs(design.drive.speed) / (2.0 * math.pi))
     reducer = Reducer(design)
-    return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
+    return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": log_rate})
 
 
 def run_for_one_turn(design: Design, load: float | None = None) -> tuple[Reducer, Run | None]:

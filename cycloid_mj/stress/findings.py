@@ -148,8 +148,9 @@ class Refinement:
         """Convert the stresses on two finite-element meshes, one finer, to JSON values; keys end in their units.
 
         ``unknowns`` has a number for each mesh, ``bulk_mpa`` the largest bulk stress on each mesh by ``angle_deg``, the
-        crank angles. ``change`` and ``scatter_rms`` [1] are the properties `change` and `scatter`. ``holds`` is whether
-        ``change`` is below ``bound``.
+        crank angles. ``change`` [1] is the relative change of the largest stress by the refinement, and ``scatter_rms``
+        [1] the rms change over the angles relative to the largest stress. ``holds`` is whether ``change`` is below
+        ``bound``.
         """
         return {
             "unknowns": list(self.unknowns),

@@ -209,29 +209,33 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
     FoldedError
         A curved edge turns an element inside out.
     """
-    unit = length / settings.refinement
+    unit_edge = length / settings.refinement
     loops = []
     for boundary in region.boundaries:
         edge = (
-            unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.contact]
+            unit_edge
+            * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.contact]
         )
         loops.append(
             divide_outline(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, short_edges))
         )
-    points, triangles = _triangulate(region, loops, unit * settings.inner_edge, settings.growth)
+    points, triangles = _triangulate(region, loops, unit_edge * settings.inner_edge, settings.growth)
     first_nodes = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
     loop_nodes = [start + np.arange(len(loop.nodes)) for start, loop in zip(first_nodes, loops, strict=False)]
-    ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in loop_nodes])
+    edge_ends = np.concatenate([np.column_stack([numbers, np.roll(numbers, -1)]) for numbers in loop_nodes])
     middles = np.concatenate([loop.middles for loop in loops])
-    mesh, vertex, edge_middles = quadratic_mesh(points, triangles, ends, middles, region.part, section)
-    tables = [np.column_stack([vertex[ring], edge_middles[ring], vertex[np.roll(ring, -1)]]) for ring in loop_nodes]
-    pairs = list(zip(region.boundaries, tables, strict=True))
-    clamped_nodes = [table[:, :2].ravel() for boundary, table in pairs if boundary.is_fixed]
+    mesh, vertex, edge_middles = quadratic_mesh(points, triangles, edge_ends, middles, region.part, section)
+    edge_tables = [
+        np.column_stack([vertex[numbers], edge_middles[numbers], vertex[np.roll(numbers, -1)]])
+        for numbers in loop_nodes
+    ]
+    boundary_tables = list(zip(region.boundaries, edge_tables, strict=True))
+    clamped_nodes = [table[:, :2].ravel() for boundary, table in boundary_tables if boundary.is_fixed]
     return Grid(
         part=region.part,
         mesh=mesh,
         thickness=region.thickness,
-        loops=tuple(table for boundary, table in pairs if boundary.contact),
+        loops=tuple(table for boundary, table in boundary_tables if boundary.contact),
         fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped_nodes])),
         bulk_distance=settings.bulk_distance * length,
         singular_points=np.zeros((0, 2)),
@@ -275,13 +279,13 @@ def quadratic_mesh(
         An edge of the outline is missing.
     """
     skfem = import_package("skfem")
-    planar = points.shape[1] == 2
+    is_planar = points.shape[1] == 2
     new_numbers = np.arange(len(points)) if keep_order else _reverse_cuthill_mckee(len(points), cells)
     cells = new_numbers[cells]
     cells = cells[np.argsort(cells.min(axis=1), kind="stable")]
     points = points[np.argsort(new_numbers)]
-    straight = (skfem.MeshTri1 if planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
-    mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
+    straight_mesh = (skfem.MeshTri1 if is_planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
+    mesh = (skfem.MeshTri2 if is_planar else skfem.MeshTet2).from_mesh(straight_mesh)
     nodes = find_edge_nodes(mesh, new_numbers[edge_ends])
     if nodes.min(initial=0) < 0:
         raise CycloidError(
@@ -353,23 +357,23 @@ def _triangulate(
         The outlines cross each other.
     """
     with open_mesher(region.part, inner_edge) as gmsh:
-        geo = gmsh.model.geo
-        curves, edges = [], []
+        geometry = gmsh.model.geo
+        curve_loops, edges = [], []
         for loop in loops:
             tags = [
-                geo.addPoint(x, y, 0.0, size)
+                geometry.addPoint(x, y, 0.0, size)
                 for (x, y), size in zip(loop.nodes * MILLIMETRES, loop.sizes * MILLIMETRES, strict=True)
             ]
-            lines = [geo.addLine(start, end) for start, end in zip(tags, [*tags[1:], tags[0]], strict=True)]
+            lines = [geometry.addLine(start, end) for start, end in zip(tags, [*tags[1:], tags[0]], strict=True)]
             for line in lines:
-                geo.mesh.setTransfiniteCurve(line, 2)
-            curves.append(geo.addCurveLoop(lines))
+                geometry.mesh.setTransfiniteCurve(line, 2)
+            curve_loops.append(geometry.addCurveLoop(lines))
             edges += lines
-        geo.addPlaneSurface(curves)
-        for boundary, curve in zip(region.boundaries, curves, strict=True):
+        geometry.addPlaneSurface(curve_loops)
+        for boundary, curve in zip(region.boundaries, curve_loops, strict=True):
             if boundary.role == "inset":
-                geo.addPlaneSurface([curve])
-        geo.synchronize()
+                geometry.addPlaneSurface([curve])
+        geometry.synchronize()
         _set_edge_growth(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES, growth)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -379,13 +383,13 @@ def _triangulate(
             f"cannot generate a finite-element mesh of the {region.part}: one of its outlines crosses itself or "
             "another outline. Change the dimensions that define it"
         )
-    index = np.zeros(int(tags.max()) + 1, np.int64)
+    point_index = np.zeros(int(tags.max()) + 1, np.int64)
     order = np.argsort(tags)
-    index[tags[order].astype(np.int64)] = np.arange(len(tags))
+    point_index[tags[order].astype(np.int64)] = np.arange(len(tags))
     points = coordinates.reshape(-1, 3)[order, :2] / MILLIMETRES
-    count = sum(len(loop.nodes) for loop in loops)
-    points[:count] = np.concatenate([loop.nodes for loop in loops])
-    return points, index[corners.astype(np.int64)].reshape(-1, 3)
+    outline_points = sum(len(loop.nodes) for loop in loops)
+    points[:outline_points] = np.concatenate([loop.nodes for loop in loops])
+    return points, point_index[corners.astype(np.int64)].reshape(-1, 3)
 
 
 def _set_edge_growth(field: Any, edges: list[int], longest: float, growth: float) -> None:

@@ -67,11 +67,13 @@ def part_names(reducer: Reducer) -> tuple[str, ...]:
     out of its plane. For an RV reducer, shaft and output are left out.
     """
     design = reducer.design
-    left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
+    omitted_parts = (
+        {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
+    )
     discs = gears(design.gear.discs)
     if isinstance(reducer, RvReducer):
-        left_out |= {"shaft", "output"}
-    return tuple(name for part in PARTS if part not in left_out for name in (discs if part == GEAR else (part,)))
+        omitted_parts |= {"shaft", "output"}
+    return tuple(name for part in PARTS if part not in omitted_parts for name in (discs if part == GEAR else (part,)))
 
 
 def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
@@ -107,18 +109,18 @@ def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
 
     `sampled` is a turn of a run or of a static equilibrium.
     """
-    touching = list_contacts(sampled, part)
+    contacts = list_contacts(sampled, part)
     return PartLoads(
         part=part,
         angle=sampled.angle,
-        position=np.stack([contact.position for contact in touching], axis=1),
-        force=np.stack([contact.action.force for contact in touching], axis=1),
-        half_width=np.stack([contact.half_width for contact in touching], axis=1),
-        pressure=np.stack([contact.line.pressure for contact in touching], axis=1),
-        strip=np.stack([contact.line.half_width for contact in touching], axis=1),
-        hertz=np.stack([contact.line.valid for contact in touching], axis=1),
-        labels=tuple(contact.name for contact in touching),
-        **_motion_loads(sampled, part, total(touching)),
+        position=np.stack([contact.position for contact in contacts], axis=1),
+        force=np.stack([contact.action.force for contact in contacts], axis=1),
+        half_width=np.stack([contact.half_width for contact in contacts], axis=1),
+        pressure=np.stack([contact.line.pressure for contact in contacts], axis=1),
+        strip=np.stack([contact.line.half_width for contact in contacts], axis=1),
+        hertz=np.stack([contact.line.valid for contact in contacts], axis=1),
+        labels=tuple(contact.name for contact in contacts),
+        **_motion_loads(sampled, part, total(contacts)),
     )
 
 
@@ -160,29 +162,29 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
     gravity = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
     # in the frame of the ring, gravity rotates backwards
     gravity, frame_speed = rotate_vectors(gravity, -turn.ring_angle), -turn.ring_speed
-    result = {
+    loads = {
         "body_force": rotate_vectors(gravity, -part_frame(turn, part).angle),
         "spin": zeros,
         "spin_rate": zeros,
         "torque": zeros,
     }
     if part == "ring":
-        return result
+        return loads
     body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
         is_moving = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
         spin = turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if is_moving else zeros
         spin_rate = contact_sum.moment / float(body.inertia[2, 2])
-        return result | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
+        return loads | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
         motor_inertia = turn.reducer.design.drive.rotor_inertia
         spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + motor_inertia)
         torque = turn["crank_torque"] - motor_inertia * spin_rate
-        return result | {"spin": turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
+        return loads | {"spin": turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
     if not turn.reducer.mechanism.body(part).joints:  # it is fixed
-        return result | {"torque": -contact_sum.moment}
+        return loads | {"torque": -contact_sum.moment}
     spin_rate = (contact_sum.moment + turn["load_torque"]) / _inertia_about_axis(body)
-    return result | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
+    return loads | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
 
 
 def _inertia_about_axis(body: MassProperties) -> float:

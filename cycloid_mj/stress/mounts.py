@@ -178,28 +178,32 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
         rows = slice(2 * position, 2 * position + 4)
         stiffness[rows, rows] += _beam_element(reducer, length)
     modulus = design.material_of("housing").youngs_modulus
-    spring, load = (_to_nodes(item) for item in (modulus * support_lengths, load_lengths / width))
-    stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
-    far_spring = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
+    support_springs, load = (_to_nodes(line_load) for line_load in (modulus * support_lengths, load_lengths / width))
+    stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += support_springs
+    far_spring = np.where(np.arange(nodes) <= SLICES, support_springs, 0.0)
     loads = np.stack([_displacement_loads(load), _displacement_loads(far_spring)], axis=1)
-    by_load, by_plate_motion = np.linalg.solve(stiffness, loads)[::2].T
-    return float(load @ by_load), float(far_spring @ by_load), float(np.sum(far_spring) - far_spring @ by_plate_motion)
+    load_deflection, plate_deflection = np.linalg.solve(stiffness, loads)[::2].T
+    return (
+        float(load @ load_deflection),
+        float(far_spring @ load_deflection),
+        float(np.sum(far_spring) - far_spring @ plate_deflection),
+    )
 
 
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
     """Compute the lateral compliance of a crank at the middle of its cam [m/N], with elastic seats of its bearings.
 
-    The thin section next to the cam (post) is a Timoshenko beam. Each bearing of width w has the compliance 2/(E w), of
-    which 1/(E w) is in its bore and 1/(E w) on the shaft. The ring on the cam has 1/(E w). E is Young's modulus of the
-    housing. Both bearings allow the crank to tilt.
+    `crank` has the dimensions of the crank and its seats. The thin section next to the cam (post) is a Timoshenko beam.
+    Each bearing of width w has the compliance 2/(E w), of which 1/(E w) is in its bore and 1/(E w) on the shaft. The
+    ring on the cam has 1/(E w). E is Young's modulus of the housing. Both bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     hub_share, housing_share = crank.to_housing / span, crank.to_hub / span
-    seats = 2.0 * hub_share**2 / crank.hub_seat + 2.0 * housing_share**2 / crank.housing_seat + 1.0 / crank.cam_seat
+    seat_term = 2.0 * hub_share**2 / crank.hub_seat + 2.0 * housing_share**2 / crank.housing_seat + 1.0 / crank.cam_seat
     lever = crank.to_housing - crank.cam_seat / 2.0
     bending, shearing = round_beam(material, crank.post_diameter / 2.0)
-    post = (lever**3 - (lever - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
-    return seats / material.youngs_modulus + housing_share**2 * post
+    post_term = (lever**3 - (lever - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
+    return seat_term / material.youngs_modulus + housing_share**2 * post_term
 
 
 def _beam_element(reducer: Reducer, length: float) -> Array:

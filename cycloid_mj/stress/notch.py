@@ -104,15 +104,19 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
         axis=2,
     )
     magnitude = np.linalg.norm(moments, axis=3)
-    row, root, pin = np.unravel_index(int(magnitude.argmax()), magnitude.shape)
-    radius, fillet, moment = design.output.root_radius, design.output.root_fillet, float(magnitude[row, root, pin])
+    angle_index, root, pin = np.unravel_index(int(magnitude.argmax()), magnitude.shape)
+    radius, fillet, moment = (
+        design.output.root_radius,
+        design.output.root_fillet,
+        float(magnitude[angle_index, root, pin]),
+    )
     location_text = ", at the second output disc" if root else ""
     return (
         Notch(
             name=f"root of {numbered_name(OUTPUT_PIN, int(numbers[pin]))}{location_text}",
             radius=radius,
             fillet=fillet,
-            angle=float(loads.angle[row]),
+            angle=float(loads.angle[angle_index]),
             bending=4.0 * moment / (math.pi * radius**3),
             torsion=0.0,
             bending_factor=shoulder_factor(radius, fillet, math.inf, BENDING),
@@ -141,11 +145,11 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
         """
         bending_factor, torsion_factor = factors
         station_bending, station_torsion = bending[:, station], torsion[:, station]
-        row = int(
+        angle_index = int(
             np.argmax(np.hypot(bending_factor * station_bending, np.sqrt(3.0) * torsion_factor * station_torsion))
         )
-        stresses = float(station_bending[row]), float(station_torsion[row])
-        return Notch(name, shaft.radius, fillet, float(angle[row]), *stresses, *factors)
+        stresses = float(station_bending[angle_index]), float(station_torsion[angle_index])
+        return Notch(name, shaft.radius, fillet, float(angle[angle_index]), *stresses, *factors)
 
     nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
     largest_station = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])

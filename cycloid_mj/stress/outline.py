@@ -47,14 +47,14 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     of edges between two corners is the integral of 1/(target length) along the outline, rounded up. An outline has at
     least 12 edges.
     """
-    points, corner, radius = _subdivide_polygon(polygon, sizing)
+    points, is_corner, radius = _subdivide_polygon(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
     edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
     closed_lengths = np.append(edge_length, edge_length[0])
     edge_count = np.concatenate(
         [[0.0], np.cumsum((1 / closed_lengths[1:] + 1 / closed_lengths[:-1]) / 2 * np.diff(arc))]
     )
-    corner_indices = np.flatnonzero(corner) if corner.any() else np.array([0])
+    corner_indices = np.flatnonzero(is_corner) if is_corner.any() else np.array([0])
     start_counts = edge_count[corner_indices]
     end_counts = np.append(start_counts[1:], start_counts[0] + edge_count[-1])
     min_edges = max(1, math.ceil(12 / len(corner_indices)))  # a circle keeps its shape
@@ -65,10 +65,10 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
         ]
     )
     node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arc)
-    following = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
+    next_arcs = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
     return QuadraticOutline(
         nodes=_along(points, arc, node_arcs[:-1]),
-        middles=_along(points, arc, (node_arcs[:-1] + following) / 2 % arc[-1]),
+        middles=_along(points, arc, (node_arcs[:-1] + next_arcs) / 2 % arc[-1]),
         sizes=np.interp(node_arcs[:-1], arc, closed_lengths),
     )
 
@@ -94,22 +94,22 @@ def _subdivide_polygon(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Arr
     """
     edge_before, edge_after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]
-    turn = np.abs(np.arctan2(cross, np.sum(edge_before * edge_after, axis=1)))
+    turn_angle = np.abs(np.arctan2(cross, np.sum(edge_before * edge_after, axis=1)))
     length = (np.linalg.norm(edge_before, axis=1) + np.linalg.norm(edge_after, axis=1)) / 2
-    corner = turn > 0.15  # rad: edges of a polygon that approximates an arc turn by less
-    radius = np.where(corner, np.inf, length / np.maximum(turn, 1e-300))
+    is_corner = turn_angle > 0.15  # rad: edges of a polygon that approximates an arc turn by less
+    radius = np.where(is_corner, np.inf, length / np.maximum(turn_angle, 1e-300))
     points = polygon
     while True:
-        following = np.roll(points, -1, axis=0)
+        next_points = np.roll(points, -1, axis=0)
         edge_radius = np.minimum(radius, np.roll(radius, -1))
-        midpoints = (points + following) / 2
-        coarse = np.linalg.norm(following - points, axis=1) > _target_edges(midpoints, edge_radius, sizing) / 2
-        if not coarse.any():
-            return points, corner, radius
-        position = np.flatnonzero(coarse) + 1
-        points = np.insert(points, position, midpoints[coarse], axis=0)
-        corner = np.insert(corner, position, False)
-        radius = np.insert(radius, position, edge_radius[coarse])
+        midpoints = (points + next_points) / 2
+        is_too_long = np.linalg.norm(next_points - points, axis=1) > _target_edges(midpoints, edge_radius, sizing) / 2
+        if not is_too_long.any():
+            return points, is_corner, radius
+        insertions = np.flatnonzero(is_too_long) + 1
+        points = np.insert(points, insertions, midpoints[is_too_long], axis=0)
+        is_corner = np.insert(is_corner, insertions, False)
+        radius = np.insert(radius, insertions, edge_radius[is_too_long])
 
 
 def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:

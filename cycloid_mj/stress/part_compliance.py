@@ -81,4 +81,9 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     near_share = (planes - far_seat) / (near_seat - far_seat)
     compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
     seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - near_share, near_share)]
-    return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, seat_forces, strict=True)))
+    return np.asarray(
+        sum(
+            seat_compliance * np.sum(force**2, axis=1)
+            for seat_compliance, force in zip(compliance, seat_forces, strict=True)
+        )
+    )

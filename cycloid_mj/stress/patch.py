@@ -67,10 +67,10 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     edges = _collect_edges(grid)
     tree, tree_edge, tree_xi = _sample_edges(edges)
     magnitude = np.linalg.norm(loads.force, axis=2)
-    active = np.isfinite(loads.position).all(axis=2) & (magnitude > 1e-12 * np.nanmax(magnitude, initial=0.0))
+    is_active = np.isfinite(loads.position).all(axis=2) & (magnitude > 1e-12 * np.nanmax(magnitude, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
-        active_angles = np.flatnonzero(active[:, contact])
+        active_angles = np.flatnonzero(is_active[:, contact])
         if not len(active_angles):
             continue
         query: Any = tree.query(loads.position[active_angles, contact])
@@ -92,7 +92,7 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
         angle.append(active_angles[is_narrow])
         points.append(loads.position[active_angles, contact][is_narrow])
     flat_arrays = [
-        np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)
+        np.concatenate([part.ravel() for part in arrays] or [np.zeros(0)]) for arrays in (values, rows, columns)
     ]
     shape = (grid.unknowns, len(loads.angle))
     matrix = sparse.csc_matrix(
@@ -129,10 +129,12 @@ def _distribute_pressure(
     """
     shortest_edge = float(np.min(edges.length[edge]))
     count = 8 + 4 * int(np.ceil(half_width.max() / shortest_edge))
-    node = np.arange(1, count + 1) * np.pi / (count + 1)
-    weight = 2 / (count + 1) * np.sin(node) ** 2
-    first_node, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
-    arc = first_node + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first_node, total)
+    quadrature_angle = np.arange(1, count + 1) * np.pi / (count + 1)
+    weight = 2 / (count + 1) * np.sin(quadrature_angle) ** 2
+    loop_start, loop_length = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
+    arc = loop_start + np.mod(
+        centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(quadrature_angle) - loop_start, loop_length
+    )
     edge_at_arc = np.searchsorted(edges.start, arc, side="right") - 1
     xi = (arc - edges.start[edge_at_arc]) / edges.length[edge_at_arc]
     shape, slope = _shape(xi), _slope(xi)
@@ -141,8 +143,8 @@ def _distribute_pressure(
     relative_direction = tangent / np.abs(tangent) * np.conj(centre_tangent)[:, np.newaxis]
     resultant = relative_direction @ weight
     pressure = weight * relative_direction * (_complex(force) / resultant)[:, np.newaxis]
-    vector = np.stack([pressure.real, pressure.imag], axis=-1)
-    return edges.nodes[edge_at_arc], shape[..., np.newaxis] * vector[:, :, np.newaxis, :]
+    point_force = np.stack([pressure.real, pressure.imag], axis=-1)
+    return edges.nodes[edge_at_arc], shape[..., np.newaxis] * point_force[:, :, np.newaxis, :]
 
 
 def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
@@ -158,9 +160,9 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> A
     `edges` are those of all outlines, `edge` and `xi` (a,) are the index of the edge on which the nearest sample of the
     outline is, and the sample's parameter on this edge. The outline is replaced by its tangent at this sample.
     """
-    chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
+    sample_position = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])
-    xi_step = np.sum((position - chosen) * tangent, axis=1) / np.sum(tangent**2, axis=1)
+    xi_step = np.sum((position - sample_position) * tangent, axis=1) / np.sum(tangent**2, axis=1)
     return edges.start[edge] + edges.length[edge] * np.clip(xi + xi_step, 0.0, 1.0)
 
 
@@ -168,14 +170,16 @@ def _collect_edges(grid: Grid) -> _Edges:
     """Return nodes, positions [m] and arc lengths [m] of the element edges of `grid` along outlines with contacts."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
-    gauss, weight = np.polynomial.legendre.leggauss(4)
-    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss + 1) / 2), positions), axis=2)
+    gauss_point, weight = np.polynomial.legendre.leggauss(4)
+    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss_point + 1) / 2), positions), axis=2)
     length = speed @ weight / 2
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
     counts = [len(loop) for loop in grid.loops]
-    heads = np.cumsum([0, *counts[:-1]])
-    totals = np.add.reduceat(length, heads)
-    return _Edges(nodes, positions, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
+    first_edges = np.cumsum([0, *counts[:-1]])
+    loop_lengths = np.add.reduceat(length, first_edges)
+    return _Edges(
+        nodes, positions, start, length, np.repeat(start[first_edges], counts), np.repeat(loop_lengths, counts)
+    )
 
 
 def _sample_edges(edges: _Edges) -> tuple[cKDTree, Integers, Array]:

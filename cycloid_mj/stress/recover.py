@@ -211,9 +211,9 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
     by which offsets from the vertices are divided.
     """
     vertices = np.arange(grid.mesh.nvertices)
-    ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
-    middles = len(vertices) + np.arange(ends.shape[1])
-    nodes, centres = np.concatenate([vertices, middles, middles]), np.concatenate([vertices, *ends])
+    edge_ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
+    middles = len(vertices) + np.arange(edge_ends.shape[1])
+    nodes, centres = np.concatenate([vertices, middles, middles]), np.concatenate([vertices, *edge_ends])
     share = np.where(nodes < len(vertices), 1.0, 0.5)
     terms = _terms((grid.points[nodes] - grid.points[centres]) / scale[centres, np.newaxis]) * share[:, np.newaxis]
     count = terms.shape[1]
@@ -234,9 +234,9 @@ def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
     points_per_cell = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")
     valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
-    position = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
+    slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
     cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
-    cells[corners.ravel()[order], position] = order // corners.shape[1]
+    cells[corners.ravel()[order], slot] = order // corners.shape[1]
     table = (points_per_cell * cells[..., np.newaxis] + np.arange(points_per_cell)).reshape(len(cells), -1)
     is_used = np.repeat(cells >= 0, points_per_cell, axis=1)
     return np.where(is_used, table, 0), is_used

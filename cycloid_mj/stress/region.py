@@ -117,8 +117,8 @@ def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
     housing = design.housing
     if housing.support == "rim":
         return ()
-    turn = 2.0 * np.pi * np.arange(housing.bolts) / housing.bolts
-    centres = design.bolt_circle_radius * np.stack([np.sin(turn), np.cos(turn)], axis=1)
+    bolt_angles = 2.0 * np.pi * np.arange(housing.bolts) / housing.bolts
+    centres = design.bolt_circle_radius * np.stack([np.sin(bolt_angles), np.cos(bolt_angles)], axis=1)
     clamped_circle = circle(design.bolt_radius, CHORD_ERROR)
     return tuple(Boundary(clamped_circle + centre, "inset", is_fixed=True) for centre in centres)
 
@@ -133,13 +133,13 @@ def _output_region(reducer: Reducer, rim: Array) -> Region:
     UsageError
         The pins leave no space for a hub.
     """
-    output, hub = reducer.design.output, reducer.design.shaft.radius
-    if not hub < output.pin_circle_radius - output.pin_radius:
+    output, hub_radius = reducer.design.output, reducer.design.shaft.radius
+    if not hub_radius < output.pin_circle_radius - output.pin_radius:
         raise UsageError(
             f"the output of {reducer.design.name} has no space for its hub, because shaft.radius_mm must be smaller "
             "than output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
         )
-    pin = circle(output.root_radius, CHORD_ERROR)
-    pins = tuple(Boundary(pin + centre, "inset", contact="line") for centre in output_centres(reducer))
-    hub_boundary = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)
+    pin_outline = circle(output.root_radius, CHORD_ERROR)
+    pins = tuple(Boundary(pin_outline + centre, "inset", contact="line") for centre in output_centres(reducer))
+    hub_boundary = Boundary(circle(hub_radius, CHORD_ERROR), "hole", is_fixed=True)
     return Region("output", (Boundary(rim, "outline"), hub_boundary, *pins), output.disc_thickness)

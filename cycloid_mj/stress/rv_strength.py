@@ -128,13 +128,13 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
     factors = [shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION)]
     stations = np.sort([plane + side * gear.face_width / 2.0 for plane in gear.disc_planes for side in (-1.0, 1.0)])
     bending, torsion = crank_moments(reducer, springs, loads, stations)
-    for number, station in enumerate(stations):
-        stresses = 4.0 * bending[..., number], 2.0 * torsion[..., number]
-        size = np.hypot(factors[0] * stresses[0], math.sqrt(3.0) * factors[1] * stresses[1])
-        row, crank = np.unravel_index(int(np.argmax(size)), size.shape)
-        nominal = (float(item[row, crank]) / (math.pi * radius**3) for item in stresses)
+    for station_index, station in enumerate(stations):
+        stresses = 4.0 * bending[..., station_index], 2.0 * torsion[..., station_index]
+        equivalent_stress = np.hypot(factors[0] * stresses[0], math.sqrt(3.0) * factors[1] * stresses[1])
+        angle_index, crank = np.unravel_index(int(np.argmax(equivalent_stress)), equivalent_stress.shape)
+        nominal = (float(component[angle_index, crank]) / (math.pi * radius**3) for component in stresses)
         name = f"crank {crank + 1} at z = {1e3 * station:.1f} mm"
-        yield Notch(name, radius, fillet, float(angles[row]), *nominal, *factors)
+        yield Notch(name, radius, fillet, float(angles[angle_index]), *nominal, *factors)
 
 
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
@@ -153,14 +153,14 @@ def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, statio
     widths = np.append(reducer.planet.face_width, np.full(planes.size, gear.face_width))
     far_support = np.einsum("kncj,c->knj", forces, (force_positions - first_flange) / (first_flange - second_flange))
     near_support = -forces.sum(axis=2) - far_support
-    loaded = np.clip(stations[:, np.newaxis] - force_positions + widths / 2.0, 0.0, widths)
-    arms = loaded / widths * (stations[:, np.newaxis] - force_positions + (widths - loaded) / 2.0)
+    loaded_widths = np.clip(stations[:, np.newaxis] - force_positions + widths / 2.0, 0.0, widths)
+    arms = loaded_widths / widths * (stations[:, np.newaxis] - force_positions + (widths - loaded_widths) / 2.0)
     bending = np.einsum("kncj,sc->knsj", forces, arms)
     for support, support_position in ((near_support, first_flange), (far_support, second_flange)):
         bending += support[:, :, np.newaxis] * np.maximum(stations - support_position, 0.0)[:, np.newaxis]
     eccentrics = gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, np.newaxis]
     torques = cross(eccentrics, on_discs)
-    torsion = np.einsum("knc,sc->kns", torques, 1.0 - loaded[:, 1:] / widths[1:])
+    torsion = np.einsum("knc,sc->kns", torques, 1.0 - loaded_widths[:, 1:] / widths[1:])
     return np.linalg.norm(bending, axis=-1), np.abs(torsion)
 
 

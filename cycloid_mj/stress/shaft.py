@@ -91,23 +91,25 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     """
     pad_loads, springs = [], []
     for z0, z1 in shaft.bearings:  # ends of the seat [m]
-        face = select_surface(grid, partial(_on_seat, shaft, (z0, z1)))
-        if not len(face.nodes):
+        seat_surface = select_surface(grid, partial(_on_seat, shaft, (z0, z1)))
+        if not len(seat_surface.nodes):
             raise CycloidError(
                 "the finite-element mesh of the shaft is too coarse: no element lies on the bearing seat from z = "
                 f"{1e3 * z0:.4g} to {1e3 * z1:.4g} mm. Use a finer mesh: omit --quick or, in Python, increase "
                 "GridSettings.refinement"
             )
         bed_stiffness = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
-        x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
+        x, y, z = seat_surface.points[..., 0], seat_surface.points[..., 1], seat_surface.points[..., 2]
         sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * MODEL.sectors).astype(int) % MODEL.sectors
         strip = np.clip(((z - z0) / (z1 - z0) * MODEL.strips).astype(int), 0, MODEL.strips - 1)
-        outward = face.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]  # no moment about the axis
+        outward = (
+            seat_surface.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]
+        )  # no moment about the axis
         for pad in range(MODEL.sectors * MODEL.strips):
             is_in_pad = sector * MODEL.strips + strip == pad
-            area = float(face.area[is_in_pad].sum())
+            area = float(seat_surface.area[is_in_pad].sum())
             if area > 0.0:
-                pad_load = traction_loads(face, outward * is_in_pad[..., np.newaxis] / area)
+                pad_load = traction_loads(seat_surface, outward * is_in_pad[..., np.newaxis] / area)
                 pad_loads.append(sparse.csc_matrix(pad_load[:, np.newaxis]))
                 springs.append(bed_stiffness * area)
     return Pads(sparse.hstack(pad_loads).tocsc(), np.array(springs))
@@ -155,10 +157,11 @@ def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) 
 
 
 def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness matrix of the shaft on its bearings; return its load case for any crank angles.
+    """Factorise the stiffness matrix of the shaft on its bearings; return a function of the crank angles.
 
-    `grid` is the finite-element mesh. The loads at each angle are a linear combination of unit loads, which are solved
-    here. Bearings press on the shaft and do not pull.
+    The function in the result (`LoadCase.response`) solves for displacements and support forces. `grid` is the
+    finite-element mesh. The loads at each angle are a linear combination of unit loads, which are solved here. Bearings
+    press on the shaft and do not pull.
 
     Raises
     ------
@@ -175,7 +178,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     steel = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * steel.youngs_modulus * shaft.radius)
     part = elastic.assemble_body(grid, steel, springs=pads.springs, loose=(2, 5))
-    cam_loads = [unit for cam in range(len(cams)) for unit in _cam_unit_loads(grid, shaft, cam)]
+    cam_loads = [unit_load for cam in range(len(cams)) for unit_load in _cam_unit_loads(grid, shaft, cam)]
     unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
     unit_loads, imbalances = elastic.equilibrate_loads(part, unit_loads)
     unit_displacements = elastic.displacements(part, unit_loads)
@@ -249,16 +252,20 @@ def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple
     """
     cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]
-    phi = np.arctan2(cam.points[..., 1] - y, cam.points[..., 0] - x)
-    waves = [wave(order * phi) for order in MODEL.harmonics for wave in ((np.cos, np.sin) if order else (np.cos,))]
-    loads = np.column_stack([traction_loads(cam, -wave[..., np.newaxis] * _radial(cam.normals)) for wave in waves])
-    unit_forces = -loads[:, 1:3] @ np.linalg.inv(_resultant(loads[:, 1:3]))
+    angle = np.arctan2(cam.points[..., 1] - y, cam.points[..., 0] - x)
+    waves = [wave(order * angle) for order in MODEL.harmonics for wave in ((np.cos, np.sin) if order else (np.cos,))]
+    pressure_loads = np.column_stack(
+        [traction_loads(cam, -wave[..., np.newaxis] * _radial(cam.normals)) for wave in waves]
+    )
+    unit_forces = -pressure_loads[:, 1:3] @ np.linalg.inv(_resultant(pressure_loads[:, 1:3]))
     z0, z1 = shaft.cams[cam_index]
-    loads = loads / (np.pi * shaft.cam_radius * (z1 - z0))
-    loads = loads + unit_forces @ _resultant(loads)
-    loads[:, 1:3] = unit_forces
+    pressure_loads = pressure_loads / (np.pi * shaft.cam_radius * (z1 - z0))
+    pressure_loads = pressure_loads + unit_forces @ _resultant(pressure_loads)
+    pressure_loads[:, 1:3] = unit_forces
     couple = traction_loads(cam, _rotate_quarter(cam.normals))[:, np.newaxis]
-    return loads, _scale_to_unit_moment(grid, couple + unit_forces @ _resultant(couple))  # a couple has no resultant
+    return pressure_loads, _scale_to_unit_moment(
+        grid, couple + unit_forces @ _resultant(couple)
+    )  # a couple has no resultant
 
 
 def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
@@ -296,8 +303,8 @@ def section_moment_weights(points: Array, positions: Array) -> Array:
         z of the sections (s,) [m].
     """
     is_before = points[:, 2, np.newaxis] < positions - 1e-6
-    turns = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]
-    return np.stack(turns, axis=1) * np.repeat(is_before, 3, axis=0)[..., np.newaxis]
+    rotations = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]
+    return np.stack(rotations, axis=1) * np.repeat(is_before, 3, axis=0)[..., np.newaxis]
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:

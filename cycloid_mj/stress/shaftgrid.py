@@ -48,11 +48,11 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
     x, y = shaft.radius * np.cos(angles), shaft.radius * np.sin(angles)
     z0, z1 = shaft.counterweight
     faces = [face for cam in shaft.cams for face in cam]
-    solid = faces if shaft.straddles else faces[:-1]
+    full_circles = faces if shaft.straddles else faces[:-1]
     half_circles = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     rings = [
-        np.column_stack([x[is_kept], y[is_kept], np.full(is_kept.sum(), z)])
-        for z, is_kept in (*half_circles, *((z, y < np.inf) for z in solid))
+        np.column_stack([x[is_edge], y[is_edge], np.full(is_edge.sum(), z)])
+        for z, is_edge in (*half_circles, *((z, y < np.inf) for z in full_circles))
     ]
     if not shaft.weighted:
         return np.concatenate(rings)

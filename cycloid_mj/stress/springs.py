@@ -103,9 +103,10 @@ class PartSprings:
 
 
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
-    """Compute the torsional compliance of each part by finite elements, and a design with springs instead of it.
+    """Compute the torsional compliance of each part by finite elements, and a design whose springs replace the parts.
 
-    The springs are those of carrier, shaft and housing in the table ``springs`` of the design. A spring has the sum of
+    The result has the compliances [rad/(N m)] and this design: its table ``springs`` has the stiffness of carrier,
+    shaft and housing. A spring has the sum of
     the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion that `statics.structure`
     computes. The compliance of the contacts is subtracted from that of the carrier, since statics includes it. `mounts`
     are the seats of output pins and crank from a drawing; each limit of their modulus needs another simulation.
@@ -118,25 +119,25 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()
-    limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
+    compliance_limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
     reducer_without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
     compliances = [
-        sum(item.series(reducer_without_springs).values())
-        for item in solve_windups(
+        sum(part_compliance.series(reducer_without_springs).values())
+        for part_compliance in solve_windups(
             reducer_without_springs, turn_evenly(reducer_without_springs), reducer_without_springs.design.rated_torque
         )
     ]
     contacts = float(np.mean(compliances)) - wind_up(reducer_without_springs)
-    twisting, stiffness = twisting_compliance(reducer_without_springs), twisting_stiffness(reducer_without_springs)
-    compliance = {"carrier": twisting["carrier"], "shaft": twisting["shaft"], "housing": 0.0}
-    for part, item in parts.items():
-        compliance[SPRING_OF_PART[_kind(part)]] += item
-    compliance["carrier"] = max(compliance["carrier"] - contacts, twisting["carrier"])
-    springs = {part: stiffness[part] * twisting[part] / compliance[part] for part in TWISTING}
+    torsion, stiffness = twisting_compliance(reducer_without_springs), twisting_stiffness(reducer_without_springs)
+    compliance = {"carrier": torsion["carrier"], "shaft": torsion["shaft"], "housing": 0.0}
+    for part, part_compliance in parts.items():
+        compliance[SPRING_OF_PART[_kind(part)]] += part_compliance
+    compliance["carrier"] = max(compliance["carrier"] - contacts, torsion["carrier"])
+    springs = {part: stiffness[part] * torsion[part] / compliance[part] for part in TWISTING}
     design = reducer_without_springs.design.but(
         name=f"{reducer_without_springs.design.name}-springs"[:64], springs=springs
     )
-    return PartSprings(design, parts, contacts, limits)
+    return PartSprings(design, parts, contacts, compliance_limits)
 
 
 def _kind(part: str) -> str:

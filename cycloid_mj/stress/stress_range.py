@@ -52,13 +52,13 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
     mean counts as 0.
     """
     all_nodes = np.arange(len(part.grid.points))
-    candidate_nodes = [
+    bulk_states = [
         np.where(part.distances.from_patches(angle, all_nodes) < distance, np.nan, state)
         for angle, state in states.items()
     ]
-    amplitude, mean, candidates = worst_nodes(np.stack(candidate_nodes))
-    worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
-    return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[candidates[worst]])
+    amplitude, mean, candidates = worst_nodes(np.stack(bulk_states))
+    critical = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
+    return StressRange(float(amplitude[critical]), float(mean[critical]), part.grid.points[candidates[critical]])
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
@@ -107,5 +107,7 @@ def rank_by_range(states: Array) -> Array:
     `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.
     """
     largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
-    level = np.maximum(np.abs(largest), np.abs(smallest))
-    return np.asarray(np.sqrt(3.0) * np.linalg.norm(largest - smallest, axis=0) + 0.5 * np.linalg.norm(level, axis=0))
+    largest_magnitude = np.maximum(np.abs(largest), np.abs(smallest))
+    return np.asarray(
+        np.sqrt(3.0) * np.linalg.norm(largest - smallest, axis=0) + 0.5 * np.linalg.norm(largest_magnitude, axis=0)
+    )

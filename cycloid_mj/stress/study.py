@@ -204,7 +204,7 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start, results, turn = time.perf_counter(), [], turn_of(run, reducer, settings.turn)
+    start_time, results, turn = time.perf_counter(), [], turn_of(run, reducer, settings.turn)
     for index, part in enumerate(in_order(names)):
         on_part(part, index, len(names))
         results.append(part_study(turn, reducer, part, settings, (grids or {}).get(part)))
@@ -217,7 +217,7 @@ def stress_study(
         log=log,
         yield_strength=design.material.yield_strength,
         parts=tuple(study.findings for study in studies),
-        wall=time.perf_counter() - start,
+        wall=time.perf_counter() - start_time,
         references=references or {},
         strength=_strength_of(reducer, settings),
     )
@@ -255,7 +255,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
     CycloidError
         The part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    start = time.perf_counter()
+    start_time = time.perf_counter()
     loads = loads_in_turn(turn, part)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
     (stress, stress_map, stress_range, corners), lines = (
@@ -290,7 +290,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         variants=_stress_with_other_supports(reducer, part, settings, loads, stress),
         yield_strength=material.yield_strength,
         refinement=_compare_with_finer_grid(reducer, grid, settings, loads, stress),
-        wall=time.perf_counter() - start,
+        wall=time.perf_counter() - start_time,
         by_corner=corners,
     )
     return PartStudy(grid, loads, stress, stress_map, findings)
@@ -419,9 +419,9 @@ def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
     if this distance is halved or doubled; 0 for a part without corners. `corners` are pairs of distance [m] and bulk
     stress [Pa], from `field.vary_corner_distance`.
     """
-    sizes = [size for _, size in corners]
-    base = sizes[len(sizes) // 2] if sizes else 0.0
-    return max(abs(size / base - 1.0) for size in sizes) if base > 0.0 else 0.0
+    stresses = [stress for _, stress in corners]
+    base_stress = stresses[len(stresses) // 2] if stresses else 0.0
+    return max(abs(stress / base_stress - 1.0) for stress in stresses) if base_stress > 0.0 else 0.0
 
 
 def _largest(values: Array) -> Array:
@@ -461,8 +461,8 @@ def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
 
     The patch is narrower than d, L is the face width of the disc.
     """
-    narrow = loads.half_width < distance / 2.0
-    force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
+    is_narrow = loads.half_width < distance / 2.0
+    force = np.where(is_narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
     return float(2.0 * force / (np.pi * reducer.design.gear.face_width * distance))
 
 

@@ -51,8 +51,8 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
 
     The columns are named in `STRENGTH_HEADER`.
     """
-    sections = [(item.name, item.nominal, item.stress) for item in strength.shoulders]
-    sections += [(f"tooth root of {item.part}", item.nominal, item.stress) for item in strength.roots]
+    sections = [(section.name, section.nominal, section.stress) for section in strength.shoulders]
+    sections += [(f"tooth root of {section.part}", section.nominal, section.stress) for section in strength.roots]
     for name, nominal, stress in sections:
         factor = stress / nominal if nominal else math.nan
         values = (
@@ -65,20 +65,22 @@ def part_notes(part: PartFindings) -> list[str]:
     """Return notes on a part as lines of text: stress at fillets, stress range for fatigue, other supports."""
     lines = []
     for notch in part.notches:
-        nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
+        line = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
         if notch.bending_factor > 1.0:
-            place = f"its fillet of {notch.fillet / MILLIMETRE:.3g} mm" if np.isfinite(notch.fillet) else "its seat"
-            nominal += (
-                f", {notch.stress / MEGAPASCAL:.3g} at {place} "
+            location_text = (
+                f"its fillet of {notch.fillet / MILLIMETRE:.3g} mm" if np.isfinite(notch.fillet) else "its seat"
+            )
+            line += (
+                f", {notch.stress / MEGAPASCAL:.3g} at {location_text} "
                 f"(notch factor {notch.bending_factor:.2f}), safety {part.yield_strength / notch.stress:.3g}"
                 if notch.stress
                 else ""
             )
-        lines.append(nominal)
+        lines.append(line)
     if part.stress_range:
         amplitude, mean = part.stress_range.amplitude / MEGAPASCAL, part.stress_range.mean / MEGAPASCAL
         lines.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa at the critical node")
-    lines += [f"{part.part}, with {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
+    lines += [f"{part.part}, with {change}: bulk {stress / MEGAPASCAL:.3g} MPa" for change, stress in part.variants]
     return lines
 
 

@@ -89,27 +89,27 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
         )
     if reducer is not None:
         require_same(reducer, Reducer(logged_design))
-    column = cam_force(Reducer(logged_design))
-    if column not in run.columns:
+    force_column = cam_force(Reducer(logged_design))
+    if force_column not in run.columns:
         raise LogError(
-            f"{run.label} lacks the contact forces (column {column!r}) from which stress is computed. Run `cycloid-mj "
-            "simulate` again: it logs all contact forces"
+            f"{run.label} lacks the contact forces (column {force_column!r}) from which stress is computed. Run "
+            "`cycloid-mj simulate` again: it logs all contact forces"
         )
     run = run.usable()
     member = Reducer(logged_design).member
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
     run = replace(run, columns=view_columns_from_ring(Reducer(logged_design), run.columns))
-    requested = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    requested_angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(
         run, in_hold(Reducer(logged_design), run.time) & np.isfinite(run[cam_force(Reducer(logged_design))])
     )
     crank = run["crank_angle"][rows]
-    _require_resolution(crank, requested, run, rows)
-    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in requested])
+    _require_resolution(crank, requested_angles, run, rows)
+    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in requested_angles])
     selected_rows = rows[nearest]
     return Turn(
         Reducer(logged_design),
-        requested + _wrap_angles(crank[nearest] - requested),
+        requested_angles + _wrap_angles(crank[nearest] - requested_angles),
         run,
         selected_rows,
         angle[selected_rows],
@@ -148,17 +148,17 @@ def _compared_values(reducer: Reducer) -> dict[str, Any]:
     return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
 
 
-def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
+def _last_turn(run: Run, is_steady: Mask) -> npt.NDArray[np.intp]:
     """Return the indices of the samples of the last full crank turn of a run, both ends included, shape (samples,).
 
-    Only samples at constant speed and load are used, which the mask `hold` marks.
+    Only samples at constant speed and load are used, which the mask `is_steady` marks.
 
     Raises
     ------
     LogError
         The samples cover less than a turn.
     """
-    rows = np.flatnonzero(hold)
+    rows = np.flatnonzero(is_steady)
     crank = run["crank_angle"][rows]
     rotation = abs(crank[-1] - crank[0]) if rows.size else 0.0
     sample_step = rotation / max(rows.size - 1, 1)

@@ -41,12 +41,12 @@ def as_vtu(stress_map: StressMap) -> bytes:
     counts = {"NumberOfPoints": str(len(stress_map.points)), "NumberOfCells": str(len(cells))}
     piece = ElementTree.SubElement(ElementTree.SubElement(root, "UnstructuredGrid"), "Piece", counts)
     _add_arrays(piece, "Points", {"points": np.hstack([stress_map.points, padding])})
-    corners = {
+    cell_arrays = {
         "connectivity": cells.ravel().astype(np.int64),
         "offsets": np.arange(1, len(cells) + 1, dtype=np.int64) * cells.shape[1],
         "types": np.full(len(cells), _QUADRATIC[dimension], np.uint8),
     }
-    _add_arrays(piece, "Cells", corners)
+    _add_arrays(piece, "Cells", cell_arrays)
     values = {
         "displacement": np.hstack([stress_map.displacement, padding]),
         "von_mises": stress_map.von_mises,
