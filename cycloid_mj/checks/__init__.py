@@ -70,12 +70,13 @@ def check(design: Named) -> Checks:
     reducer = reducer_of(design)
     feasibility_checks = soundness(reducer)
     if isinstance(reducer, RvReducer) or any(
-        item.severity == "error" and not item.passed for item in feasibility_checks
+        feasibility_check.severity == "error" and not feasibility_check.passed
+        for feasibility_check in feasibility_checks
     ):
         return Checks(feasibility_checks)
     margins = evaluate(reducer, margin_rules(reducer))
-    quality = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
-    return Checks((*feasibility_checks, *quality, *casing_checks(reducer)))
+    quality_checks = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
+    return Checks((*feasibility_checks, *quality_checks, *casing_checks(reducer)))
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:
@@ -90,16 +91,16 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the checks whether a design can be built, without statics, one by one as they are computed.
 
-    They are those of `soundness`. A search can thus stop at the first failure.
+    The checks are the same as in `soundness`; an iterator lets a search stop at the first failure.
     """
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return
     design = reducer.design
     has_shape = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
-    for item in shape_checks(reducer):
-        has_shape &= item.passed or item.severity == "warning"
-        yield item
+    for shape_check in shape_checks(reducer):
+        has_shape &= shape_check.passed or shape_check.severity == "warning"
+        yield shape_check
     if has_shape:
         yield from evaluate(reducer, balance_rules(reducer))
         yield from assembly_checks(reducer)

@@ -75,9 +75,9 @@ def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, C
     texts = [describe_change(reducer, change) for change in tried_changes] or [
         f"no change of a single key is enough: change {' and '.join(keys)} together with what depends on them"
     ]
-    *_, last = check.remedy.split(", or ")
-    if not any(key in last for key in keys):  # such as "lower the errors"
-        texts.append(last)
+    *_, last_alternative = check.remedy.split(", or ")
+    if not any(key in last_alternative for key in keys):  # such as "lower the errors"
+        texts.append(last_alternative)
     return replace(check, remedy=", or ".join(texts), changes=tried_changes)
 
 
@@ -104,7 +104,9 @@ def _complete_change(
         if checks_after is None:
             return None
         worse_checks = [
-            other for other in checks_after.values() if _is_worse(other, checks_before.get(other.name), check.name)
+            check_after
+            for check_after in checks_after.values()
+            if _is_worse(check_after, checks_before.get(check_after.name), check.name)
         ]
         hole_check = checks_after["hole_size"]
         if not worse_checks and not hole_check.passed and complete_change.keys() & TIED:
@@ -159,17 +161,19 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
     value, rounded to four digits, or None if the check never passes.
     """
     ((key, value),) = applied_change.items()
-    original = value_of(reducer.design, key)
-    decrease, is_integer = value < original, isinstance(original, int)
+    original_value = value_of(reducer.design, key)
+    is_decrease, is_integer = value < original_value, isinstance(original_value, int)
 
     def passes(candidate: float) -> bool:
         checks_after = quick_checks(reducer, {key: candidate})
         return bool(checks_after and failed_check.name in checks_after and checks_after[failed_check.name].passed)
 
     failing_value = value
-    for stride in ADVICE.strides:
+    for relative_step in ADVICE.strides:
         passing_value = float(
-            round_beyond(value / (1.0 + stride) if decrease else value * (1.0 + stride), decrease, is_integer)
+            round_beyond(
+                value / (1.0 + relative_step) if is_decrease else value * (1.0 + relative_step), is_decrease, is_integer
+            )
         )
         if passes(passing_value):
             break
@@ -177,7 +181,7 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
     else:
         return None
     while abs(passing_value - failing_value) > max(ADVICE.rtol * abs(passing_value), float(is_integer)):
-        midpoint = float(round_beyond(0.5 * (failing_value + passing_value), decrease, is_integer))
+        midpoint = float(round_beyond(0.5 * (failing_value + passing_value), is_decrease, is_integer))
         if midpoint in (failing_value, passing_value):
             break
         failing_value, passing_value = (failing_value, midpoint) if passes(midpoint) else (midpoint, passing_value)
@@ -206,7 +210,7 @@ def describe_change(reducer: Reducer, change: Change) -> str:
     """Describe a change of the design in words, such as ``lower gear.eccentricity_mm to 0.949 or less``."""
     texts = []
     for key, value in change.items():
-        lower = value < value_of(reducer.design, key)
-        text = f"{'lower' if lower else 'raise'} {key} to {value:.10g}"
-        texts.append(text if key == TWO_SIDED or len(change) > 1 else f"{text} or {'less' if lower else 'more'}")
+        is_lower = value < value_of(reducer.design, key)
+        text = f"{'lower' if is_lower else 'raise'} {key} to {value:.10g}"
+        texts.append(text if key == TWO_SIDED or len(change) > 1 else f"{text} or {'less' if is_lower else 'more'}")
     return " and ".join(texts)

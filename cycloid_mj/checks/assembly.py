@@ -28,15 +28,15 @@ def assembly_checks(reducer: Reducer) -> Iterator[Check]:
 def _check_pins_in_sockets(reducer: Reducer) -> Check:
     """Return the check that the free ring pin with the largest radius is smaller than its socket."""
     radius_errors = reducer.deviations.pin_radius
-    thickest = int(np.argmax(radius_errors))
+    thickest_pin = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
-    is_passed = bool(radius_errors[thickest] < play)
-    value_text, limit = value_and_limit(float(radius_errors[thickest]), "less than", play, MICROMETRE)
-    clearance_limit = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest]))
+    is_passed = bool(radius_errors[thickest_pin] < play)
+    value_text, limit = value_and_limit(float(radius_errors[thickest_pin]), "less than", play, MICROMETRE)
+    clearance_limit = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest_pin]))
     return Check(
         name="pin_in_socket",
         passed=is_passed,
-        got=f"{value_text} (pin {thickest + 1})",
+        got=f"{value_text} (pin {thickest_pin + 1})",
         limit=f"{limit} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
         key="errors.pin_dr_um",
@@ -50,8 +50,8 @@ def _check_assembly_gap(reducer: Reducer) -> Check:
     Parts that overlap without load can turn only if they deform. At up to `MAX_POSES` crank angles, the pose with the
     largest minimum gap is computed (`best_fit`). The remedy widens all clearances of the disc together.
     """
-    poses = min(MAX_POSES, reducer.design.ring.teeth)
-    smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).min_gap for pose in range(poses))
+    angle_count = min(MAX_POSES, reducer.design.ring.teeth)
+    smallest_gap = min(best_fit(reducer, 2 * np.pi * index / angle_count).min_gap for index in range(angle_count))
     value_text, limit = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
     limits = [

@@ -15,40 +15,41 @@ from cycloid_mj.reducer import Reducer
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
     """Yield the rules for the thickness of the disc's walls, and the check of the radius of its output holes.
 
+    In the code, E is the radius of the pin circle and rho that of a ring pin [m].
     The walls are those between bore, output holes and the root of the lobes, and between neighbouring output holes.
     """
     design = reducer.design
-    circle, cam = design.output.pin_circle_radius, design.clearance.cam
-    E, rho, bore, hole = (
+    pin_circle, cam_clearance = design.output.pin_circle_radius, design.clearance.cam
+    E, rho, bore_radius, hole_radius = (
         design.ring.pin_circle_radius,
         design.ring.pin_radius,
         _bore_radius(reducer),
         _hole_radius(reducer),
     )
-    below_root = design.gear.eccentricity + reducer.profile_offset - design.modification.pin_circle
-    root = E - below_root
-    root_text = f"the root of the lobes (radius {millimetres(root)})"
+    root_depth = design.gear.eccentricity + reducer.profile_offset - design.modification.pin_circle
+    root_radius = E - root_depth
+    root_text = f"the root of the lobes (radius {millimetres(root_radius)})"
 
     def bore_to_root_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between bore and roots."""
         return (
-            Limit("gear.bore_radius", "less than", root - relative_wall * E - cam),
-            Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - relative_wall)),
-            Limit("ring.pin_radius", "less than", root - relative_wall * E - bore + rho),
+            Limit("gear.bore_radius", "less than", root_radius - relative_wall * E - cam_clearance),
+            Limit("ring.pin_circle_radius", "more than", (bore_radius + root_depth) / (1 - relative_wall)),
+            Limit("ring.pin_radius", "less than", root_radius - relative_wall * E - bore_radius + rho),
         )
 
     def bore_to_holes_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between bore and holes."""
         return (
-            Limit("gear.bore_radius", "less than", circle - hole - relative_wall * E - cam),
-            Limit("output.pin_circle_radius", "more than", bore + relative_wall * E + hole),
+            Limit("gear.bore_radius", "less than", pin_circle - hole_radius - relative_wall * E - cam_clearance),
+            Limit("output.pin_circle_radius", "more than", bore_radius + relative_wall * E + hole_radius),
         )
 
     def holes_to_root_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between holes and roots."""
         return (
-            Limit("output.pin_circle_radius", "less than", root - relative_wall * E - hole),
-            Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - relative_wall)),
+            Limit("output.pin_circle_radius", "less than", root_radius - relative_wall * E - hole_radius),
+            Limit("ring.pin_circle_radius", "more than", (pin_circle + hole_radius + root_depth) / (1 - relative_wall)),
         )
 
     yield wall_rule("bore", bore_to_root_limits, TEETH.min_wall_share, E, f"between the bore and {root_text}")
@@ -142,15 +143,15 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
     A smaller hole alone is no remedy, because its radius depends on output-pin radius and eccentricity.
     """
     design = reducer.design
-    output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
-    half_pitch = circle * math.sin(math.pi / output.pins)
+    output, pin_circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
+    half_pitch = pin_circle * math.sin(math.pi / output.pins)
 
     def hole_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return limits on design keys for a wall of `relative_wall` [1] times the pin-circle radius between holes."""
         needed_radius = _hole_radius(reducer) + relative_wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - relative_wall * E / 2 - design.clearance.output),
-            Limit("output.pins", "less than", circles_on_circle(needed_radius / circle)),
+            Limit("output.pins", "less than", circles_on_circle(needed_radius / pin_circle)),
             Limit("output.pin_circle_radius", "more than", needed_radius / math.sin(math.pi / output.pins)),
         )
 
@@ -170,20 +171,20 @@ def _check_hole_size(reducer: Reducer) -> Check:
     The centre of a pin moves in its hole on a circle whose radius is the eccentricity.
     """
     design = reducer.design
-    orbit = design.output.pin_radius + design.gear.eccentricity
-    hole = design.output.hole_radius
-    is_passed = abs(hole - orbit) <= RELATIVE_ROUNDING * orbit
-    key, orbit_text = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
+    required_radius = design.output.pin_radius + design.gear.eccentricity
+    hole_radius = design.output.hole_radius
+    is_passed = abs(hole_radius - required_radius) <= RELATIVE_ROUNDING * required_radius
+    key, required_text = "output.hole_radius_mm", f"{MILLIMETRE.from_si(required_radius):.14g}"
     return Check(
         name="hole_size",
         passed=is_passed,
-        got=f"{MILLIMETRE.from_si(hole):.14g} mm",
-        limit=f"{orbit_text} mm (output pin + eccentricity)",
+        got=f"{MILLIMETRE.from_si(hole_radius):.14g} mm",
+        limit=f"{required_text} mm (output pin + eccentricity)",
         why="an output pin that orbits at the eccentricity jams in a smaller hole;"
         " a larger hole adds clearance, which is set by clearance.output_um",
-        remedy="" if is_passed else f"{'raise' if hole < orbit else 'lower'} {key} to {orbit_text}",
+        remedy="" if is_passed else f"{'raise' if hole_radius < required_radius else 'lower'} {key} to {required_text}",
         key=key,
-        changes=() if is_passed else ({key: float(orbit_text)},),
+        changes=() if is_passed else ({key: float(required_text)},),
     )
 
 

@@ -27,10 +27,14 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
         Name of the part, "shaft" or "gear", and the pressure ratio [1].
     """
     design, contact = reducer.design, reducer.contacts["cam"]
-    shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius
-    shaft_modulus = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
+    shaft_material, roller_radius, bore_radius = (
+        design.material_of("shaft"),
+        reducer.contacts.roller_radius,
+        design.gear.bore_radius,
+    )
+    shaft_modulus = ideal_loads.contact_modulus(shaft_material.youngs_modulus, shaft_material.poisson)
     yield "shaft", math.sqrt(shaft_modulus / contact.modulus)
-    yield "gear", math.sqrt((1.0 / roller - 1.0 / bore) / contact.relative_curvature)
+    yield "gear", math.sqrt((1.0 / roller_radius - 1.0 / bore_radius) / contact.relative_curvature)
 
 
 def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:

@@ -120,6 +120,10 @@ class Checks(Presented, tuple[Check, ...]):
 
         It is above 1 if the check passes. Checks without number, or with a value or bound of 0, are left out.
         """
-        sides = {check.name: (check.value, check.bound, check.limit.startswith(UPPER)) for check in self}
-        numbers = {name: (value, bound, upper) for name, (value, bound, upper) in sides.items() if value and bound}
-        return {name: bound / value if upper else value / bound for name, (value, bound, upper) in numbers.items()}
+        all_values = {check.name: (check.value, check.bound, check.limit.startswith(UPPER)) for check in self}
+        numbers = {
+            name: (value, bound, is_upper) for name, (value, bound, is_upper) in all_values.items() if value and bound
+        }
+        return {
+            name: bound / value if is_upper else value / bound for name, (value, bound, is_upper) in numbers.items()
+        }

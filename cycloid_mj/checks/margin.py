@@ -61,10 +61,10 @@ def _undercut_margin_rule(reducer: Reducer) -> Rule:
     point of the path, the offset must be at most `MARGINS.max_undercut_share` of the radius of curvature.
     """
     path_radius, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
-    radius = reducer.design.ring.pin_radius
+    pin_radius = reducer.design.ring.pin_radius
     return Rule(
         "undercut_margin",
-        Limit("ring.pin_radius", "at most", radius - offset + MARGINS.max_undercut_share * path_radius),
+        Limit("ring.pin_radius", "at most", pin_radius - offset + MARGINS.max_undercut_share * path_radius),
         f"the smallest convex radius of the lobes is {millimetres(path_radius - offset)}; it should be at least"
         f" {1 - MARGINS.max_undercut_share:.0%} of that of the pins' path, {millimetres(path_radius)} (assumed), or the"
         " edge wears",

@@ -104,21 +104,25 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
     The rules for their size are left out if the bolt circle is outside the wall.
     """
     design = reducer.design
-    outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
-    lower_limit = Limit("housing.bolt_circle_radius", "more than", root)
-    limit = Limit(lower_limit.key, "less than", outer) if circle > root else lower_limit
-    explanation = f"the bolts are in the wall between the teeth (out to {millimetres(root)}) and the rim"
+    outer_radius, root_radius, bolt_circle = (
+        design.housing.outer_radius,
+        design.ring_root_radius,
+        design.bolt_circle_radius,
+    )
+    lower_limit = Limit("housing.bolt_circle_radius", "more than", root_radius)
+    limit = Limit(lower_limit.key, "less than", outer_radius) if bolt_circle > root_radius else lower_limit
+    explanation = f"the bolts are in the wall between the teeth (out to {millimetres(root_radius)}) and the rim"
     yield Rule("bolt_circle", limit, explanation)
-    max_bolt_radius = min(outer - circle, circle - max(root, 0.0))
+    max_bolt_radius = min(outer_radius - bolt_circle, bolt_circle - max(root_radius, 0.0))
     if not max_bolt_radius > 0.0:
         return
     yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", max_bolt_radius), explanation)
     if design.bolt_radius < max_bolt_radius:
         yield Rule(
             "bolts",
-            Limit("housing.bolts", "less than", circles_on_circle(design.bolt_radius / circle)),
+            Limit("housing.bolts", "less than", circles_on_circle(design.bolt_radius / bolt_circle)),
             "the clamped circles of neighbouring bolts would overlap",
-            (Limit("housing.bolt_radius", "less than", circle * math.sin(math.pi / design.housing.bolts)),),
+            (Limit("housing.bolt_radius", "less than", bolt_circle * math.sin(math.pi / design.housing.bolts)),),
         )
 
 
@@ -173,13 +177,13 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """
     design = reducer.design
     names = design.pair_kinds
-    total, allowed = _total_clearance(reducer)
-    value_text, limit_text = value_and_limit(total, "at most", allowed, MICROMETRE)
-    limits = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
-    violated_limits = [] if total <= allowed else [item for item in limits if not item.is_met(reducer)]
+    total, max_total = _total_clearance(reducer)
+    value_text, limit_text = value_and_limit(total, "at most", max_total, MICROMETRE)
+    limits = [Limit(f"clearance.{name}", "at most", max_total / len(names)) for name in names]
+    violated_limits = [] if total <= max_total else [limit for limit in limits if not limit.is_met(reducer)]
     yield Check(
         name="play",
-        passed=total <= allowed,
+        passed=total <= max_total,
         got=f"{value_text} ({' + '.join(names)})",
         limit=f"{limit_text} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
@@ -187,7 +191,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         key="clearance",
         **joint_remedy(reducer, violated_limits),
     )
-    if total > allowed and has_shape:
+    if total > max_total and has_shape:
         yield _check_tooth_skip(reducer)
 
 
@@ -224,21 +228,21 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
     The remedy reduces all clearances by a common factor.
     """
     design = reducer.design
-    backlash, allowed = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
-    value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
-    factor = (1.0 - MECHANICS.jump_margin) * allowed / backlash
+    backlash, max_backlash = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
+    value_text, limit = value_and_limit(backlash, "at most", max_backlash, DEGREE)
+    factor = (1.0 - MECHANICS.jump_margin) * max_backlash / backlash
     limits = [
         Limit(f"clearance.{name}", "at most", factor * getattr(design.clearance, name)) for name in design.pair_kinds
     ]
     return Check(
         name="jump",
-        passed=backlash <= allowed,
+        passed=backlash <= max_backlash,
         got=f"{value_text} from stop to stop",
         limit=f"{limit} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
         key="the backlash of the output",
-        **joint_remedy(reducer, [] if backlash <= allowed else limits),
-        **numbers(backlash, allowed, DEGREE),
+        **joint_remedy(reducer, [] if backlash <= max_backlash else limits),
+        **numbers(backlash, max_backlash, DEGREE),
     )
 
 
@@ -254,10 +258,10 @@ def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
         (Limit("drive.torque", "at most", MECHANICS.overload * drive.power / speed if speed else math.inf),),
         severity="warning",
     )
-    capacity = design.rated_torque * (1.0 + LIMIT.strict_margin)  # the load may be that torque, up to rounding
+    max_torque = design.rated_torque * (1.0 + LIMIT.strict_margin)  # the load may be that torque, up to rounding
     yield Rule(
         "load",
-        Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),
+        Limit("load.torque", "at most", max_torque) if load >= 0 else Limit("load.torque", "at least", -max_torque),
         f"motor torque times ratio ({design.reduction}) is the limit of a drive without losses",
         (Limit("drive.torque", "at least", abs(load) / design.reduction),),
         severity="warning",

@@ -70,10 +70,10 @@ def wall_rule(
 
 def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]:
     """Evaluate rules on a design, in their order; checks among them are passed through."""
-    return (rule if isinstance(rule, Check) else _evaluate(reducer, rule) for rule in rules)
+    return (rule if isinstance(rule, Check) else _evaluate_rule(reducer, rule) for rule in rules)
 
 
-def _evaluate(reducer: Reducer, rule: Rule) -> Check:
+def _evaluate_rule(reducer: Reducer, rule: Rule) -> Check:
     """Evaluate a design rule on a reducer; return its check with value, limit and remedy.
 
     A rule that warns may have a second rule `failure` with a wider limit. If that is violated too, the check of the
@@ -100,4 +100,4 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     )
     if rule.failure is None or rule.failure.limit.is_met(reducer):
         return check
-    return replace(_evaluate(reducer, rule.failure), remedy=check.remedy, changes=check.changes)
+    return replace(_evaluate_rule(reducer, rule.failure), remedy=check.remedy, changes=check.changes)

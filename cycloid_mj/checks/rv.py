@@ -45,11 +45,11 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
     planet, count = reducer.planet, reducer.cranks.count
     misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
     meshing_teeth = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
-    total = planet.sun_teeth + planet.planet_teeth
+    tooth_sum = planet.sun_teeth + planet.planet_teeth
     return Check(
         name="planets_mesh",
         passed=misfit == 0,
-        got=f"{planet.sun_teeth} + {planet.planet_teeth} = {total} teeth of sun and planet",
+        got=f"{planet.sun_teeth} + {planet.planet_teeth} = {tooth_sum} teeth of sun and planet",
         limit=f"a multiple of {count}, the number of planets",
         why="otherwise the teeth of equal planets on equal angles miss the sun's by "
         + (f"{misfit} of a pitch" if misfit else "a part of a pitch"),
@@ -64,36 +64,36 @@ def _check_dead_points(reducer: RvReducer) -> Check:
 
     At a dead point the eccentrics line up, and the disc cannot keep the cranks in phase. A failure is a warning.
     """
-    passed = not dead_points(reducer.cranks.count, reducer.design.gear.discs)
+    is_passed = not dead_points(reducer.cranks.count, reducer.design.gear.discs)
     return Check(
         name="dead_points",
-        passed=passed,
+        passed=is_passed,
         got=f"{reducer.cranks.count} cranks and {reducer.design.gear.discs} disc"
         + "s" * (reducer.design.gear.discs > 1),
         limit="three cranks, or two discs",
         why="where the eccentrics of two cranks are in line with both cranks, a single disc does not keep them in "
         "phase, and the planets carry all of the difference",
-        remedy="" if passed else "set gear.discs to 2, or cranks.count to 3",
+        remedy="" if is_passed else "set gear.discs to 2, or cranks.count to 3",
         severity="warning",
         key="cranks.count",
-        changes=() if passed else ({"gear.discs": 2.0}, {"cranks.count": 3.0}),
+        changes=() if is_passed else ({"gear.discs": 2.0}, {"cranks.count": 3.0}),
     )
 
 
 def _check_crank_circle(reducer: RvReducer) -> Check:
     """Check that the crank axes are at the centre distance of sun and planet, within half a module."""
     planet, radius = reducer.planet, reducer.crank_radius
-    pitch = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
-    passed = abs(radius - pitch) <= 0.5 * planet.module
+    centre_distance = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
+    is_passed = abs(radius - centre_distance) <= 0.5 * planet.module
     return Check(
         name="crank_circle",
-        passed=passed,
+        passed=is_passed,
         got=millimetres(radius),
-        limit=f"{millimetres(pitch)} = module (sun + planet teeth)/2, within half a module",
+        limit=f"{millimetres(centre_distance)} = module (sun + planet teeth)/2, within half a module",
         why="sun and planets mesh at this distance of their axes; profile shift can bridge half a module at most",
-        remedy="" if passed else "set cranks.radius_mm to 0, which follows module and teeth",
+        remedy="" if is_passed else "set cranks.radius_mm to 0, which follows module and teeth",
         key="cranks.radius_mm",
-        changes=() if passed else ({"cranks.radius_mm": 0.0},),
+        changes=() if is_passed else ({"cranks.radius_mm": 0.0},),
     )
 
 
@@ -116,11 +116,13 @@ def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
 def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     """Yield the rules for the walls of a disc: between roots, crank bores, central bore and windows."""
     design, cranks = reducer.design, reducer.cranks
-    E, circle, bore = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
-    root = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
-    window, posts = reducer.window_radius, reducer.post_circle_radius
-    window_bore_distance = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
-    bore_margin = bore - cranks.eccentric_radius
+    E, crank_circle, bore_radius = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
+    root_radius = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
+    window_radius, post_circle = reducer.window_radius, reducer.post_circle_radius
+    window_bore_distance = math.sqrt(
+        crank_circle**2 + post_circle**2 - 2.0 * crank_circle * post_circle * math.cos(math.pi / cranks.count)
+    )
+    bore_margin = bore_radius - cranks.eccentric_radius
 
     def wall(name: str, location: str, key: str, max_value: float) -> Rule:
         """Return the rule that a wall is at least `TEETH.min_wall_share` of the pin-circle radius thick.
@@ -134,33 +136,46 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
 
         return wall_rule(name, wall_limits, TEETH.min_wall_share, E, location)
 
-    eccentric, post = "cranks.eccentric_radius", "cranks.post_radius"
-    window_margin = window - cranks.post_radius
+    eccentric_key, post_key = "cranks.eccentric_radius", "cranks.post_radius"
+    window_margin = window_radius - cranks.post_radius
     yield wall(
-        "crank_bores", "between the crank bores and the roots of the lobes", eccentric, root - circle - bore_margin
+        "crank_bores",
+        "between the crank bores and the roots of the lobes",
+        eccentric_key,
+        root_radius - crank_circle - bore_margin,
     )
     yield wall(
         "middle_hole",
         "between the middle hole and the crank bores",
         "cranks.middle_hole_radius",
-        circle - bore,
+        crank_circle - bore_radius,
     )
     yield wall(
-        "windows_to_bores", "between the windows and the crank bores", post, window_bore_distance - bore - window_margin
+        "windows_to_bores",
+        "between the windows and the crank bores",
+        post_key,
+        window_bore_distance - bore_radius - window_margin,
     )
-    yield wall("windows_to_root", "between the windows and the roots of the lobes", post, root - posts - window_margin)
+    yield wall(
+        "windows_to_root",
+        "between the windows and the roots of the lobes",
+        post_key,
+        root_radius - post_circle - window_margin,
+    )
     yield wall(
         "windows_to_hole",
         "between the windows and the middle hole",
-        post,
-        posts - cranks.middle_hole_radius - window_margin,
+        post_key,
+        post_circle - cranks.middle_hole_radius - window_margin,
     )
 
 
 def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     """Yield the rules that tapered bearings, posts, journals and planets have room in and next to the flanges."""
-    cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
-    crank_post_distance = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
+    cranks, crank_circle, post_circle = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
+    crank_post_distance = math.sqrt(
+        crank_circle**2 + post_circle**2 - 2.0 * crank_circle * post_circle * math.cos(math.pi / cranks.count)
+    )
     yield Rule(
         "bearing_space",
         Limit("cranks.taper_radius", "less than", crank_post_distance - cranks.post_radius),
@@ -181,12 +196,12 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     max_radius = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall
     yield Rule(
         "flange_in_ring",
-        Limit("cranks.taper_radius", "less than", max_radius - circle),
+        Limit("cranks.taper_radius", "less than", max_radius - crank_circle),
         "the flanges, with a wall around the tapered bearings, stay inside the ring pins",
     )
     yield Rule(
         "posts_in_ring",
-        Limit("cranks.post_radius", "less than", max_radius - posts),
+        Limit("cranks.post_radius", "less than", max_radius - post_circle),
         "the flanges, with a wall around the posts, stay inside the ring pins",
     )
     yield Rule(
@@ -198,14 +213,14 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
         ),
         "the journals of the cranks, in the bores of the planets, stay inside the roots of their teeth",
     )
-    tip, spacing = reducer.stage_gears[1].tip_radius, circle * math.sin(math.pi / cranks.count)
+    tip_radius, half_spacing = reducer.stage_gears[1].tip_radius, crank_circle * math.sin(math.pi / cranks.count)
     yield Check(
         name="planets_apart",
-        passed=tip < spacing,
-        got=f"{reducer.planet.planet_teeth}, with a tip radius of {millimetres(tip)}",
-        limit=f"fewer: the tip radius below half of the distance of two crank axes, {millimetres(spacing)}",
+        passed=tip_radius < half_spacing,
+        got=f"{reducer.planet.planet_teeth}, with a tip radius of {millimetres(tip_radius)}",
+        limit=f"fewer: the tip radius below half of the distance of two crank axes, {millimetres(half_spacing)}",
         why="the tips of neighbouring planets must not meet",
-        remedy="" if tip < spacing else "raise planet.sun_teeth, or lower planet.planet_teeth",
+        remedy="" if tip_radius < half_spacing else "raise planet.sun_teeth, or lower planet.planet_teeth",
         key="planet.planet_teeth",
     )
 

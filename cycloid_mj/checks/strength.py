@@ -121,7 +121,7 @@ def _pressure_checks(loads: RatedLoad, part: str) -> Iterator[Check]:
             torque = loads.torque_at(kind, allowed)
             consequence_text = f"above {_newton_metres(torque)} {consequence}" if math.isfinite(torque) else consequence
             remedies = [
-                _face_width_limit(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
+                _face_width_limit(reducer, lambda trial: trial.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
@@ -172,7 +172,7 @@ def _weaker_strength(
         strengths.append(
             (f"{design.material_table(part)}.{key}", float(getattr(material, surface_attribute)) / ratio, ratio)
         )
-    return min(strengths, key=lambda item: item[1])
+    return min(strengths, key=lambda candidate: candidate[1])
 
 
 def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
@@ -351,7 +351,7 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
         output.pin_circle_radius - hole_radius,
         root_radius - output.pin_circle_radius - hole_radius,
     )
-    ligament, tooth = design.housing.outer_radius - ring_root_radius, design.tooth_pair
+    ligament, tooth_pair = design.housing.outer_radius - ring_root_radius, design.tooth_pair
     return (
         Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", hole_distance, TENSION),
         Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", outer_wall, SHEAR),
@@ -363,7 +363,7 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
             inner_wall - gear.bore_radius - design.clearance.cam,
             SHEAR,
         ),
-        Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth, ligament, SHEAR),
+        Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth_pair, ligament, SHEAR),
     )
 
 
@@ -380,25 +380,27 @@ def _check_wall(loads: RatedLoad, wall: Wall) -> Check:
 
     stress = wall_stress(loads)
     material = design.material_of(wall.part)
-    strength = wall.strength_ratio * material.yield_strength / STRENGTH.wall_safety
-    is_passed = stress <= strength
-    kind = "tension" if wall.strength_ratio == TENSION else "shear"
-    value_text, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
+    allowed_stress = wall.strength_ratio * material.yield_strength / STRENGTH.wall_safety
+    is_passed = stress <= allowed_stress
+    stress_kind = "tension" if wall.strength_ratio == TENSION else "shear"
+    value_text, limit = value_and_limit(stress, "at most", allowed_stress, MEGAPASCAL)
     yield_strength_limit = Limit(
-        f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
+        f"{design.material_table(wall.part)}.yield_strength",
+        "at least",
+        material.yield_strength * stress / allowed_stress,
     )
-    remedies = [] if is_passed else [_face_width_limit(reducer, wall_stress, strength, 1.0), yield_strength_limit]
+    remedies = [] if is_passed else [_face_width_limit(reducer, wall_stress, allowed_stress, 1.0), yield_strength_limit]
     return Check(
         name=wall.name,
         passed=is_passed,
-        got=f"{value_text} of {kind}",
-        limit=f"{limit} (the yield strength in {kind} over {STRENGTH.wall_safety:g}, assumed)",
+        got=f"{value_text} of {stress_kind}",
+        limit=f"{limit} (the yield strength in {stress_kind} over {STRENGTH.wall_safety:g}, assumed)",
         why=f"the largest force there, {loads.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
         severity="warning",
         key=f"the wall {wall.where}",
         **single_remedies(reducer, remedies),
-        **numbers(stress, strength, MEGAPASCAL),
+        **numbers(stress, allowed_stress, MEGAPASCAL),
     )
 
 

@@ -39,18 +39,18 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
-    shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
-    loops = Rule(
+    circle_shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
+    loop_rule = Rule(
         "loops",
-        Limit("gear.eccentricity", "less than", (E + shift) / N * (1 - TEETH.loop_margin)),
+        Limit("gear.eccentricity", "less than", (E + circle_shift) / N * (1 - TEETH.loop_margin)),
         "at c >= E / N the path of a pin in the disc has loops, and the profile crosses itself",
         (
-            Limit("ring.teeth", "less than", (E + shift) / c * (1 - TEETH.loop_margin)),
-            Limit("ring.pin_circle_radius", "more than", N * c / (1 - TEETH.loop_margin) - shift),
+            Limit("ring.teeth", "less than", (E + circle_shift) / c * (1 - TEETH.loop_margin)),
+            Limit("ring.pin_circle_radius", "more than", N * c / (1 - TEETH.loop_margin) - circle_shift),
         ),
     )
-    yield loops
-    has_loops = not loops.limit.is_met(reducer)
+    yield loop_rule
+    has_loops = not loop_rule.limit.is_met(reducer)
     if not has_loops:
         yield _undercut_rule(reducer)
     if design.ring.kind == "pin":
@@ -102,7 +102,7 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
     """Return the rule for the thickness of the wall between the sockets of neighbouring ring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
-    socket = design.ring.pin_radius + play
+    socket_radius = design.ring.pin_radius + play
 
     def pin_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits of radius, number and circle of the ring pins that leave a wall between their sockets.
@@ -112,9 +112,11 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
         relative_radius = math.sin(math.pi / N) - relative_wall / 2
         return (
             Limit("ring.pin_radius", "less than", E * relative_radius - play),
-            Limit("ring.teeth", "less than", circles_on_circle(socket / E + relative_wall / 2)),
+            Limit("ring.teeth", "less than", circles_on_circle(socket_radius / E + relative_wall / 2)),
             Limit(
-                "ring.pin_circle_radius", "more than", socket / relative_radius if relative_radius > 0.0 else math.inf
+                "ring.pin_circle_radius",
+                "more than",
+                socket_radius / relative_radius if relative_radius > 0.0 else math.inf,
             ),
         )
 
@@ -168,7 +170,7 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
             Limit(
                 "gear.eccentricity",
                 "less than",
-                _find_decreasing_root(lambda other: remaining_angle(rho, other), E / N),
+                _find_decreasing_root(lambda trial: remaining_angle(rho, trial), E / N),
             ),
         )
         if remaining_angle(rho, c) <= 0.0
@@ -186,20 +188,20 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
 def _housing_wall_rule(reducer: Reducer) -> Rule:
     """Return the rule for the thickness of the housing outside the sockets, or the roots of an internal gear."""
     design = reducer.design
-    ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
+    ring, c, outer_radius = design.ring, design.gear.eccentricity, design.housing.outer_radius
     socket_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root_radius = ring.pin_circle_radius - ring.pin_radius + 2 * c
-    outermost = socket_radius if ring.kind == "pin" else root_radius
-    wall_thickness = outermost - ring.pin_circle_radius
+    cut_radius = socket_radius if ring.kind == "pin" else root_radius
+    wall_thickness = cut_radius - ring.pin_circle_radius
 
     def housing_limits(relative_wall: float) -> tuple[Limit, ...]:
         """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius outside the teeth."""
         return (
-            Limit("housing.outer_radius", "more than", outermost + relative_wall * ring.pin_circle_radius),
-            Limit("ring.pin_circle_radius", "less than", (outer - wall_thickness) / (1 + relative_wall)),
+            Limit("housing.outer_radius", "more than", cut_radius + relative_wall * ring.pin_circle_radius),
+            Limit("ring.pin_circle_radius", "less than", (outer_radius - wall_thickness) / (1 + relative_wall)),
         )
 
-    location = f"outside the ring's teeth (out to {millimetres(outermost)})"
+    location = f"outside the ring's teeth (out to {millimetres(cut_radius)})"
     return wall_rule("housing", housing_limits, TEETH.min_wall_share, ring.pin_circle_radius, location)
 
 
@@ -214,7 +216,7 @@ def _find_decreasing_root(function: Callable[[float], float], high: float) -> fl
     The lower end of the last interval is returned, where the function is positive; if the function is positive
     everywhere, the result is `high` to rounding. A root below 1e-12 of `high` counts as none.
     """
-    low, floor = 0.0, 1e-12 * high
-    while max(low, floor) < (midpoint := (low + high) / 2) < high:
+    low, min_root = 0.0, 1e-12 * high
+    while max(low, min_root) < (midpoint := (low + high) / 2) < high:
         low, high = (midpoint, high) if function(midpoint) > 0 else (low, midpoint)
     return low

@@ -55,20 +55,20 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
 
 
 def _check_error(
-    reducer: Reducer, name: str, quantity: str, error: float, pair: str, available: float
+    reducer: Reducer, name: str, quantity: str, error: float, pair: str, available_clearance: float
 ) -> Iterator[Check]:
-    """Yield the check that an error [m] is at most the `available` clearance [m]; nothing without an error.
+    """Yield the check that an error [m] is at most the `available_clearance` clearance [m]; nothing without an error.
 
     `pair` is the kind of pair whose clearance the remedy increases, `quantity` what deviates, in words.
     """
     if error == 0.0:
         return
-    is_passed = error <= available
-    size_text, limit_text = value_and_limit(error, "at most", available, MICROMETRE)
+    is_passed = error <= available_clearance
+    size_text, limit_text = value_and_limit(error, "at most", available_clearance, MICROMETRE)
     clearance_limit = Limit(
-        f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + error - available
+        f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + error - available_clearance
     )
-    error_remedy = f"reduce the errors to {available / error:.0%} of their present values"
+    error_remedy = f"reduce the errors to {available_clearance / error:.0%} of their present values"
     yield Check(
         name=name,
         passed=is_passed,
