@@ -175,8 +175,8 @@ def base_design(tables: Mapping[str, Any], source: str) -> Base:
     if not is_scaled:
         return Base(name, design, None)
     preset_size, size = value_of(design, PIN_CIRCLE), dict(_flat(tables)).get(PIN_CIRCLE)
-    is_size = isinstance(size, (int, float)) and not isinstance(size, bool) and 0.0 < size < math.inf
-    factor = size / preset_size if is_size else 1.0  # the validation of the file refuses any other size
+    is_valid_size = isinstance(size, (int, float)) and not isinstance(size, bool) and 0.0 < size < math.inf
+    factor = size / preset_size if is_valid_size else 1.0  # the validation of the file refuses any other size
     return Base(name, scale_design(design, factor), factor)
 
 
@@ -252,8 +252,8 @@ def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str
     `pairs` are paths such as ``load.torque_nm`` and values in the units of the file; `source` names their origin in
     errors. Measurements that they name are read from the `folder`.
     """
-    tables_changed = {keys[0] for path, _ in pairs if (keys := _keys(path))}
-    tables, changed_tables = dict(_file_tables(design, tables_changed)), dict[str, dict[str, Any]]()
+    affected_tables = {keys[0] for path, _ in pairs if (keys := _keys(path))}
+    tables, changed_tables = dict(_file_tables(design, affected_tables)), dict[str, dict[str, Any]]()
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
@@ -273,7 +273,7 @@ def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str
         tables["measured"] = read_measurements(tables["measured"], folder)
     if not pairs:
         return design
-    values = _values_except(design, tables_changed) | _read_table(Design, tables, source)
+    values = _values_except(design, affected_tables) | _read_table(Design, tables, source)
     return _validate(Design, _expand_sparse_lists(values, source), source)
 
 
@@ -286,10 +286,10 @@ def declaration_of(path: str) -> FieldInfo:
         There is no such key; the message suggests a similar key.
     """
     section, prefix = Design, ""
-    *tables, last = _keys(path) or [path]
+    *tables, key = _keys(path) or [path]
     for table in tables:
         section, prefix = section_of(_field_of(section, table, path, prefix)), f"{table}."
-    return _field_of(section, last, path, prefix)
+    return _field_of(section, key, path, prefix)
 
 
 def value_of(design: Design, path: str) -> Any:
@@ -351,7 +351,10 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
             used_rows = [row for row in _fields(value) if _is_listed(design, name, row)]
             if used_rows:
                 lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
-            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in used_rows]
+            lines += [
+                _line(key, inner_field, inner_value, reasons.get(f"{name}.{key}", ""))
+                for key, inner_field, inner_value in used_rows
+            ]
         elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
@@ -369,22 +372,25 @@ def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -
 
     All other values are those of the preset `preset_name`, scaled to the pin circle.
     """
-    values, tables = list[str](), list[str]()
+    value_lines, table_lines = list[str](), list[str]()
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            paths = {f"{name}.{file_key(key, inner)}": (key, inner, item) for key, inner, item in _fields(value)}
+            paths = {
+                f"{name}.{file_key(key, inner_field)}": (key, inner_field, inner_value)
+                for key, inner_field, inner_value in _fields(value)
+            }
             lines = [
                 _line(*row) for path, row in paths.items() if path in ("ring.teeth", PIN_CIRCLE) or path in changed
             ]
-            tables += ["", f"[{name}]", *lines] if lines else []
+            table_lines += ["", f"[{name}]", *lines] if lines else []
         elif name == "name" or name in changed:
-            values.append(_line(name, field, value))
+            value_lines.append(_line(name, field, value))
     header = [
         "# cycloid_mj design file. Keys that are left out have the values of [base]; lengths follow the pin circle.",
         "# `cycloid-mj design show` prints all keys with their values.",
     ]
-    base = ["", f"[{BASE}]", f"preset = {_toml(preset_name)}", "scaled = true"]
-    return "\n".join([*header, "", *values, *base, *tables]) + "\n"
+    base_lines = ["", f"[{BASE}]", f"preset = {_toml(preset_name)}", "scaled = true"]
+    return "\n".join([*header, "", *value_lines, *base_lines, *table_lines]) + "\n"
 
 
 def _summary(section: type[Section]) -> str:
@@ -483,14 +489,14 @@ def _read_table(
             hint = unsupported_key(f"{prefix}{key}") or _suggest_key(key, list(known_keys), prefix, root)
             raise DesignError(f"{source}: unknown key {prefix}{key:.80}; {hint}")
         name, field = known_keys[key]
-        annotation, table_of = field.annotation, section_of(field)
-        if table_of:
+        annotation, inner_section = field.annotation, section_of(field)
+        if inner_section:
             if not isinstance(value, Mapping):
                 raise DesignError(
                     f"{source}: {key} is a table, but is given as a value: write [{key}], and its keys on the lines "
                     "below"
                 )
-            values[name] = _read_table(table_of, value, source, f"{prefix}{key}.", root)
+            values[name] = _read_table(inner_section, value, source, f"{prefix}{key}.", root)
         elif get_origin(annotation) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
         elif get_origin(annotation) is tuple and isinstance(value, (list, tuple)):
@@ -520,8 +526,8 @@ def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
     errors; the lengths of lists follow from counts such as ``ring.teeth``.
     """
     for table, section in values.items():
-        inner = section_of(Design.model_fields[table])
-        fields = inner.model_fields if inner else {}
+        section_type = section_of(Design.model_fields[table])
+        fields = section_type.model_fields if section_type else {}
         for name in [key for key, value in section.items() if isinstance(value, Mapping)] if fields else ():
             counts = [_count(values, *key) for key in counted_by(fields[name])]
             if counts:
@@ -570,14 +576,16 @@ def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Sectio
     If no key is similar, the sentence lists all keys of the table.
     """
     stems = (key, key.rsplit("_", 1)[0])
-    other_unit = next(
+    keys_of_other_unit = next(
         filter(None, ([prefix + name for name in known_keys if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
     )
     tables = ((name, section_of(field)) for name, field in root.model_fields.items())
     all_keys = [f"{table}.{name}" for table, section in tables if section for name in _keys_of(section)]
     same_name_keys = [name for name in all_keys if name.endswith(f".{key}")]
     similar_keys = [prefix + name for name in difflib.get_close_matches(key, known_keys, n=1)]
-    suggestions = other_unit or same_name_keys or similar_keys or difflib.get_close_matches(prefix + key, all_keys, n=1)
+    suggestions = (
+        keys_of_other_unit or same_name_keys or similar_keys or difflib.get_close_matches(prefix + key, all_keys, n=1)
+    )
     if suggestions:
         return f"did you mean {' or '.join(suggestions)}?"
     return "available keys: " + ", ".join(prefix + name for name in known_keys)

@@ -101,8 +101,8 @@ def limits(zone: str, size: float) -> tuple[float, float]:
         return (deviation - width, deviation) if letter <= "h" else (deviation, deviation + width)
     if letter <= "h":
         return -deviation, width - deviation
-    upper = _upper_hole_deviation(letter, grade, size)
-    return upper - width, upper
+    upper_deviation = _upper_hole_deviation(letter, grade, size)
+    return upper_deviation - width, upper_deviation
 
 
 def clearances(fit: str, size: float) -> tuple[float, float]:
@@ -118,8 +118,8 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
     ValueError
         The fit is not a zone of a hole and a zone of a shaft, a zone is unknown, or the size is not in (0, 0.5].
     """
-    hole, slash, shaft = fit.strip().partition("/")
-    if not (slash and hole[:1].isupper() and shaft[:1].islower()):
+    hole, separator, shaft = fit.strip().partition("/")
+    if not (separator and hole[:1].isupper() and shaft[:1].islower()):
         raise ValueError("a fit is the zone of a hole and that of a shaft, e.g. H7/g6")
     (hole_low, hole_high), (shaft_low, shaft_high) = limits(hole, size), limits(shaft, size)
     return hole_low - shaft_high, hole_high - shaft_low

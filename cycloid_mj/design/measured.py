@@ -170,14 +170,14 @@ def _read_pins(path: Path) -> Columns:
     if tuple(cell.lower() for cell in header_cells) != PIN_COLUMNS:
         raise _wrong_header(path, line_number, header_cells, [PIN_COLUMNS])
     columns = _parse_columns(path, PIN_COLUMNS, lines[1:])
-    order = {pin: index for index, pin in enumerate(columns["pin"])}
+    index_of_pin = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
-        if pin not in order:
+        if pin not in index_of_pin:
             raise DesignError(
                 f"{path}: pin {pin} is missing, or another pin is listed twice: list each pin once, beginning with pin "
                 "1 on the +y axis"
             )
-    return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PIN_COLUMNS[1:]}
+    return {name: tuple(columns[name][index_of_pin[pin]] for pin in sorted(index_of_pin)) for name in PIN_COLUMNS[1:]}
 
 
 READERS = {"gear": _read_disc_profile, "pins": _read_pins}

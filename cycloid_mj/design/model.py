@@ -1134,8 +1134,8 @@ class Design(Section, Presented):
             Other changes of the design by table, then key; the crank's speed must not be 0.
         """
         design = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
-        time = turns * 2.0 * math.pi / abs(design.drive.speed) + samples / design.settings.log_rate
-        return design.but(drive={"hold": settled + time})
+        duration = turns * 2.0 * math.pi / abs(design.drive.speed) + samples / design.settings.log_rate
+        return design.but(drive={"hold": settled + duration})
 
     @model_validator(mode="before")
     @classmethod
@@ -1301,11 +1301,11 @@ class Design(Section, Presented):
                 return 2.0 * self.friction.cam_rolling
             return self.friction.boundary if self.has_film else self.planet.friction
         output = self.output
-        rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
-        if self.has_film and not rolling.get(pair):
+        is_rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
+        if self.has_film and not is_rolling.get(pair):
             coefficient = self.friction.boundary
         else:
-            coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+            coefficient = float(getattr(self.friction, f"{pair}_rolling" if is_rolling.get(pair) else pair))
         if pair == "output" and output.rollers and (output.core_radius or not output.has_needles):
             return coefficient * output.root_radius / output.pin_radius
         return coefficient
@@ -1419,15 +1419,15 @@ def _unused_keys(design: Design) -> Iterator[tuple[str, bool]]:
         Key, and whether its value is the default.
     """
     for name, field in Design.model_fields.items():
-        table = section_of(field)
-        if table is None or name.endswith("material"):
+        section_type = section_of(field)
+        if section_type is None or name.endswith("material"):
             if not applies(design.layout, "", name):
                 yield file_key(name, field), getattr(design, name) == field.default
             continue
         values = getattr(design, name)
-        for key, inner in table.model_fields.items() if values is not None else ():
+        for key, inner_field in section_type.model_fields.items() if values is not None else ():
             if not applies(design.layout, name, key):
-                yield f"{name}.{file_key(key, inner)}", getattr(values, key) == inner.default
+                yield f"{name}.{file_key(key, inner_field)}", getattr(values, key) == inner_field.default
 
 
 def _as_tuple(value: Any) -> Any:
@@ -1437,14 +1437,16 @@ def _as_tuple(value: Any) -> Any:
 
 def describe_plastic_limits(design: Design) -> tuple[str, ...]:
     """Describe temperature limits and creep of the plastics of a design, a sentence for each; empty for metals."""
-    by_material: dict[Material, list[str]] = {}
+    parts_by_material: dict[Material, list[str]] = {}
     for part in PARTS:
-        by_material.setdefault(design.material_of(part), []).append(part)
-    limits = []
-    for material, parts_of in by_material.items():
+        parts_by_material.setdefault(design.material_of(part), []).append(part)
+    sentences = []
+    for material, part_names in parts_by_material.items():
         entry = MATERIALS.get(material.name)
         if material.is_plastic:
-            material_text = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
-            hottest = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
-            limits.append(f"{material_text} creeps{hottest}: its stiffness and strength are those of a short load")
-    return tuple(limits)
+            material_text = f"{material.name or 'a plastic'} ({', '.join(part_names)})"
+            limit_text = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
+            sentences.append(
+                f"{material_text} creeps{limit_text}: its stiffness and strength are those of a short load"
+            )
+    return tuple(sentences)

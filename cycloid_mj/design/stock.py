@@ -534,8 +534,8 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
         min_length, max_length = _DOWELS[size_mm]
         count = max(-(-length_mm // max_length), 1)
         stock_lengths = [item for item in _LENGTHS if min_length <= item <= max_length]
-        dowel = stock_lengths[min(bisect_left(stock_lengths, length_mm / count - 1e-6), len(stock_lengths) - 1)]
-        return Dowel(f"ISO 8734 - {size_mm:g} x {dowel} - A", diameter, dowel * MM), int(count)
+        dowel_length = stock_lengths[min(bisect_left(stock_lengths, length_mm / count - 1e-6), len(stock_lengths) - 1)]
+        return Dowel(f"ISO 8734 - {size_mm:g} x {dowel_length} - A", diameter, dowel_length * MM), int(count)
     if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
         return Dowel(f"{GAUGES} - {size_mm:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
     return None
@@ -646,12 +646,12 @@ def tube_for(outside: float, bore: float) -> Tube | None:
 
 def splines_around(shaft: float) -> tuple[StockSpline, ...]:
     """List the straight-sided splines (ISO 14) whose hubs slide over a shaft diameter [m], the smallest first."""
-    fitting = (
+    fitting_splines = (
         StockSpline(f"ISO 14 - {count:g} x {minor:g} x {major:g}", int(count), *_si(minor, major, width))
         for count, minor, major, width in _rows(_SPLINES, 4)
         if minor * MM > shaft - ROUNDING
     )
-    return tuple(sorted(fitting, key=lambda spline: (spline.major, -spline.minor)))
+    return tuple(sorted(fitting_splines, key=lambda spline: (spline.major, -spline.minor)))
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
@@ -691,12 +691,12 @@ def needle_bearings() -> tuple[StockBearing, ...]:
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
         for bore, outer_diameter, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
     ]
-    rings = [
+    machined_bearings = [
         StockBearing(f"RNA49{series_number:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
         for series_number, bore, outer_diameter, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
     ]
-    largest = max(cup.outside for cup in cups)
-    bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
+    max_cup_diameter = max(cup.outside for cup in cups)
+    bearings = [*cups, *(bearing for bearing in machined_bearings if bearing.outside > max_cup_diameter)]
     return tuple(sorted(bearings, key=lambda item: (item.outside, item.bore, item.width)))
 
 
@@ -722,15 +722,18 @@ def thin_ball_bearings() -> tuple[StockBearing, ...]:
 @cache
 def angular_contact_bearings() -> tuple[StockBearing, ...]:
     """List the thin angular contact ball bearings (series 718) in stock, the smallest first, with estimated ratings."""
-    angle, balls = ANGULAR_CONTACT.angle, ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE  # relative number
-    dynamic = balls ** (2.0 / 3.0) * math.cos(angle) ** 0.7
-    static = balls * math.cos(angle)
+    angle, ball_ratio = (
+        ANGULAR_CONTACT.angle,
+        ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE,
+    )  # relative number
+    dynamic_factor = ball_ratio ** (2.0 / 3.0) * math.cos(angle) ** 0.7
+    static_factor = ball_ratio * math.cos(angle)
     return tuple(
         replace(
             bearing,
             designation=f"{bearing.designation.replace('618', '718', 1)} ACD",
-            dynamic=round(dynamic * bearing.dynamic),
-            static=round(static * bearing.static),
+            dynamic=round(dynamic_factor * bearing.dynamic),
+            static=round(static_factor * bearing.static),
             contact_angle=angle,
         )
         for bearing in thin_ball_bearings()

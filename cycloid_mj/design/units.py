@@ -98,11 +98,13 @@ def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, 
     bounds
         ``gt``, ``ge``, ``lt``, ``le`` in the file's unit.
     """
-    in_si: dict[str, Any] = {name: unit.to_si(bound) for name, bound in bounds.items()}
+    bounds_in_si: dict[str, Any] = {name: unit.to_si(bound) for name, bound in bounds.items()}
     value = unit.to_si(default) if isinstance(default, float) else default
     if isinstance(value, float):
-        in_si["allow_inf_nan"] = False
-    return Field(default=value, description=text, json_schema_extra={"unit": unit.suffix, "source": source}, **in_si)
+        bounds_in_si["allow_inf_nan"] = False
+    return Field(
+        default=value, description=text, json_schema_extra={"unit": unit.suffix, "source": source}, **bounds_in_si
+    )
 
 
 def choice(default: str, text: str, source: str = ASSUMED, **shape: Any) -> Any:
