@@ -102,23 +102,27 @@ def compute_shares(
     A share for each tolerance, projected on 0 <= first order <= total <= 1, which the exact indices satisfy. An empty
     tuple if fewer than `SobolSettings.min_samples` samples have a value in every set.
     """
-    names, rows = list(zones), find_usable_rows(values)
-    if rows.size < SOBOL.min_samples:
+    names, usable_rows = list(zones), find_usable_rows(values)
+    if usable_rows.size < SOBOL.min_samples:
         return ()
-    figure = _FigureSets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
-    if np.ptp(np.concatenate([figure.set_a, figure.set_b])) == 0.0:
+    figure_sets = _FigureSets(
+        values["A"][usable_rows], values["B"][usable_rows], np.array([values[name][usable_rows] for name in names])
+    )
+    if np.ptp(np.concatenate([figure_sets.set_a, figure_sets.set_b])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    terms = _estimator_terms(figure, [_standardise_deviations(zones, deviation, rows) for deviation in deviations])
+    terms = _estimator_terms(
+        figure_sets, [_standardise_deviations(zones, deviation, usable_rows) for deviation in deviations]
+    )
     first_order_share = terms.first_order.mean(axis=1) / terms.variance.mean()
-    total, low, high = _jackknife_ratios(terms.total, terms.variance)
+    total, lower_bounds, upper_bounds = _jackknife_ratios(terms.total, terms.variance)
     shares = [
         Share(
             name,
-            _clip_share(first_order_share[i], _clip_share(total[i])),
-            _clip_share(total[i]),
-            (_clip_share(low[i]), _clip_share(high[i])),
+            _clip_share(first_order_share[index], _clip_share(total[index])),
+            _clip_share(total[index]),
+            (_clip_share(lower_bounds[index]), _clip_share(upper_bounds[index])),
         )
-        for i, name in enumerate(names)
+        for index, name in enumerate(names)
     ]
     return tuple(sorted(shares, key=lambda share: -share.total))
 
@@ -172,8 +176,8 @@ def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> 
     values_a, values_b, values_mixed = figure.set_a - centre, figure.set_b - centre, figure.mixed - centre
     variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.set_a**2 + linear.set_b**2) + variances.sum(axis=0)
     first_order = values_b * (values_mixed - values_a) - linear.set_b * (linear.mixed - linear.set_a) + variances
-    total = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.set_a - linear.mixed) ** 2 + variances
-    return _Terms(variance, first_order, total)
+    total_order = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.set_a - linear.mixed) ** 2 + variances
+    return _Terms(variance, first_order, total_order)
 
 
 def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
@@ -195,7 +199,7 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
     fit_a, fit_b, variances = np.zeros((3, tolerances, count))
     centre = np.zeros(count)
     model_tolerances = _choose_model_tolerances(figure, deviations_a)
-    ends = np.cumsum([deviations_a[i].shape[1] for i in model_tolerances], dtype=int)
+    ends = np.cumsum([deviations_a[index].shape[1] for index in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
         training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
         columns = np.concatenate(
@@ -205,12 +209,12 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
         # normal equations: the columns are independent draws, four rows and more for each
         constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
         centre[validation] = constant[0]
-        for i, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
-            fit_a[i, validation], fit_b[i, validation] = (
-                deviations_a[i][validation] @ slope,
-                deviations_b[i][validation] @ slope,
+        for index, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
+            fit_a[index, validation], fit_b[index, validation] = (
+                deviations_a[index][validation] @ slope,
+                deviations_b[index][validation] @ slope,
             )
-            variances[i, validation] = slope @ slope
+            variances[index, validation] = slope @ slope
     return centre, _FigureSets(fit_a.sum(axis=0), fit_b.sum(axis=0), fit_a.sum(axis=0) - fit_a + fit_b), variances
 
 
@@ -222,13 +226,13 @@ def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> li
     `figure` are the values of the quantity in all sample sets; `deviations` are those in set A, from
     `_standardise_deviations`: an array (n, k) for each tolerance, with its k random numbers in n samples.
     """
-    rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
-    free_columns = SOBOL.max_columns * rows - 1.0
+    fit_rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
+    free_columns = SOBOL.max_columns * fit_rows - 1.0
     selected_tolerances = []
-    for i in sorted(range(len(deviations)), key=lambda i: deviations[i].shape[1]):
-        if np.any(figure.mixed[i] != figure.set_a) and deviations[i].shape[1] <= free_columns:
-            selected_tolerances.append(i)
-            free_columns -= deviations[i].shape[1]
+    for index in sorted(range(len(deviations)), key=lambda index: deviations[index].shape[1]):
+        if np.any(figure.mixed[index] != figure.set_a) and deviations[index].shape[1] <= free_columns:
+            selected_tolerances.append(index)
+            free_columns -= deviations[index].shape[1]
     return sorted(selected_tolerances)
 
 
@@ -255,9 +259,9 @@ def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, 
     count = variance.size
     ratio = partial_variance.mean(axis=1) / variance.mean()
     leave_one_out = (partial_variance.sum(axis=1, keepdims=True) - partial_variance) / (variance.sum() - variance)
-    spread = leave_one_out - leave_one_out.mean(axis=1, keepdims=True)
-    error = np.sqrt((count - 1.0) / count * np.sum(spread**2, axis=1))
-    relative = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
-    factor = np.exp(np.minimum(student_half_width(count - 1, 0.95) * relative, math.log(1e6)))
-    size = np.maximum(ratio, 0.0)
-    return ratio, size / factor, np.maximum(size * factor, ratio + error)
+    deviations = leave_one_out - leave_one_out.mean(axis=1, keepdims=True)
+    error = np.sqrt((count - 1.0) / count * np.sum(deviations**2, axis=1))
+    relative_error = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
+    factor = np.exp(np.minimum(student_half_width(count - 1, 0.95) * relative_error, math.log(1e6)))
+    clipped_ratio = np.maximum(ratio, 0.0)
+    return ratio, clipped_ratio / factor, np.maximum(clipped_ratio * factor, ratio + error)

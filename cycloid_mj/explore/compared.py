@@ -142,8 +142,8 @@ def compare(
         raise UsageError(
             f"a comparison needs at least two designs, but the number of designs is {len(designs)}: add another design"
         )
-    resolved = [resolve(design) for design in designs]
-    cases = list_cases(resolved, override(resolved[0], DEFAULTS), load_nm, solver)
+    resolved_designs = [resolve(design) for design in designs]
+    cases = list_cases(resolved_designs, override(resolved_designs[0], DEFAULTS), load_nm, solver)
     plan = plan_runs(cases, solver, QUICK_STARTS if quick else STARTS, assumptions=() if quick else ASSUMPTIONS)
     runs = list(plan.names)
 
@@ -198,14 +198,14 @@ def list_cases(
         compared_designs.append(
             with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), common_conditions, rated_torque)))
         )
-    by_load = [
+    cases_by_load = [
         [apply_conditions(reducer_of(design), common_conditions, load) for design in compared_designs]
         for load in dict.fromkeys((0.0, rated_torque))
     ]
-    cases = [case for group in by_load for case in (group if fixed_hold else _with_settled_turns(group))]
+    cases = [case for group in cases_by_load for case in (group if fixed_hold else _with_settled_turns(group))]
     if solver == "planar" and not first_design.settings.timestep:
-        step = min(acceleration_timestep(reducer_of(case)) for case in cases)
-        cases = [reducer_of(case).but(settings={"timestep": step}).design for case in cases]
+        timestep = min(acceleration_timestep(reducer_of(case)) for case in cases)
+        cases = [reducer_of(case).but(settings={"timestep": timestep}).design for case in cases]
     comparable(cases)
     return cases
 
@@ -232,12 +232,14 @@ def plan_runs(
     assumptions
         Variations of assumed values of the contact model, of the loaded cases only.
     """
-    by_case = {
+    starts_by_case = {
         design: (design,) if design.load.torque else independent_starts(reducer_of(design), starts) for design in cases
     }
     loaded_cases = [design for design in cases if design.load.torque]
     names = {
-        start: name_run(start, start_index) for group in by_case.values() for start_index, start in enumerate(group)
+        start: name_run(start, start_index)
+        for group in starts_by_case.values()
+        for start_index, start in enumerate(group)
     }
     for variation, designs in [
         *((group, cases) for group in variations),
@@ -245,9 +247,9 @@ def plan_runs(
     ]:
         for design in designs:
             suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
-            for start_index, start in enumerate(by_case[design]):
+            for start_index, start in enumerate(starts_by_case[design]):
                 names.setdefault(variation.of(reducer_of(start)), f"{name_run(start, start_index)}-{suffix}")
-    return RunPlan(by_case, variations, assumptions, names, solver)
+    return RunPlan(starts_by_case, variations, assumptions, names, solver)
 
 
 def name_run(design: Design, start: int = 0) -> str:
@@ -265,13 +267,13 @@ def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
     """
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
-    turns = TURNS if designs[0].load.torque else IDLE_TURNS
-    settle = max(settling_time(reducer_of(design)) for design in designs)
+    turn_count = TURNS if designs[0].load.torque else IDLE_TURNS
+    settling = max(settling_time(reducer_of(design)) for design in designs)
     # one more sample, so that the last turn is complete
     steady_designs = [
-        reducer_of(design).steady(settle, turns, samples=1.0, drive={"ramp": design.drive.ramp}).design
+        reducer_of(design).steady(settling, turn_count, samples=1.0, drive={"ramp": design.drive.ramp}).design
         for design in designs
     ]
     # a crank turn of RV reducers takes a different time at the same speed of the sun
-    hold = max(design.drive.hold for design in steady_designs)
-    return [design.but(drive={"hold": hold}) for design in steady_designs]
+    hold_time = max(design.drive.hold for design in steady_designs)
+    return [design.but(drive={"hold": hold_time}) for design in steady_designs]

@@ -79,16 +79,16 @@ def require_consistent(limits: Iterable[FigureLimit]) -> None:
     UsageError
         Two limits contradict each other.
     """
-    lowest: dict[str, FigureLimit] = {}
-    highest: dict[str, FigureLimit] = {}
+    lower_limits: dict[str, FigureLimit] = {}
+    upper_limits: dict[str, FigureLimit] = {}
     for limit in limits:
-        strictest = highest if limit.at_most else lowest
-        strictest_limit = strictest.get(limit.key)
+        limits_of_side = upper_limits if limit.at_most else lower_limits
+        strictest_limit = limits_of_side.get(limit.key)
         if strictest_limit is None or (limit.bound < strictest_limit.bound) == limit.at_most:
-            strictest[limit.key] = limit
-    for key in lowest.keys() & highest.keys():
-        if lowest[key].bound > highest[key].bound:
+            limits_of_side[limit.key] = limit
+    for key in lower_limits.keys() & upper_limits.keys():
+        if lower_limits[key].bound > upper_limits[key].bound:
             raise UsageError(
-                f"--limit '{lowest[key]}' contradicts --limit '{highest[key]}', because no value of {key} satisfies "
-                "both: change or remove one of them"
+                f"--limit '{lower_limits[key]}' contradicts --limit '{upper_limits[key]}', because no value of {key} "
+                "satisfies both: change or remove one of them"
             )

@@ -89,8 +89,8 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
         Which of the study's first samples jam, shape (samples,); at least one.
     """
     rows = np.flatnonzero(jams)[: JAM.max_examined]
-    block = draw_deviations(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
-    deviations = {key: values[rows] for key, values in block.items()}
+    all_deviations = draw_deviations(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
+    deviations = {key: values[rows] for key, values in all_deviations.items()}
     interferences, shares = _minimize_interference(reducer, deviations)
     if max(interferences) <= 0.0:
         return (
@@ -100,7 +100,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     pairs = sorted(
         (pair for pair, share in shares.items() if share > JAM.min_pair_share), key=lambda pair: -shares[pair]
     )
-    sufficient = [
+    removable_keys = [
         f"tolerance.{key}"
         for key in zones
         if max(
@@ -110,8 +110,8 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
         )
         <= 0.0
     ]
-    cause_text = f"without {' or '.join(sufficient)} the parts of these samples fit"
-    cause_text = cause_text if sufficient else "no single tolerance is the cause"
+    cause_text = f"without {' or '.join(removable_keys)} the parts of these samples fit"
+    cause_text = cause_text if removable_keys else "no single tolerance is the cause"
     return (
         f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
         f"{MICROMETRES * max(min(interferences), 0.0):.3g} to {MICROMETRES * max(interferences):.3g} um (rigid parts, "
@@ -135,10 +135,11 @@ def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) ->
     samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)
     interferences, shares = [], dict[str, float]()
     for row in range(count):
-        drive = unchecked_design_of_sample(reducer, samples, row)
+        sample_design = unchecked_design_of_sample(reducer, samples, row)
         crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
         gap, pairs = min(
-            (find_tightest_pairs(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0]
+            (find_tightest_pairs(Reducer(sample_design), angle) for angle in crank_angles),
+            key=lambda contact: contact[0],
         )
         interferences.append(-gap)
         for pair, share in pairs.items():

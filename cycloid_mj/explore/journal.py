@@ -48,7 +48,7 @@ def remove_study(folder: Path, study: str) -> None:
     rows = folder / rows_file(study)
     try:
         if rows.exists():
-            with _lock(rows, folder, study):
+            with _lock_study(rows, folder, study):
                 rows.unlink()
         (folder / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
@@ -132,7 +132,7 @@ def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> I
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
         raise CycloidError(f"cannot write {path}: {reason(problem)}. Choose another folder with --out") from problem
-    with stream, _lock(path, folder, study):
+    with stream, _lock_study(path, folder, study):
         if not (folder / plan_file(study)).exists():
             write_files({folder / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read_rows(stream))
@@ -150,33 +150,33 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
     CycloidError
         The plan in the folder cannot be read.
     """
-    file, rows = folder / plan_file(study), folder / rows_file(study)
+    plan_path, rows_path = folder / plan_file(study), folder / rows_file(study)
     try:
-        recorded_study = json.loads(file.read_bytes())
+        recorded_study = json.loads(plan_path.read_bytes())
     except FileNotFoundError:
-        if rows.exists() and rows.stat().st_size:
+        if rows_path.exists() and rows_path.stat().st_size:
             raise UsageError(
-                f"{folder} contains {rows.name}, but the file {file.name} that describes it is missing, so the {study} "
-                "cannot be resumed: choose another folder with --out"
+                f"{folder} contains {rows_path.name}, but the file {plan_path.name} that describes it is missing, so "
+                f"the {study} cannot be resumed: choose another folder with --out"
             ) from None
         return False
     except (OSError, ValueError) as problem:
-        raise CycloidError(f"cannot read {file}: {reason(problem)}. Choose another folder with --out") from problem
-    differing = [
+        raise CycloidError(f"cannot read {plan_path}: {reason(problem)}. Choose another folder with --out") from problem
+    differing_keys = [
         key
         for key in plan
         if not isinstance(recorded_study, dict) or recorded_study.get(key) != json.loads(json.dumps(plan[key]))
     ]
-    if differing:
+    if differing_keys:
         raise UsageError(
-            f"{folder} contains another {study}, which differs in {', '.join(differing)}: choose another folder with "
-            "--out, or overwrite it with --force"
+            f"{folder} contains another {study}, which differs in {', '.join(differing_keys)}: choose another folder "
+            "with --out, or overwrite it with --force"
         )
     return True
 
 
 @contextmanager
-def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
+def _lock_study(rows: Path, folder: Path, study: str) -> Iterator[None]:
     """Lock the file `rows` of a study against other processes while the context is open.
 
     Raise UsageError if another process has locked it. `folder` and `study`, the name of the study, are for the message.
@@ -201,7 +201,7 @@ def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
     """
     stream.seek(0)
     rows: dict[int, PointResult] = {}
-    end = 0
+    valid_length = 0
     for line in stream.read().split(b"\n")[:-1]:
         try:
             fields: dict[str, Any] = json.loads(line)
@@ -209,6 +209,6 @@ def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
             rows[index] = PointResult(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
         except (ValueError, AttributeError, KeyError, TypeError):
             break
-        end += len(line) + 1
-    stream.truncate(end)
+        valid_length += len(line) + 1
+    stream.truncate(valid_length)
     return rows

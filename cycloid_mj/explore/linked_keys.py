@@ -115,25 +115,25 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
     links: dict[str, Link] = {}
     varied_keys = set(varied_keys)
     for text in (requested,) if isinstance(requested, str) else requested:
-        key, equals, formula = (part.strip() for part in text.partition("="))
-        option = f"--follow {text!r:.80}"
-        if not key or (equals and not formula):
-            raise UsageError(f"{option} is not a formula: give KEY=FORMULA, e.g. {_EXAMPLE}")
+        key, separator, formula = (part.strip() for part in text.partition("="))
+        option_text = f"--follow {text!r:.80}"
+        if not key or (separator and not formula):
+            raise UsageError(f"{option_text} is not a formula: give KEY=FORMULA, e.g. {_EXAMPLE}")
         if declaration_of(key).annotation not in (int, float):
             raise UsageError(
-                f"{option}: the value of {key} is not a number, so a formula cannot set it. Choose a key that has a "
-                "single numeric value"
+                f"{option_text}: the value of {key} is not a number, so a formula cannot set it. Choose a key that "
+                "has a single numeric value"
             )
         if key in varied_keys or key in links:
-            setting = "--vary" if key in varied_keys else "another --follow"
-            raise UsageError(f"{option}: {key} is already set by {setting}. Remove one of the two flags")
+            other_option = "--vary" if key in varied_keys else "another --follow"
+            raise UsageError(f"{option_text}: {key} is already set by {other_option}. Remove one of the two flags")
         if not formula and key not in RULES:
             raise UsageError(
-                f"{option}: the formula is missing; only {' and '.join(RULES)} have a built-in rule and need no "
+                f"{option_text}: the formula is missing; only {' and '.join(RULES)} have a built-in rule and need no "
                 f"formula. Give --follow '{key}=FORMULA'"
             )
         if formula:
-            _require_numbers(option, key, formula, reducer)
+            _require_numbers(option_text, key, formula, reducer)
         links[key] = Link(key, formula)
     return tuple(links.values())
 

@@ -45,7 +45,7 @@ class MeasuredFigures:
     """Sentences about the numbers."""
 
 
-def _from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> MeasuredFigures:
+def _columns_from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> MeasuredFigures:
     """Return the values and units of quantities as columns of a study's table, by the name of the column.
 
     The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
@@ -70,14 +70,14 @@ def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
     figures = sheet(reducer)
     keyed_quantities = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
-    return _from_quantities(keyed_quantities, assumptions=figures.assumptions)
+    return _columns_from_quantities(keyed_quantities, assumptions=figures.assumptions)
 
 
 def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
     warnings = {text: None for run in measurement.runs.values() for text in run.warnings}
     assumptions = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
-    return _from_quantities(measurement.quantities.values(), assumptions=assumptions, warnings=tuple(warnings))
+    return _columns_from_quantities(measurement.quantities.values(), assumptions=assumptions, warnings=tuple(warnings))
 
 
 def _simulate_design(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
@@ -194,12 +194,12 @@ def _summarize_design(reducer: Reducer) -> MeasuredFigures:
         Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
         Quantity("capacity", "", figures.capacity, "N m"),
     )
-    measured_figures = _from_quantities(numbers)
+    measured_figures = _columns_from_quantities(numbers)
     return MeasuredFigures({**measured_figures.values, "weakest": figures.weakest}, measured_figures.units)
 
 
 def _compute_quantities(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    return _from_quantities(quantities(reducer).values())
+    return _columns_from_quantities(quantities(reducer).values())
 
 
 def _compute_quantity(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:

@@ -143,7 +143,7 @@ def run_search(
     """
     if task.ranges:
         import_extra("cma", *REQUIREMENT)
-    with _recorded_rows(task, evaluations, starts, seed, out) as rows:
+    with _open_record(task, evaluations, starts, seed, out) as rows:
         evaluator = _PointEvaluator(task, rows, engine, progress, evaluations)
         try:
             evaluator.evaluate_points([task.start])
@@ -168,14 +168,16 @@ def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     `optimum` is the result. These are the static data sheet, a run in full dynamics with `solver`, and a tolerance
     study if the design has tolerances.
     """
-    best = reducer_of(optimum.design())
+    best_reducer = reducer_of(optimum.design())
     try:
         samples = OPTIMIZER.tolerance_samples
-        ranges = tolerance(best.design, samples, optimum.seed) if has_tolerances(best) else None
-    except TooManyJams as jam:
-        ranges = jam.tolerances
-    sheets = _compute_sheet(best), _compute_sheet(optimum.task.reducer)
-    checks = BestChecks(*sheets, verify_design(best, solver), ranges)
+        tolerance_study = (
+            tolerance(best_reducer.design, samples, optimum.seed) if has_tolerances(best_reducer) else None
+        )
+    except TooManyJams as error:
+        tolerance_study = error.tolerances
+    sheets = _compute_sheet(best_reducer), _compute_sheet(optimum.task.reducer)
+    checks = BestChecks(*sheets, verify_design(best_reducer, solver), tolerance_study)
     return Optimum(optimum.task, optimum.rows, optimum.seed, checks)
 
 
@@ -326,7 +328,7 @@ class _Rows:
 
 
 @contextmanager
-def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
+def _open_record(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
     """Open the record of evaluated points as a context that yields it: in memory, or in the folder `out`.
 
     A search in a folder is resumed if the `task`, that is the problem, the number of evaluations, starts, seed and

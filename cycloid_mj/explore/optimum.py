@@ -78,14 +78,14 @@ class Optimum(Tabular):
     @property
     def line(self) -> str:
         """Return a one-line summary of an optimisation: design, numbers of all and feasible points, best values."""
-        head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
+        summary = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
-            return head
+            return summary
         shown_figures: dict[str, Cell] = {
             objective.key: self.figures(self.best)[objective.key] for objective in self.task.objectives
         }
         shown_figures |= self.values(self.best)
-        return f"{head}; best: {', '.join(f'{key} {_format_cell(value)}' for key, value in shown_figures.items())}"
+        return f"{summary}; best: {', '.join(f'{key} {_format_cell(value)}' for key, value in shown_figures.items())}"
 
     @property
     def feasible(self) -> list[int]:
@@ -158,14 +158,14 @@ class Optimum(Tabular):
     @property
     def infeasible_words(self) -> str:
         """Return sentences on why no point is feasible, which point violates limits least, and what to do."""
-        total = max(self.evaluations, 1)
-        reasons = "; ".join(f"{name}: {count} ({count / total:.0%})" for name, count in self.refused.items())
-        nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
-        values = ", ".join(f"{key} = {_format_cell(nearest.values[key])}" for key in self.task.keys)
+        point_count = max(self.evaluations, 1)
+        reasons = "; ".join(f"{name}: {count} ({count / point_count:.0%})" for name, count in self.refused.items())
+        nearest_row = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
+        values = ", ".join(f"{key} = {_format_cell(nearest_row.values[key])}" for key in self.task.keys)
         return (
             f"none of {self.evaluations} points satisfies all checks and limits. Points rejected by {reasons}. The "
-            f"nearest point ({values}) violates {nearest.error or nearest.values[REJECTED_BY]}. Widen the ranges, vary "
-            "more keys, or relax the limits that reject most"
+            f"nearest point ({values}) violates {nearest_row.error or nearest_row.values[REJECTED_BY]}. Widen the "
+            "ranges, vary more keys, or relax the limits that reject most"
         )
 
     @cached_property
@@ -272,27 +272,27 @@ class Optimum(Tabular):
         if self.best is None:
             return ()
         values, figures = self.values(self.best), self.best_figures
-        spans = {key_range.key: (key_range.low, key_range.high) for key_range in self.task.ranges}
+        ranges = {key_range.key: (key_range.low, key_range.high) for key_range in self.task.ranges}
         for choice in self.task.choices:
             numbers = [
                 value for value in choice.values if isinstance(value, (int, float)) and not isinstance(value, bool)
             ]
             if len(numbers) == len(choice.values) > 1:
-                spans[choice.key] = min(numbers), max(numbers)
-        ends = []
-        for key, (low, high) in spans.items():
+                ranges[choice.key] = min(numbers), max(numbers)
+        sentences = []
+        for key, (low, high) in ranges.items():
             position = (float(values[key]) - low) / (high - low)
             if min(position, 1.0 - position) < AT_END:
-                end, bound = ("lower", low) if position < 0.5 else ("upper", high)
-                ends.append(
-                    f"{key} is at the {end} end of its range, {bound:g}: a wider range may allow a better design"
+                side, bound = ("lower", low) if position < 0.5 else ("upper", high)
+                sentences.append(
+                    f"{key} is at the {side} end of its range, {bound:g}: a wider range may allow a better design"
                 )
         limits = [
             f"{limit.key} is at its limit {limit}: {figures[limit.key]:.5g}"
             for limit in self.task.limits
             if abs(figures[limit.key] - limit.bound) < AT_END * max(abs(limit.bound), MIN_BOUND)
         ]
-        return (*ends, *limits)
+        return (*sentences, *limits)
 
     ran_into = deprecated_attribute("Optimum", "ran_into", "active_bounds")
 

@@ -119,11 +119,11 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     _require_few(len(rows))
     fields = {key: _scalar_field(key) for key in rows[0]}
     points = []
-    for number, row in enumerate(rows, 1):
+    for row_number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
             raise UsageError(
-                f"row {number} of the table of points (--table) does not have the same keys as row 1: give one value "
-                f"for each of {', '.join(fields)}, and no others"
+                f"row {row_number} of the table of points (--table) does not have the same keys as row 1: give one "
+                f"value for each of {', '.join(fields)}, and no others"
             )
         points.append(tuple(_parse_value(key, fields[key], row[key]) for key in fields))
     return Points(tuple(fields), tuple(points))
@@ -280,22 +280,22 @@ def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
     UsageError
         The value cannot be converted, or is none of the allowed words.
     """
-    kind, words = field.annotation, _words(field)
+    value_type, words = field.annotation, _words(field)
     text = str(value).strip().strip("\"'")
     try:
-        if kind is float:
+        if value_type is float:
             return float(text)
-        if kind is int and float(text).is_integer():
+        if value_type is int and float(text).is_integer():
             return int(float(text))
-        if kind is bool and text.lower() in ("true", "false"):
+        if value_type is bool and text.lower() in ("true", "false"):
             return text.lower() == "true"
-        if text in words or kind is str:
+        if text in words or value_type is str:
             return text
     except (ValueError, OverflowError):
         pass
     descriptions: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false"}
-    allowed = descriptions.get(kind, ", ".join(words))
-    raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; give {allowed}")
+    allowed_text = descriptions.get(value_type, ", ".join(words))
+    raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; give {allowed_text}")
 
 
 def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -> Array:

@@ -171,8 +171,8 @@ def define_problem(
         figure(objective.key, COMPUTED, reducer)
     parsed_limits = tuple(parse_limit(text, reducer) for text in _as_tuple(limits))
     require_consistent(parsed_limits)
-    requested = parse_links(reducer, follow, vary)
-    links = (*requested, *default_links(reducer, requested, vary))
+    requested_links = parse_links(reducer, follow, vary)
+    links = (*requested_links, *default_links(reducer, requested_links, vary))
     task = Problem(reducer, ranges, choices, objectives, parsed_limits, strict, links)
     if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
@@ -216,7 +216,7 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        figures, rejecting_checks, offset, error = _evaluate_point(task, values)
+        figures, rejecting_checks, offset, error = _compute_violations(task, values)
     violation = offset + sum(rejecting_checks.values()) if rejecting_checks else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
     cells = {
@@ -229,7 +229,9 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
-def _evaluate_point(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
+def _compute_violations(
+    task: Problem, values: Sequence[Value]
+) -> tuple[dict[str, float], dict[str, float], float, str]:
     """Compute objectives and limited quantities at a point of a problem, `task`, and its violations.
 
     `values` are those of the keys of the problem.
@@ -267,9 +269,11 @@ def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
     """
     checks = check(reducer.design) if strict else soundness(reducer)
     failed_checks = [
-        item for item in checks if not item.passed and (strict or item.severity == "error" or item.name in WALLS)
+        failed_check
+        for failed_check in checks
+        if not failed_check.passed and (strict or failed_check.severity == "error" or failed_check.name in WALLS)
     ]
-    return {item.name: _excess(item.value, item.bound) for item in failed_checks}
+    return {failed_check.name: _excess(failed_check.value, failed_check.bound) for failed_check in failed_checks}
 
 
 def _excess(value: float | None, bound: float | None) -> float:

@@ -61,8 +61,8 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
     UsageError
         There is no such quantity, or it is not a number.
     """
-    numbers = sweep.frame.numbers
-    available = [name for name in sweep.quantities if name in numbers]
+    number_columns = sweep.frame.numbers
+    available = [name for name in sweep.quantities if name in number_columns]
     requested = tuple(name if name in available else _catalogue_key(name) for name in requested)
     if unknown := [name for name in requested if name not in available]:
         raise UsageError(
@@ -71,10 +71,12 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
         )
     if requested:
         return requested
-    finite = {name: values for name in available if (values := _finite(numbers[name])).size}
-    varying = [name for name, values in finite.items() if np.ptp(values) > CONSTANT_RTOL * np.abs(values).max()]
-    order = {name: position for position, name in enumerate(HEADLINES)}
-    sorted_names = sorted(varying or available, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
+    finite_columns = {name: values for name in available if (values := _finite(number_columns[name])).size}
+    varying = [name for name, values in finite_columns.items() if np.ptp(values) > CONSTANT_RTOL * np.abs(values).max()]
+    headline_order = {name: position for position, name in enumerate(HEADLINES)}
+    sorted_names = sorted(
+        varying or available, key=lambda name: headline_order.get(name.rpartition(".")[2], len(headline_order))
+    )
     return tuple(sorted_names[:MAX_SHOWN])
 
 
@@ -103,18 +105,20 @@ def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Tabl
     `sweep` has the values of all points. Values that are not finite are left out. The column "points" has the number of
     finite values.
     """
-    numbers = sweep.frame.numbers
+    number_columns = sweep.frame.numbers
     rows = []
     for name in quantities:
-        values = _finite(numbers[name])
+        values = _finite(number_columns[name])
         low, median, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, median, high, str(values.size)))
     tables = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
     if len(number_inputs(sweep)) > 1 and quantities:
         correlations = rank_correlations(sweep, quantities)
-        cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in correlations.rho.tolist())
-        lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
-        tables.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
+        correlation_texts = (
+            ["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in correlations.rho.tolist()
+        )
+        correlation_rows = tuple((name, *row) for name, row in zip(quantities, correlation_texts, strict=True))
+        tables.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), correlation_rows))
     return tuple(tables)
 
 
@@ -129,8 +133,8 @@ def _spearman(values_a: Array, values_b: Array) -> float:
     """
     from scipy.stats import spearmanr
 
-    valid = np.isfinite(values_a) & np.isfinite(values_b)
-    x, y = values_a[valid], values_b[valid]
+    has_both = np.isfinite(values_a) & np.isfinite(values_b)
+    x, y = values_a[has_both], values_b[has_both]
     if len(x) < 3 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
     return float(spearmanr(x, y).statistic)

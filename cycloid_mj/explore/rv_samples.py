@@ -208,8 +208,8 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
 def _rotations_by_pins(reducer: RvReducer, deviations: Mapping[str, Array], samples: int) -> Array:
     """Compute the rotation of the output by position errors of the pins of each sample [rad], shape (samples, m).
 
-    `deviations` are the errors of all samples [m], shape (samples,), by column. m is the number of angles of a
-    `PinErrorEquilibrium`; without errors of pins, it is 0. Those of the nominal reducer are added to a sample.
+    `deviations` are the errors of all samples [m], shape (samples,), by column; the errors of the nominal reducer are
+    added to them. m is the number of angles of a `PinErrorEquilibrium`; it is 0 without errors of pins.
     """
     nominal = reducer.deviations.pin_displacement
     columns = [_columns_of_field(reducer, field) for field in PIN_FIELDS]
@@ -217,9 +217,11 @@ def _rotations_by_pins(reducer: RvReducer, deviations: Mapping[str, Array], samp
         if not nominal.any():
             return np.zeros((samples, 0))
         return np.repeat(pin_equilibrium(reducer).rotation(nominal)[np.newaxis], samples, axis=0)
-    drawn = np.stack([np.stack([deviations[name] for name in names], axis=1) for names in columns], axis=2)
+    drawn_displacements = np.stack(
+        [np.stack([deviations[name] for name in names], axis=1) for names in columns], axis=2
+    )
     equilibrium = pin_equilibrium(reducer)
-    return np.stack([equilibrium.rotation(nominal + displacements) for displacements in drawn])
+    return np.stack([equilibrium.rotation(nominal + displacements) for displacements in drawn_displacements])
 
 
 def _transmission_errors(
@@ -241,13 +243,15 @@ def _transmission_errors(
     pin_rotations
         Rotation by errors of the pins of each sample, as `_rotations_by_pins` returns it.
     """
-    crank, values = closed_form_angles(reducer), []
+    crank_angles, values = closed_form_angles(reducer), []
     for start in range(0, deviations.shape[1], BLOCK):
-        block = deviations[:, start : start + BLOCK].T @ responses + nominal
+        errors = deviations[:, start : start + BLOCK].T @ responses + nominal
         if pin_rotations.size:
             equilibrium = pin_equilibrium(reducer)
-            block += [equilibrium.interpolate(rotation, crank) for rotation in pin_rotations[start : start + BLOCK]]
-        values.append(np.ptp(block, axis=1))
+            errors += [
+                equilibrium.interpolate(rotation, crank_angles) for rotation in pin_rotations[start : start + BLOCK]
+            ]
+        values.append(np.ptp(errors, axis=1))
     return np.concatenate(values)
 
 
@@ -258,13 +262,15 @@ def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[s
     errors [rad] at m angles of a turn, shape (m,). Keys are the name of the field, or for several errors ``bore_x_1``,
     ``bore_x_2`` and so on.
     """
-    length, micrometre = _list_length(reducer, field), 1.0 / MICROMETRES
+    list_length, increment = _list_length(reducer, field), 1.0 / MICROMETRES
     responses = {}
     for position, name in enumerate(_columns_of_field(reducer, field)):
         values = np.array(_errors_of_field(reducer, field))
-        values[position] += micrometre
-        perturbed_reducer = reducer.but(crank_errors={field: tuple(values.tolist()) if length else float(values[0])})
-        responses[name] = (closed_rotation(perturbed_reducer) - nominal) / micrometre
+        values[position] += increment
+        perturbed_reducer = reducer.but(
+            crank_errors={field: tuple(values.tolist()) if list_length else float(values[0])}
+        )
+        responses[name] = (closed_rotation(perturbed_reducer) - nominal) / increment
     return responses
 
 
@@ -275,20 +281,20 @@ def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
 
 
 def _list_length(reducer: RvReducer, field: str) -> int:
-    """Return the length of a list of errors in a design; 0 of a single number.
-
-    `field` is the name of the list.
-    """
+    """Return the number of values in the error field named `field` of a design; 0 if it is a number, not a list."""
     if field in PIN_FIELDS:
         return reducer.design.ring.teeth
     if isinstance(CrankErrors.model_fields[field].default, float):
         return 0
-    of_eccentrics = field.startswith(("eccentric", "bore"))
-    return reducer.cranks.count * (len(reducer.phases) if of_eccentrics else 1)
+    is_per_disc = field.startswith(("eccentric", "bore"))
+    return reducer.cranks.count * (len(reducer.phases) if is_per_disc else 1)
 
 
 def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
-    """Return the errors of a field [m]; an empty list has zeros, or for pins those that the design draws."""
+    """Return the nominal errors of the error field named `field` [m], zeros for an empty list.
+
+    For positions of pins they include the errors that the design itself draws at random.
+    """
     if field in PIN_FIELDS:
         return list(reducer.deviations.pin_displacement[:, PIN_FIELDS.index(field)].tolist())
     values = getattr(reducer.crank_errors, field)

@@ -59,30 +59,30 @@ def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
     """
     design = reducer.design
     tolerance, clearance, ring = design.tolerance, design.clearance, design.ring
-    circle = 2.0 * ring.pin_circle_radius
-    fits = {
-        "mesh": (circle, getattr(clearance, design.tooth_pair)),
+    circle_diameter = 2.0 * ring.pin_circle_radius
+    fitted_pairs = {
+        "mesh": (circle_diameter, getattr(clearance, design.tooth_pair)),
         "seat": (2.0 * ring.pin_radius, design.pin_play),
         "cam": (2.0 * design.gear.bore_radius, clearance.cam),
         "output": (2.0 * design.output.pin_radius, clearance.output),
     }
     sizes = {
-        "pin_position": circle,
+        "pin_position": circle_diameter,
         "pin_radius": 2.0 * ring.pin_radius,
-        "pin_circle": circle,
+        "pin_circle": circle_diameter,
         "hole_position": 2.0 * design.output.pin_circle_radius,
         "eccentricity": 2.0 * design.gear.eccentricity,
-        "disc_size": circle,
+        "disc_size": circle_diameter,
         "cam_position": 2.0 * design.gear.eccentricity,
     }
     zones = {
         key: parse_zone(getattr(tolerance, key), key, size, clearance_of_pair)
-        for key, (size, clearance_of_pair) in fits.items()
+        for key, (size, clearance_of_pair) in fitted_pairs.items()
     }
     zones |= {key: parse_zone(getattr(tolerance, key), key, size) for key, size in sizes.items()}
     if not design.pin_play:
         zones["seat"] = None
-    waves = wave_zones(tolerance.profile, ring.teeth, circle)
+    waves = wave_zones(tolerance.profile, ring.teeth, circle_diameter)
     zones |= {f"{WAVE}{order}": wave for order, wave in waves.items()}
     return {key: zone for key, zone in zones.items() if zone is not None and (zone.width or zone.middle)}
 
@@ -147,12 +147,12 @@ def _draw_uniform_numbers(reducer: Reducer, zones: Mapping[str, Zone], seed: int
     `zones` are the tolerances by key. The random stream depends on seed, tolerance and block of samples
     (`list_batches`) only. To start within a block, the numbers of its earlier samples are drawn as well and dropped.
     """
-    end = batch.first + batch.count
+    drawn_count = batch.first + batch.count
     numbers_by_key = {}
     for key in zones:
         block = batch.number if not batch.compared else SAMPLING.budget_stream + (key in batch.second)
         generator = np.random.default_rng([seed, _stream_of(key), block])
-        numbers = generator.random((end, *_shape_of_draws(reducer, key)))[batch.first :]
+        numbers = generator.random((drawn_count, *_shape_of_draws(reducer, key)))[batch.first :]
         numbers_by_key[key] = np.clip(numbers, SAMPLING.min_probability, 1.0 - SAMPLING.min_probability)
     return numbers_by_key
 
@@ -168,9 +168,9 @@ def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
     """
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
-    shapes = {"pin_position": (pins, 2), "pin_radius": (pins,), "hole_position": (discs, design.output.pins, 2)}
-    shapes |= {"disc_size": (discs,), "cam_position": (discs, 2)}
-    return (2,) if key.startswith(WAVE) else shapes.get(key, ())
+    shape_by_key = {"pin_position": (pins, 2), "pin_radius": (pins,), "hole_position": (discs, design.output.pins, 2)}
+    shape_by_key |= {"disc_size": (discs,), "cam_position": (discs, 2)}
+    return (2,) if key.startswith(WAVE) else shape_by_key.get(key, ())
 
 
 def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str, Array]) -> Samples:
@@ -179,13 +179,15 @@ def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str
     A deviation of the pin circle moves all pins radially by the same distance, in addition to their position errors.
     Waves of the profile are added to those of the same order.
     """
-    fields = {f"{key}_position": f"{key}_displacement" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
-    names = {key: fields.get(key, key) for key in SOURCES if key in deviations and key != "pin_circle"}
-    changes = {name: getattr(nominal, name) + deviations[key] for key, name in names.items()}
+    renamed_fields = {f"{key}_position": f"{key}_displacement" for key in ("pin", "hole", "cam")} | {
+        "disc_size": "disc_radius"
+    }
+    field_by_key = {key: renamed_fields.get(key, key) for key in SOURCES if key in deviations and key != "pin_circle"}
+    changes = {name: getattr(nominal, name) + deviations[key] for key, name in field_by_key.items()}
     if "pin_circle" in deviations:
-        outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
+        radial_directions = profile.unit(profile.pin_angles(reducer.tooth_profile))
         position = changes.get("pin_displacement", nominal.pin_displacement)
-        changes["pin_displacement"] = position + deviations["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+        changes["pin_displacement"] = position + deviations["pin_circle"][:, np.newaxis, np.newaxis] * radial_directions
     if waves := [key for key in deviations if key.startswith(WAVE)]:
         changes["waves"] = np.array(nominal.waves)
         for key in waves:
@@ -248,15 +250,15 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -
     single lobes. `excluded` is the number of samples that do not jam but have a clearance of 0 or less.
     """
     pin_errors = ("pin_position", "pin_radius", "pin_circle") if reducer.design.ring.kind != "pin" else ()
-    lobes = [key for key in pin_errors if key in zones]
-    errors = (
-        f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
+    omitted = [key for key in pin_errors if key in zones]
+    error_text = (
+        f"the design files of the worst samples lack {', '.join(omitted)}: an internal gear's file has no such errors"
     )
-    samples = (
+    sample_text = (
         f"{excluded} samples that do not jam are excluded from the worst: a design file cannot have their clearances "
         "of 0 or less"
     )
-    return (*([errors] if lobes else []), *([samples] if excluded else []))
+    return (*([error_text] if omitted else []), *([sample_text] if excluded else []))
 
 
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
@@ -274,8 +276,8 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
-    none = dict.fromkeys(type(reducer.design.tolerance).model_fields, "")
-    return reducer.but(name=name[:64], clearance=clearance, errors=errors, tolerance=none).design
+    no_tolerances = dict.fromkeys(type(reducer.design.tolerance).model_fields, "")
+    return reducer.but(name=name[:64], clearance=clearance, errors=errors, tolerance=no_tolerances).design
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:

@@ -168,7 +168,7 @@ def search_minimum(
     sigma
         Initial standard deviation of these first searches, relative to the ranges.
     """
-    run = _Run(task, evaluate, cost, budget, seed)
+    run = _SearchRun(task, evaluate, cost, budget, seed)
     remaining = run.select_combination(start_point or task.start, sigma)
     if not task.ranges:
         run.advance(remaining, budget)
@@ -177,7 +177,7 @@ def search_minimum(
     run.restart_locally(starts)
 
 
-class _Run:
+class _SearchRun:
     """The generations of all searches of one call of `search_minimum`, and the best point so far."""
 
     def __init__(self, task: Problem, evaluate: Evaluate, cost: Cost, budget: int, seed: Sequence[int]) -> None:
@@ -210,11 +210,11 @@ class _Run:
         self._used += len(rows)
         scores = iter([rank_score(row, self._cost) for row in rows])
         for search, points in zip(searches, generations, strict=True):
-            batch = [next(scores) for _ in points]
-            search.tell(batch)
-            lowest = min(range(len(batch)), key=batch.__getitem__)
-            if self._best is None or batch[lowest] < self._best[0]:
-                self._best = batch[lowest], points[lowest]
+            batch_scores = [next(scores) for _ in points]
+            search.tell(batch_scores)
+            best_index = min(range(len(batch_scores)), key=batch_scores.__getitem__)
+            if self._best is None or batch_scores[best_index] < self._best[0]:
+                self._best = batch_scores[best_index], points[best_index]
 
     def select_combination(self, start_point: Point, sigma: float) -> list[EvolutionSearch]:
         """Select a combination of discrete values by successive halving; return a list with its search.
@@ -228,10 +228,14 @@ class _Run:
             self._new_search(combination, start, sigma, [number, 0])
             for number, combination in enumerate(self._combinations)
         ]
-        rounds = math.ceil(math.log2(len(remaining))) if len(remaining) > 1 else 0
-        share = CMA.selection_share * self._budget
-        for number in range(rounds):
-            self.advance(remaining, round(share * (number + 1) / rounds), share / rounds / len(remaining))
+        round_count = math.ceil(math.log2(len(remaining))) if len(remaining) > 1 else 0
+        selection_budget = CMA.selection_share * self._budget
+        for number in range(round_count):
+            self.advance(
+                remaining,
+                round(selection_budget * (number + 1) / round_count),
+                selection_budget / round_count / len(remaining),
+            )
             remaining = sorted(remaining, key=lambda search: search.best)[: -(-len(remaining) // 2)]
         return remaining
 
@@ -251,10 +255,10 @@ class _Run:
             self._new_search(search.combination, start, CMA.initial_sigma, [0, 1 + number])
             for number, start in enumerate(random_starts[: starts - 1])
         ]
-        rivals = [search, *random_searches]
+        candidates = [search, *random_searches]
         if random_searches:
-            self.advance(rivals, self._used + round(CMA.selection_share * (self._budget - self._used)))
-        self.advance([min(rivals, key=lambda rival: rival.best)], self._budget)
+            self.advance(candidates, self._used + round(CMA.selection_share * (self._budget - self._used)))
+        self.advance([min(candidates, key=lambda candidate: candidate.best)], self._budget)
 
     def restart_locally(self, starts: int) -> None:
         """Restart CMA-ES at the best point with a small standard deviation, until a restart does not improve the point.
@@ -262,13 +266,13 @@ class _Run:
         Restarts also end with the budget of evaluations. `starts` is the number of searches before; it makes the random
         seeds of the restarts differ from theirs.
         """
-        repeats = 0
-        while self._best is not None and self._used < self._budget and repeats < CMA.max_restarts:
-            repeats += 1
+        restart_count = 0
+        while self._best is not None and self._used < self._budget and restart_count < CMA.max_restarts:
+            restart_count += 1
             score, point = self._best
             ranges = self._task.ranges
             search = self._new_search(
-                point[len(ranges) :], positions_in_ranges(ranges, point), CMA.local_sigma, [0, starts + repeats]
+                point[len(ranges) :], positions_in_ranges(ranges, point), CMA.local_sigma, [0, starts + restart_count]
             )
             self.advance([search], self._budget)
             if self._best[0] >= score:

@@ -163,9 +163,9 @@ class Tolerances(Tabular):
         """
         count, good_share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
-        middle = (good_share + 0.5 * weight) / (1.0 + weight)
+        centre = (good_share + 0.5 * weight) / (1.0 + weight)
         half_width = math.sqrt(weight * good_share * (1.0 - good_share) + 0.25 * weight**2) / (1.0 + weight)
-        return max(middle - half_width, 0.0), min(middle + half_width, 1.0)
+        return max(centre - half_width, 0.0), min(centre + half_width, 1.0)
 
     @property
     def words(self) -> str:
@@ -210,9 +210,9 @@ class Tolerances(Tabular):
         pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in compute_preload_shares(self.figures).items())
         closed_form = (rv_samples.FIGURE,)
         computed_alone = [key for key in self.figures if figure(key).sampled is None and key not in closed_form]
-        usable = int(np.sum(~self.jams))
+        usable_count = int(np.sum(~self.jams))
         return (
-            *([] if usable > 1 else [f"no distributions: {usable} of {self.samples} samples do not jam"]),
+            *([] if usable_count > 1 else [f"no distributions: {usable_count} of {self.samples} samples do not jam"]),
             *self._budget_notes(),
             *([f"pressed without a load: {pairs}"] if pairs else []),
             *(
@@ -403,10 +403,10 @@ def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Seque
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
-    if other := [limit.key for limit in parsed_limits if limit.key != rv_samples.FIGURE]:
+    if unsupported_keys := [limit.key for limit in parsed_limits if limit.key != rv_samples.FIGURE]:
         raise UsageError(
-            f"--limit {other[0]}: this quantity is not computed for samples of an RV reducer. Use --limit with "
-            f"{rv_samples.FIGURE} instead"
+            f"--limit {unsupported_keys[0]}: this quantity is not computed for samples of an RV reducer. Use --limit "
+            f"with {rv_samples.FIGURE} instead"
         )
     drawn_samples = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(
@@ -480,15 +480,15 @@ def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: En
     the finished simulations if Ctrl-C is pressed.
     """
     checks: dict[int, DynamicsCheck] = {}
-    drives = [reducer_of(worst) for worst in tolerances.worst[:count]]
-    stop = None
+    worst_reducers = [reducer_of(worst) for worst in tolerances.worst[:count]]
+    interruption = None
     try:
-        checks.update(engine.stream(partial(verify_design, solver=solver), drives))
+        checks.update(engine.stream(partial(verify_design, solver=solver), worst_reducers))
     except KeyboardInterrupt as interrupt:
-        stop = interrupt
+        interruption = interrupt
     verified = replace(tolerances, verified=tuple(check for _, check in sorted(checks.items())))
-    if stop:
-        raise StudyInterrupted(stop, verified) from stop
+    if interruption:
+        raise StudyInterrupted(interruption, verified) from interruption
     return verified
 
 
@@ -575,9 +575,9 @@ class _Study:
         `values` has the quantity of the error budget and `eligible` whether a sample may be selected, shape (samples,)
         each. The largest values are the worst, unless the first limit is a lower bound.
         """
-        sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
-        ranked = np.argsort(-sense * values, kind="stable")
-        numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
+        sign = 1.0 if not self.limits or self.limits[0].at_most else -1.0
+        ranked_numbers = np.argsort(-sign * values, kind="stable")
+        numbers = ranked_numbers[eligible[ranked_numbers]][:MAX_WORST].tolist()
         return tuple(sampling.sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
 
     def _error_budget(

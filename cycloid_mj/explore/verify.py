@@ -63,9 +63,11 @@ def _compute_rv_statics(reducer: Reducer) -> dict[str, float]:
     count = ANGLES_PER_TOOTH * reducer.design.ring.teeth
     angles = float(np.sign(reducer.speed_against_ring)) * np.linspace(0.0, reducer.mesh_turn, count, endpoint=False)
     torque = torque_on_carrier(reducer, reducer.design.rated_torque)
-    loaded = reducer.but(load={"torque": reducer.design.rated_torque})
+    loaded_reducer = reducer.but(load={"torque": reducer.design.rated_torque})
     loads = solve_rv_loads(
-        compute_rv_springs(loaded, angles), torque, running_friction(loaded, angles, float(np.sign(torque)))
+        compute_rv_springs(loaded_reducer, angles),
+        torque,
+        running_friction(loaded_reducer, angles, float(np.sign(torque))),
     )
     rotation = output_rotation(reducer, loads.carrier_turn)
     forces = dict(zip(_RV_FORCES, (float(loads.pins.max()), float(loads.bearings.max())), strict=True))

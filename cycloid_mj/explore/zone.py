@@ -107,16 +107,16 @@ def wave_zones(text: str, highest_order: int, size: float) -> dict[int, Zone]:
     """
     zones: dict[int, Zone] = {}
     for part in filter(str.strip, text.split(",")):
-        order, colon, zone_text = part.partition(":")
-        number = int(order) if order.strip().isdecimal() else 0
-        if not colon or not 1 <= number <= highest_order or number in zones:
+        order_text, colon, zone_text = part.partition(":")
+        order_number = int(order_text) if order_text.strip().isdecimal() else 0
+        if not colon or not 1 <= order_number <= highest_order or order_number in zones:
             raise DesignError(
                 f"tolerance.profile = {text!r}: {part.strip()!r} is not valid. Write ORDER: TOLERANCE in um for each "
                 f"harmonic of the profile, with orders from 1 to {highest_order}, each once, as in "
                 f'"2: normal 1, {highest_order - 1}: uniform 2"'
             )
         if zone := parse_zone(zone_text, "profile", size):
-            zones[number] = zone
+            zones[order_number] = zone
     return zones
 
 
