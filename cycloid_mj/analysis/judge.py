@@ -101,7 +101,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         q_speed=_velocity(motion.q_velocity, motion.evaluation_mask),
         transmission_error=output,
         contact_summary=contacts,
-        crank_bearings=_crank_bearings(motion),
+        crank_bearings=_summarize_crank_bearings(motion),
         pin1=_pin_1(motion),
         q_speed_magnitude=_velocity(motion.q_velocity.size, motion.evaluation_mask),
         q_acceleration=_compare_accelerations(motion, motion.evaluation_mask),
@@ -185,7 +185,9 @@ def _compare_accelerations(motion: Series, mask: Mask) -> AccelerationFindings |
     if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:
         return None
     duration = np.diff(motion.time)
-    angle, speed = ((values[1:] + values[:-1]) / 2 for values in (motion.crank_angle, motion.orbit_speed))
+    angle, speed = (
+        (series_values[1:] + series_values[:-1]) / 2 for series_values in (motion.crank_angle, motion.orbit_speed)
+    )
     crank_acceleration = np.diff(motion.orbit_speed) / duration
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / duration[:, np.newaxis]
@@ -212,7 +214,7 @@ def _summarize_contacts(motion: Series) -> ContactSummary:
     )
 
 
-def _crank_bearings(motion: Series) -> CrankBearings | None:
+def _summarize_crank_bearings(motion: Series) -> CrankBearings | None:
     """Return the largest force of any crank on a disc of an RV reducer, and the largest of their mean forces [N].
 
     The mean force of a crank is the equivalent load of a roller bearing (exponent 10/3) over full periods. Return None
@@ -247,12 +249,12 @@ def _mean_powers(motion: Series) -> Power:
     the load, and negative if the load drives the motor. Torques have the sign of the log: positive counter-clockwise.
     The ideal input torque balances the load torque without losses. `motion` are the time series of the run.
     """
-    run, driven = motion.run, motion.run.driven_shaft
+    run, driven_shaft = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)
     return Power(
-        input_w=_mean(run[f"{driven}_torque"] * run[f"{driven}_speed"], motion),
+        input_w=_mean(run[f"{driven_shaft}_torque"] * run[f"{driven_shaft}_speed"], motion),
         output_w=_mean(-run["load_torque"] * run["output_speed"], motion),
-        crank_torque_nm=_mean(run[f"{driven}_torque"], motion),
+        crank_torque_nm=_mean(run[f"{driven_shaft}_torque"], motion),
         ideal_crank_torque_nm=-load_torque / motion.design.ratio,
         load_torque_nm=load_torque,
     )

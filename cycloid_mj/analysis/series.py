@@ -207,12 +207,12 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     design = design_of(run)
     reducer = reducer_of(design)
     has_moving_pins = design.ring.has_pin_bodies
-    planar = [name for gear in names.gears(design.gear.discs) for name in _disc_columns(gear)]
+    disc_columns = [name for gear in names.gears(design.gear.discs) for name in _disc_columns(gear)]
     driven_angle, driven_speed, driven_torque = (
         names.column(reducer.INPUT, quantity) for quantity in ("angle", "speed", "torque")
     )
-    needed = (driven_angle, driven_speed, driven_torque, *MOTION, *planar)
-    run = _cut_before_invalid(run, (*needed, *PIN_1) if has_moving_pins else needed)
+    required_columns = (driven_angle, driven_speed, driven_torque, *MOTION, *disc_columns)
+    run = _cut_before_invalid(run, (*required_columns, *PIN_1) if has_moving_pins else required_columns)
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
             f"{run.label} has {len(run)} usable samples; the analysis needs at least {window.WINDOW.min_samples}. "
@@ -328,8 +328,8 @@ def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
             f"{', '.join(missing)}. Run `cycloid-mj simulate` again to write a complete log"
         )
     is_valid = np.ones(len(run), dtype=np.bool_)
-    for values in run.columns.values():
-        is_valid &= np.abs(values) <= LARGEST
+    for column_values in run.columns.values():
+        is_valid &= np.abs(column_values) <= LARGEST
     if is_valid.all():
         return run
     first_invalid = int(np.argmin(is_valid))

@@ -167,15 +167,15 @@ def tapered_orders(
         Orders and amplitudes. None if there are fewer than 2 ``SPECTRUM.reach`` values, if they cover less than a
         cycle, or if the crank reverses or stops.
     """
-    swept = cycles_per_turn * np.abs(angle - angle[0]) / (2.0 * np.pi)
-    if len(swept) < 2 * SPECTRUM.reach or (np.diff(swept) <= 0.0).any():
+    swept_cycles = cycles_per_turn * np.abs(angle - angle[0]) / (2.0 * np.pi)
+    if len(swept_cycles) < 2 * SPECTRUM.reach or (np.diff(swept_cycles) <= 0.0).any():
         return None
-    sampled_angle = float(swept[-1]) * len(swept) / (len(swept) - 1)
+    sampled_angle = float(swept_cycles[-1]) * len(swept_cycles) / (len(swept_cycles) - 1)
     cycles = int(sampled_angle + SPECTRUM.missing_cycle_share)
     if cycles < 1:
         return None
-    points = int(np.ceil(cycles / sampled_angle * len(swept)))
-    sample_numbers = _invert_samples(swept, cycles * np.arange(points) / points)
+    points = int(np.ceil(cycles / sampled_angle * len(swept_cycles)))
+    sample_numbers = _invert_samples(swept_cycles, cycles * np.arange(points) / points)
     even_samples = between_samples(values, sample_numbers)
     window = np.hanning(points + 1)[:-1]
     amplitude = (
@@ -184,7 +184,7 @@ def tapered_orders(
         / np.sum(window)
     )
     order = cycles_per_turn * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
-    highest = min(max_order, SPECTRUM.band * cycles_per_turn * len(swept) / sampled_angle)
+    highest = min(max_order, SPECTRUM.band * cycles_per_turn * len(swept_cycles) / sampled_angle)
     is_kept = (order > 0.0) & (order <= highest)
     band = SPECTRUM.min_cycles * cycles_per_turn / cycles, highest
     return Orders(
@@ -201,12 +201,13 @@ def _invert_samples(increasing: Array, targets: Array) -> Array:
     first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]
     sample_numbers = np.zeros(len(targets))
-    for k in range(4):
-        other_nodes = [node for node in range(4) if node != k]
+    for node_index in range(4):
+        other_nodes = [node for node in range(4) if node != node_index]
         weight = np.prod(
-            [(targets - node_values[node]) / (node_values[k] - node_values[node]) for node in other_nodes], axis=0
+            [(targets - node_values[node]) / (node_values[node_index] - node_values[node]) for node in other_nodes],
+            axis=0,
         )
-        sample_numbers += weight * (first_index + k)
+        sample_numbers += weight * (first_index + node_index)
     return sample_numbers
 
 

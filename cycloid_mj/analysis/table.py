@@ -52,7 +52,7 @@ def groups(findings: Findings) -> list[RowGroup]:
     disc_clause = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
     details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{disc_clause}"}
     row_groups = [
-        RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows_by_group, strict=True)
+        RowGroup(name, tuple(rows), details.get(name, "")) for name, rows in zip(GROUPS, rows_by_group, strict=True)
     ]
     return [group for group in row_groups if group.rows]
 
@@ -123,9 +123,11 @@ def _torque_rows(findings: Findings) -> Iterator[FigureRow]:
     """
     power = findings.power
     yield _format_row("load torque, mean", "N m", power.load_torque_nm)
-    driven = findings.driven_shaft
-    yield _format_row(f"{driven} torque, mean", "N m", power.crank_torque_nm)
-    yield _format_row(f"{driven} torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
+    driven_shaft = findings.driven_shaft
+    yield _format_row(f"{driven_shaft} torque, mean", "N m", power.crank_torque_nm)
+    yield _format_row(
+        f"{driven_shaft} torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm
+    )
     for loss in findings.losses:
         pair = loss.pair.replace("_", "-")
         yield _format_row(f"loss by friction, {pair}", "W", loss.friction_w)

@@ -53,8 +53,8 @@ def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterat
 
     They report that the run is incomplete, the note of a complete run, a run that ended before constant speed, less
     than a crank turn in the evaluated `window`, and a large deflection in `contacts`. `motion` are the signals of the
-    run. The limit of the deflection is half of
-    that at which a run stops with an error. The warnings of `run_warnings` are included.
+    run. The limit of the deflection is half of that at which a run stops with an error. The warnings of `run_warnings`
+    are included.
     """
     run = motion.run
     if not run.complete:
@@ -173,11 +173,11 @@ def _open_balance_warning(missing_power: float, total_power: float, speed: float
     `missing_power` [W] is stated as a share of `total_power` [W]. `speed` is the crank speed [rad/s]. `is_idle` is true
     if the output power is negligible. `remedy` is the end of the warning.
     """
-    figures = "powers and losses" if is_idle else "powers, losses and efficiency"
-    whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"
+    affected_results = "powers and losses" if is_idle else "powers, losses and efficiency"
+    conditions = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"
     return (
-        f"power balance{whose}: {missing_power:.3g} W are missing, {abs(missing_power) / total_power:.2%} of "
-        f"{total_power:.4g} W; {figures} have an error of this size; {remedy}"
+        f"power balance{conditions}: {missing_power:.3g} W are missing, {abs(missing_power) / total_power:.2%} of "
+        f"{total_power:.4g} W; {affected_results} have an error of this size; {remedy}"
     )
 
 

@@ -83,8 +83,8 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
             f"settle = {settle} s (the settling time of the run) is out of range: give a time of at least 0 s, or omit "
             "it to use the estimated settling time"
         )
-    start = ramp + min(settle, (time[-1] - ramp) / 2)
-    return ~in_ramp(reducer, time) & (time >= start - WINDOW.time_rtol * max(ramp, time[-1]))
+    start_time = ramp + min(settle, (time[-1] - ramp) / 2)
+    return ~in_ramp(reducer, time) & (time >= start_time - WINDOW.time_rtol * max(ramp, time[-1]))
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
@@ -113,7 +113,9 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
     turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + WINDOW.period_tolerance)
     # samples may fall on the ends of a turn, which the servo of the drive misses by about 1e-8 of a turn
     starts = np.searchsorted(swept_turns, np.arange(turns + 1) - WINDOW.period_tolerance / (2 * np.pi))
-    return [slice(int(start), int(stop)) for start, stop in pairwise(starts)] or [slice(0, swept_turns.size)]
+    return [slice(int(first_sample), int(end_sample)) for first_sample, end_sample in pairwise(starts)] or [
+        slice(0, swept_turns.size)
+    ]
 
 
 def one_turn(crank_angle: Array) -> slice:
@@ -123,10 +125,10 @@ def one_turn(crank_angle: Array) -> slice:
     `crank_angle` (n,) [rad] does not change its sign, and its magnitude increases.
     """
     turns = np.abs(crank_angle) / (2 * np.pi)
-    for start in (np.ceil(turns[0] - 1e-6), turns[0]):
-        first, last = np.searchsorted(turns, [start - 1e-6, start + 1 + 1e-6])
-        if last < turns.size:
-            return slice(int(first), int(last))
+    for first_turn in (np.ceil(turns[0] - 1e-6), turns[0]):
+        first_sample, end_sample = np.searchsorted(turns, [first_turn - 1e-6, first_turn + 1 + 1e-6])
+        if end_sample < turns.size:
+            return slice(int(first_sample), int(end_sample))
     return slice(0, turns.size)
 
 

@@ -90,8 +90,8 @@ class Comparison(Presented):
             "differences": self.differences,
             "runs": [_run_json(trial) for trial in self.trials],
             "sensitivity": [
-                to_json_values(item) | {"changes": item.changes, "determined": item.is_determined}
-                for item in self.sensitivity
+                to_json_values(sensitivity) | {"changes": sensitivity.changes, "determined": sensitivity.is_determined}
+                for sensitivity in self.sensitivity
             ],
         }
         return dict(to_json_values(content))
@@ -125,7 +125,9 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
     designs = comparable([trial.design for trial in trials])
     loads = sorted({trial.load for trial in trials})
     ordered_trials = tuple(
-        next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs
+        next(trial for trial in trials if (trial.name, trial.load) == (name, load))
+        for load in loads
+        for name in designs
     )
     return Comparison(
         designs=tuple(designs),
@@ -217,10 +219,10 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 
 
 def _run_json(trial: Trial) -> dict[str, Any]:
-    """Convert the simulations of a design to JSON values: measures of the first start, and spreads over all starts.
+    """Convert the runs of a design under a load, a `trial`, to JSON values: measures, and spreads over all starts.
 
-    The spreads are those of unloaded runs. A start is a run of the same design with gravity in another direction. A
-    spread is omitted if no start has a value of the quantity.
+    A start is a run of the same design with gravity in another direction. The measures are those of the first start.
+    Spreads are included only for runs without load, and only for quantities that have a value.
     """
     spreads = [
         {"quantity": quantity, "unit": unit, **spread.as_json()}

@@ -76,7 +76,7 @@ def _fluctuation_errors(motion: Series) -> Fluctuation:
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)
-    turns_in_selection = [slice(part.start - rows.start, part.stop - rows.start) for part in turns]
+    turns_in_selection = [slice(turn.start - rows.start, turn.stop - rows.start) for turn in turns]
     angle = motion.crank_angle[rows]
     ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (

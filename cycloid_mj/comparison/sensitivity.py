@@ -88,11 +88,11 @@ def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> T
     in %. A cell is "not determined" where `Sensitivity.is_determined` is False. `condition` is part of the title. If a
     design has several loads, its column has the changes under the last.
     """
-    assumptions = " and ".join(item.words for item in ASSUMPTIONS)
-    designs = list(dict.fromkeys(item.design for item in sensitivities))
+    assumptions = " and ".join(entry.words for entry in ASSUMPTIONS)
+    designs = list(dict.fromkeys(entry.design for entry in sensitivities))
     rows = []
-    for quantity in dict.fromkeys(item.quantity for item in sensitivities):
-        by_design = {item.design: item for item in sensitivities if item.quantity == quantity}
+    for quantity in dict.fromkeys(entry.quantity for entry in sensitivities):
+        by_design = {entry.design: entry for entry in sensitivities if entry.quantity == quantity}
         rows.append((quantity, *(_words(by_design[name]) if name in by_design else "" for name in designs)))
     return Table(f"{condition}: change with {assumptions}", ("quantity", *designs), tuple(rows))
 

@@ -73,8 +73,8 @@ def acceleration(motion: Series) -> Acceleration:
     """
     run, reducer = motion.run, motion.reducer
     angle, speed = (reducer.member.crank_angle(run[f"{reducer.INPUT}_{quantity}"]) for quantity in ("angle", "speed"))
-    theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle + reducer.phases[motion.disc], speed)
-    velocity_error = run.block(planar_speeds(motion.gear)[:2]) - theory
+    ideal_velocity = kinematics.gear_centre_velocity(reducer.tooth_profile, angle + reducer.phases[motion.disc], speed)
+    velocity_error = run.block(planar_speeds(motion.gear)[:2]) - ideal_velocity
     interval = np.diff(motion.time)
     return Acceleration(
         np.diff(velocity_error, axis=0) / interval[:, np.newaxis], np.diff(motion.output_speed.error) / interval
@@ -130,6 +130,8 @@ def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
         lower_limit, upper_limit = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
         if lower_limit >= resolution and upper_limit <= spectrum.frequency[-1]:
             in_band = (spectrum.frequency >= lower_limit) & (spectrum.frequency < upper_limit)
-            centre, output = (np.sqrt(resolution * part[in_band].sum()) for part in (spectrum.centre, spectrum.output))
+            centre, output = (
+                np.sqrt(resolution * density[in_band].sum()) for density in (spectrum.centre, spectrum.output)
+            )
             bands.append(OctaveBand(float(centre_frequency), float(centre), float(output)))
     return tuple(bands)

@@ -246,7 +246,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
         arm = design.gear.eccentricity * design.ring.teeth
         by_ring = design.gear.discs * arm**2 / ring_inertia
         mobility[design.tooth_pair] = (1.0 / gear + by_ring) * design.ring.teeth / 2.0
-    return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
+    return {kind: 1.0 / mobility_of_kind for kind, mobility_of_kind in mobility.items()}
 
 
 def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
@@ -259,12 +259,12 @@ def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
     """
     count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
     disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
-    turning = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * by_carrier)
+    rotation_mobility = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * by_carrier)
     sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
-    sideways = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
-    by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways)
+    sideways_mobility = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
+    by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways_mobility)
     return {
-        names.CRANK_BEARING: count * max(1.0 / disc.mass, float(turning)),
+        names.CRANK_BEARING: count * max(1.0 / disc.mass, float(rotation_mobility)),
         names.PLANET_MESH: by_sun + mesh.planet_base**2 / float(crank.inertia[2, 2]),
     }
 

@@ -308,12 +308,16 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     require_envelope(gear)
     zeta = profile.pin_angles(gear)
     contacts = []
-    for low, high in _monotone_intervals(gear):
-        ends = Sigma(gear, [low, high]).crank_angle_cw
-        contact_phase = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
-        lobe = np.flatnonzero(contact_phase < ends.max())
+    for min_phase, max_phase in _monotone_intervals(gear):
+        end_angles = Sigma(gear, [min_phase, max_phase]).crank_angle_cw
+        contact_phase = end_angles.min() + np.mod(-crank_angle - zeta - end_angles.min(), 2 * np.pi)
+        lobe = np.flatnonzero(contact_phase < end_angles.max())
         B = profile.solve_monotone(
-            lambda B: Sigma(gear, B).crank_angle_cw, lambda B: Sigma(gear, B).crank_rate, contact_phase[lobe], low, high
+            lambda B: Sigma(gear, B).crank_angle_cw,
+            lambda B: Sigma(gear, B).crank_rate,
+            contact_phase[lobe],
+            min_phase,
+            max_phase,
         )
         contacts.append((lobe, B))
     lobe, B = (np.concatenate(column) for column in zip(*contacts, strict=True))
@@ -369,7 +373,7 @@ def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingO
     Arc lengths are positive clockwise. `lobe` (n,) are the n indices of the lobes, 0 on +y, clockwise.
     """
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
-    distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)
+    distance, sign = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)
     # Lobes are alike: each distance is solved once.
     unique_distances, unique_index = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
@@ -386,9 +390,9 @@ def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingO
     half_lobe_angle = np.where(is_on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
-        normals=-unit(zeta + side * half_lobe_angle),
-        points=_rotate(half_lobe_points * np.stack([side, np.ones_like(side)], axis=1), zeta),
+        normals=-unit(zeta + sign * half_lobe_angle),
+        points=_rotate(half_lobe_points * np.stack([sign, np.ones_like(sign)], axis=1), zeta),
         curvature=np.where(is_on_arc, 1 / rho, -1 / flank.radius),
-        part=np.where(is_on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
+        part=np.where(is_on_arc, "arc", np.where(sign < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + arc_lengths,
     )

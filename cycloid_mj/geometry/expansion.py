@@ -128,28 +128,30 @@ def _expand_rv(design: Design) -> Design:
     ring, cranks, errors = design.ring, design.cranks, design.crank_errors
     disc_strain, crank_strain = strain(design, "gear"), strain(design, "shaft")
     eccentricity, shape = design.gear.eccentricity, (design.gear.discs, cranks.count)
-    warm, cold = warm_clearances(design), design.clearance
-    closing = sum(getattr(cold, pair) - clearance for pair, clearance in warm.items())
+    warm_clearance, cold_clearance = warm_clearances(design), design.clearance
+    lost_clearance = sum(getattr(cold_clearance, pair) - clearance for pair, clearance in warm_clearance.items())
     generating_radius = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc_strain)
     inner_radius = cranks.eccentric_radius + 2.0 * cranks.needle_radius
     bore_radius = inner_radius + cranks.needle_clearance
-    circle = cranks.radius or 0.5 * design.planet.module * (design.planet.sun_teeth + design.planet.planet_teeth)
-    crank_axes = circle * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
+    crank_circle_radius = cranks.radius or 0.5 * design.planet.module * (
+        design.planet.sun_teeth + design.planet.planet_teeth
+    )
+    crank_axes = crank_circle_radius * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
     outward = np.broadcast_to((disc_strain - strain(design, "output")) * crank_axes, (*shape, 2)).reshape(-1, 2)
 
-    def add_to_errors(values: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
+    def add_to_errors(errors_of_parts: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
         """Add a change [m] to a list of errors [m] of all eccentrics; an empty list counts as zeros."""
         size = shape[0] * shape[1]
-        return tuple((np.array(values or (0.0,) * size) + change).tolist())
+        return tuple((np.array(errors_of_parts or (0.0,) * size) + change).tolist())
 
     return design.but(
         modification={
             "pin_circle": generating_radius - ring.pin_circle_radius,
-            "equidistant": design.modification.equidistant - closing,
+            "equidistant": design.modification.equidistant - lost_clearance,
         },
         gear={"eccentricity": eccentricity * (1.0 + disc_strain)},
         cranks={
-            "radius": circle,
+            "radius": crank_circle_radius,
             "needle_clearance": cranks.needle_clearance + bore_radius * disc_strain - inner_radius * crank_strain,
         },
         crank_errors={
@@ -176,7 +178,7 @@ def warm_material(design: Design, part: str) -> Material:
     if curve is None or temperature == REFERENCE_TEMPERATURE:
         return material
     modulus, strength = (
-        float(np.interp(temperature, curve.temperatures, values)) for values in (curve.modulus, curve.strength)
+        float(np.interp(temperature, curve.temperatures, factors)) for factors in (curve.modulus, curve.strength)
     )
     warm_values = {"youngs_modulus": modulus * material.youngs_modulus}
     for name in ("tensile_strength", "yield_strength", "surface_yield", "endurance_pressure"):

@@ -91,8 +91,8 @@ def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_ang
     [rad] are counter-clockwise.
     """
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
-    arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))
-    gear_normals = -np.concatenate([part.normals for part in contacts])
+    arms = profile.moment_arm(gear, np.concatenate([contacts_of_surface.B for contacts_of_surface in contacts]))
+    gear_normals = -np.concatenate([contacts_of_surface.normals for contacts_of_surface in contacts])
     return _equilibrate_gear(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
 
 
@@ -175,15 +175,15 @@ def hertz_line_contact(
     DesignError
         If a force is negative, or a length, curvature or modulus is not positive.
     """
-    force, length, kappa = (np.asarray(values, float) for values in (force, length, relative_curvature))
+    force, length, kappa = (np.asarray(array, float) for array in (force, length, relative_curvature))
     inputs = {
         "force": (force, "N"),
         "length": (length, "m"),
         "relative curvature": (kappa, "1/m"),
         "modulus": (modulus, "Pa"),
     }
-    for name, (values, unit) in inputs.items():
-        smallest = float(np.asarray(values).min())
+    for name, (array, unit) in inputs.items():
+        smallest = float(np.asarray(array).min())
         if not (smallest > 0.0 or (name == "force" and smallest == 0.0)):
             raise DesignError(
                 f"{name} = {smallest:.4g} {unit} is not valid for a Hertz line contact: a force must be at least 0, "
@@ -253,17 +253,17 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     """
     from scipy.optimize import brentq
 
-    bed = modulus * length
+    bed_stiffness = modulus * length
 
     def excess_force(depth: float) -> float:
         """Compute the force of the bed at a deflection `depth` [m] minus the load [N]."""
-        x = play + depth
-        half_angle = math.acos(play / x)
+        displacement = play + depth
+        half_angle = math.acos(play / displacement)
         sine, cosine = math.sin(half_angle), math.cos(half_angle)
-        return bed * (x * (half_angle + sine * cosine) - 2 * play * sine) - force
+        return bed_stiffness * (displacement * (half_angle + sine * cosine) - 2 * play * sine) - force
 
     # The bed is at least as stiff as the last bracket's end: the force grows without bound.
-    max_deflection = 2 * force / (math.pi * bed)
+    max_deflection = 2 * force / (math.pi * bed_stiffness)
     while excess_force(max_deflection) < 0:
         max_deflection *= 2
     return float(force / brentq(excess_force, max_deflection * 1e-9, max_deflection, xtol=1e-18, rtol=1e-12))

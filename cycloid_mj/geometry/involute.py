@@ -145,11 +145,11 @@ class InvoluteGear:
         `corner` (n,) [m] is the position of the corner's centre along the rack, from the pitch point: 0 at the root
         circle, `last_corner` at the involute. The contact normal of rack and gear passes through the pitch point.
         """
-        s = np.asarray(corner, dtype=np.float64)
-        h, r = self.corner_depth, self.reference_radius
-        distance = np.hypot(s, h)
-        stretch = 1.0 + self.module * CORNER_RADIUS / distance
-        return _rotate(s * stretch, r - h * stretch, (s - self.corner_offset) / r)
+        position = np.asarray(corner, dtype=np.float64)
+        depth, radius = self.corner_depth, self.reference_radius
+        distance = np.hypot(position, depth)
+        scale = 1.0 + self.module * CORNER_RADIUS / distance
+        return _rotate(position * scale, radius - depth * scale, (position - self.corner_offset) / radius)
 
     def fillet_tangents(self, corner: npt.ArrayLike) -> Array:
         """Compute unit tangents (n, 2) of the fillet towards the involute, at positions (n,) [m] as in `fillet`."""
@@ -163,10 +163,14 @@ class InvoluteGear:
 
         `corner` [m] are positions of the centre of the rack's corner along the rack, from the pitch point.
         """
-        s = np.asarray(corner, dtype=np.float64)
-        h, r = self.corner_depth, self.reference_radius
-        centre = (s * np.hypot(s, h) + h * h * np.arcsinh(s / h)) / (2.0 * r)
-        return np.asarray(centre + self.module * CORNER_RADIUS * (s / r + np.arctan(s / h)))
+        position = np.asarray(corner, dtype=np.float64)
+        depth, radius = self.corner_depth, self.reference_radius
+        centre_length = (position * np.hypot(position, depth) + depth * depth * np.arcsinh(position / depth)) / (
+            2.0 * radius
+        )
+        return np.asarray(
+            centre_length + self.module * CORNER_RADIUS * (position / radius + np.arctan(position / depth))
+        )
 
     def fillet_curvature(self, corner: npt.ArrayLike) -> Array:
         """Compute the curvature of the fillet [1/m], positive, at positions [m] as in `fillet`."""
@@ -291,20 +295,22 @@ def contact_path(pair: tuple[InvoluteGear, InvoluteGear], centre_distance: float
     The path is limited by the tips and by the base circles. It is divided at the pitch point and where the number of
     tooth pairs in contact changes; each part has `PATH_NODES` nodes.
     """
-    bases = [gear.base_radius for gear in pair]
-    tangent = math.tan(math.acos(min(1.0, sum(bases) / centre_distance)))
-    tangents = bases[0] * tangent, bases[1] * tangent
+    base_radii = [gear.base_radius for gear in pair]
+    tangent = math.tan(math.acos(min(1.0, sum(base_radii) / centre_distance)))
+    tangents = base_radii[0] * tangent, base_radii[1] * tangent
     recess, approach = (
         min(gear.base_radius * gear.last_roll - tangent, mate_tangent)
         for gear, tangent, mate_tangent in zip(pair, tangents, reversed(tangents), strict=True)
     )
-    pitch = 2.0 * math.pi * bases[0] / pair[0].teeth
-    inner = (point for point in (-approach + pitch, recess - pitch, 0.0) if -approach < point < recess)
-    ends = np.array(sorted({-approach, recess, *inner}))
+    base_pitch = 2.0 * math.pi * base_radii[0] / pair[0].teeth
+    division_points = (
+        point for point in (-approach + base_pitch, recess - base_pitch, 0.0) if -approach < point < recess
+    )
+    edges = np.array(sorted({-approach, recess, *division_points}))
     nodes, weights = np.polynomial.legendre.leggauss(PATH_NODES)
-    half_length, middle = 0.5 * np.diff(ends)[:, np.newaxis], 0.5 * (ends[1:] + ends[:-1])[:, np.newaxis]
+    half_length, middle = 0.5 * np.diff(edges)[:, np.newaxis], 0.5 * (edges[1:] + edges[:-1])[:, np.newaxis]
     distance = np.ravel(middle + half_length * nodes)
-    has_second_pair = (distance - pitch > -approach) | (distance + pitch < recess)
+    has_second_pair = (distance - base_pitch > -approach) | (distance + base_pitch < recess)
     return ContactPath(tangents, distance, np.where(has_second_pair, 0.5, 1.0), np.ravel(half_length * weights))
 
 

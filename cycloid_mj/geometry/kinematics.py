@@ -170,8 +170,8 @@ def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, A
         Position [m] and velocity [m/s], shape (n, 2) each.
     """
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
-    return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + spin * np.stack([-y, x], axis=1)
+    x, y, angular_speed = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
+    return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + angular_speed * np.stack([-y, x], axis=1)
 
 
 def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
@@ -202,10 +202,12 @@ def point_acceleration(
     """
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)
-    turn = N * np.asarray(crank_angle, float) / (N - 1)
+    n_zeta = N * np.asarray(crank_angle, float) / (N - 1)
     zeta_dot, zeta_ddot = np.asarray(crank_speed, float) / (N - 1), np.asarray(crank_acceleration, float) / (N - 1)
-    turn_term = c**2 * (N - 1) ** 4 + q_x**2 + q_y**2 + 2 * c * (N - 1) ** 2 * (q_y * np.cos(turn) - q_x * np.sin(turn))
-    mixed_term = c * N * (N - 1) * (q_x * np.cos(turn) + q_y * np.sin(turn))
+    turn_term = (
+        c**2 * (N - 1) ** 4 + q_x**2 + q_y**2 + 2 * c * (N - 1) ** 2 * (q_y * np.cos(n_zeta) - q_x * np.sin(n_zeta))
+    )
+    mixed_term = c * N * (N - 1) * (q_x * np.cos(n_zeta) + q_y * np.sin(n_zeta))
     squared_slope = _slope_squared(gear, q, crank_angle)
     return np.sqrt(turn_term * zeta_dot**4 + 2 * mixed_term * zeta_dot**2 * zeta_ddot + squared_slope * zeta_ddot**2)
 

@@ -290,6 +290,6 @@ def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> A
         offset_vectors = points - profile.outline(gear, t, offset)
         normals, rate = profile.normals(gear, t), profile.arc_rate(gear, t, offset)
         tangents = np.stack([normals[:, 1], -normals[:, 0]], axis=1)
-        straight = 1.0 + profile.curvature(gear, t, offset) * np.sum(offset_vectors * normals, axis=1)
-        t = t + np.sum(offset_vectors * tangents, axis=1) / (rate * straight)
+        straightness = 1.0 + profile.curvature(gear, t, offset) * np.sum(offset_vectors * normals, axis=1)
+        t = t + np.sum(offset_vectors * tangents, axis=1) / (rate * straightness)
     return t

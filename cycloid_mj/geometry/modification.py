@@ -119,10 +119,10 @@ def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, 
         turning_rate=lambda t: profile.turning_rate(gear, t),
         arc_rate=lambda t: profile.arc_rate(gear, t, offset),
     )
-    low, high = -flank_end.valley, half_pitch - flank_end.tip
-    inflection = float(np.clip(profile.inflection_phase(gear) / gear.lobes, low, high))
-    concave = profile.sagitta_nodes(flank, low, inflection, chord_error)
-    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, inflection, high, chord_error)])
+    start_t, end_t = -flank_end.valley, half_pitch - flank_end.tip
+    inflection = float(np.clip(profile.inflection_phase(gear) / gear.lobes, start_t, end_t))
+    concave = profile.sagitta_nodes(flank, start_t, inflection, chord_error)
+    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, inflection, end_t, chord_error)])
     polar = _Polar(gear, t, offset)
     radius, angle = polar.radius, polar.angle + rotation
     angle[0], angle[-1] = 0.0, half_pitch

@@ -57,9 +57,9 @@ class CycloidGear:
                 f"the number of ring teeth is {self.ring_teeth}, but at least 3 are needed: increase ring_teeth"
             )
         for name in ("eccentricity", "pin_circle_radius", "pin_radius"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
-                raise DesignError(f"{name} = {value} m is not allowed: give a finite length greater than 0 m")
+            length = getattr(self, name)
+            if not (math.isfinite(length) and length > 0):
+                raise DesignError(f"{name} = {length} m is not allowed: give a finite length greater than 0 m")
         limit = self.pin_circle_radius / self.ring_teeth
         if self.eccentricity >= limit:
             raise DesignError(
@@ -162,10 +162,12 @@ def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw:
     """
     N, c, E, rho = gear.symbols
     zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
-    turn = phi / (N - 1)
+    disc_rotation = phi / (N - 1)
     alpha = conjugate_alpha(gear, zeta - phi)
     return ConjugatePoint(
-        gear_frame=E * unit(zeta + turn) - rho * unit(zeta + turn - alpha) - c * unit(N * turn),
+        gear_frame=E * unit(zeta + disc_rotation)
+        - rho * unit(zeta + disc_rotation - alpha)
+        - c * unit(N * disc_rotation),
         ring_frame=E * unit(zeta) - rho * unit(zeta - alpha),
     )
 
@@ -176,10 +178,10 @@ def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Return the lever arm [m] about the gear centre of the common normal at phase B [rad].
+    """Return the lever arm [m] about the gear centre of the common normal of the gear and a pin at the phase B [rad].
 
-    It is c (N-1) E sin B / l, and positive where the pin's push turns the gear counter-clockwise. l is the
-    `pitch_distance`, other symbols are as in `CycloidGear`.
+    B is the clockwise angle of the pin from the eccentric. The arm is c (N-1) E sin B / l, and positive where the pin's
+    push turns the gear counter-clockwise. l is the `pitch_distance`, other symbols are as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)
@@ -211,8 +213,8 @@ def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) 
     l its `pitch_distance`.
     """
     B = phase(gear, t)
-    bend = _curvature_bracket(gear, B)
-    return bend / (pitch_distance(gear, B) ** 3 - _offset(gear, offset) * bend)
+    bracket = _curvature_bracket(gear, B)
+    return bracket / (pitch_distance(gear, B) ** 3 - _offset(gear, offset) * bracket)
 
 
 def turning_rate(gear: CycloidGear, t: npt.ArrayLike) -> Array:
@@ -391,8 +393,8 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
         turning_rate=lambda t: turning_rate(gear, t),
         arc_rate=lambda t: arc_rate(gear, t, offset),
     )
-    ends = sorted({0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes})
-    pieces = [sagitta_nodes(flank, low, high, chord_error)[:-1] for low, high in itertools.pairwise(ends)]
+    edges = sorted({0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes})
+    pieces = [sagitta_nodes(flank, start_t, end_t, chord_error)[:-1] for start_t, end_t in itertools.pairwise(edges)]
     increasing = np.concatenate(pieces)
     lobe_angle = 2 * np.pi / gear.lobes
     one_lobe = np.concatenate([increasing, [lobe_angle / 2], lobe_angle - increasing[:0:-1]])
@@ -513,8 +515,8 @@ def _chord_sagittas(arc: SmoothArc, nodes: Array) -> Array:
     """
     points, angles = arc.points(nodes), arc.normal_angle(nodes)
     dx, dy = np.diff(points, axis=0).T
-    midpoints = (angles[:-1] + angles[1:]) / 2
-    chord_angle = midpoints + np.mod(np.arctan2(-dy, dx) - midpoints + np.pi / 2, np.pi) - np.pi / 2
+    mean_angles = (angles[:-1] + angles[1:]) / 2
+    chord_angle = mean_angles + np.mod(np.arctan2(-dy, dx) - mean_angles + np.pi / 2, np.pi) - np.pi / 2
     intervals = nodes[:-1], nodes[1:]
     farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, *intervals, CURVE.sagitta_rtol)
     return np.abs(np.sum((arc.points(farthest) - points[:-1]) * unit(chord_angle), axis=1))

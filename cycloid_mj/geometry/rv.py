@@ -156,8 +156,8 @@ def mesh_stiffness(sun_teeth: int, planet_teeth: int, pressure_angle: float, fac
         Common face width [m].
     """
     flexibility = 0.04723 + 0.15551 / sun_teeth + 0.25791 / planet_teeth
-    single = 0.8 / flexibility * 1e9
-    return single * (0.75 * contact_ratio(sun_teeth, planet_teeth, pressure_angle) + 0.25) * face_width
+    single_stiffness = 0.8 / flexibility * 1e9
+    return single_stiffness * (0.75 * contact_ratio(sun_teeth, planet_teeth, pressure_angle) + 0.25) * face_width
 
 
 def contact_ratio(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> float:
@@ -175,7 +175,7 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
     """
     ratio = planet_teeth / sun_teeth
     tip_contact_ratios = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
-    shape = 1.0 - sum(tip_contact_ratios) + sum(part**2 for part in tip_contact_ratios)
+    shape = 1.0 - sum(tip_contact_ratios) + sum(ratio_of_tip**2 for ratio_of_tip in tip_contact_ratios)
     return math.pi * (ratio + 1.0) / (sun_teeth * ratio) * shape
 
 

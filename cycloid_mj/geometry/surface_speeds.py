@@ -59,8 +59,8 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
     N, c, E, rho = gear.symbols
     distance = profile.pitch_distance(gear, B)
     sliding = crank_speed / gear.lobes * (distance - rho)
-    travel = rho * c * N * crank_speed * (E * np.cos(B) - c * N) / distance**2
-    return SurfaceSpeeds(moving=travel + sliding, fixed=travel)
+    contact_line_speed = rho * c * N * crank_speed * (E * np.cos(B) - c * N) / distance**2
+    return SurfaceSpeeds(moving=contact_line_speed + sliding, fixed=contact_line_speed)
 
 
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
@@ -82,8 +82,8 @@ def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_
     relative to the disc, which is N/(N - 1) times `crank_speed` [rad/s], with N ring teeth. `gear` is the profile of
     the disc.
     """
-    turning = crank_speed * gear.ring_teeth / gear.lobes
-    return SurfaceSpeeds(moving=np.asarray(hole_radius * turning), fixed=np.asarray(pin_radius * turning))
+    relative_speed = crank_speed * gear.ring_teeth / gear.lobes
+    return SurfaceSpeeds(moving=np.asarray(hole_radius * relative_speed), fixed=np.asarray(pin_radius * relative_speed))
 
 
 def involute_speeds(

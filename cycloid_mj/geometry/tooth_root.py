@@ -58,8 +58,9 @@ def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -
     """Compute thickness, fillet radius, bending arm and force angle at the critical section of a gear tooth's root.
 
     The tooth of `gear` is loaded at the outer point of single contact with its `mate`. `centre_distance` is the
-    distance of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile
-    shift.
+    distance of the axes [m]. In the code, `rack`, `depth` and `offset` are the auxiliary values E (over the module), G
+    and H of the standard, and `tangent` is its angle theta [rad]. The rack is profile A of ISO 53. Thinning for
+    backlash is included as a smaller profile shift.
     """
     teeth, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))
@@ -71,14 +72,14 @@ def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -
     radius = CORNER_RADIUS + 2.0 * depth**2 / (math.cos(tangent) * (teeth * math.cos(tangent) ** 2 - 2.0 * depth))
     base_pitch = 2.0 * math.pi * gear.base_radius / teeth
     overlap = (contact_ratio(gear, mate, centre_distance) - 1.0) * base_pitch
-    along = math.sqrt(gear.tip_radius**2 - gear.base_radius**2) - overlap
-    outer = math.hypot(along, gear.base_radius)
-    outer_angle = math.atan2(along, gear.base_radius)
+    tangent_length = math.sqrt(gear.tip_radius**2 - gear.base_radius**2) - overlap
+    load_radius = math.hypot(tangent_length, gear.base_radius)
+    load_pressure_angle = math.atan2(tangent_length, gear.base_radius)
     half_thickness = (math.pi / 2.0 + 2.0 * math.tan(angle) * shift) / teeth
-    gamma = half_thickness + involute(angle) - involute(outer_angle)
-    force_angle = outer_angle - gamma
+    gamma = half_thickness + involute(angle) - involute(load_pressure_angle)
+    force_angle = load_pressure_angle - gamma
     arm = 0.5 * (
-        (math.cos(gamma) - math.sin(gamma) * math.tan(force_angle)) * 2.0 * outer / gear.module
+        (math.cos(gamma) - math.sin(gamma) * math.tan(force_angle)) * 2.0 * load_radius / gear.module
         - teeth * math.cos(TANGENT_ANGLE - tangent)
         - depth / math.cos(tangent)
         + CORNER_RADIUS

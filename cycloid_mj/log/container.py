@@ -205,7 +205,7 @@ def _check_message_count(chunk: Chunk) -> None:
     if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > CHUNK.max_size:
         return
     count, bytes_to_skip, remainder = 0, 0, b""
-    stream = _inflate(chunk.data, chunk.compression)
+    stream = _open_decompressed(chunk.data, chunk.compression)
     while block := stream.read(CHUNK.block_size):
         if bytes_to_skip >= len(block):
             bytes_to_skip -= len(block)
@@ -222,7 +222,7 @@ def _check_message_count(chunk: Chunk) -> None:
         remainder, bytes_to_skip = data[position:], max(0, position - len(data))
 
 
-def _inflate(data: bytes, compression: str) -> BinaryIO:
+def _open_decompressed(data: bytes, compression: str) -> BinaryIO:
     """Return a stream that decompresses the data of a chunk; the compression is "zstd", "lz4" or "".
 
     Raises
@@ -255,7 +255,7 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
     """
     if size > CHUNK.max_size:
         raise ValueError(f"its stated size is {size:,} bytes; the limit is {CHUNK.max_size:,}")
-    with _inflate(data, compression) as stream:
+    with _open_decompressed(data, compression) as stream:
         content = stream.read(size + 1)
     if len(content) != size:
         raise ValueError(f"its size is not the stated {size:,} bytes")
@@ -272,27 +272,31 @@ def _parse_chunk(data: bytes) -> Messages:
     """
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
-    starts: dict[int, list[int]] = defaultdict(list)
+    offsets_by_channel: dict[int, list[int]] = defaultdict(list)
     definitions = 0
     position = 0
     while position < len(data):
         opcode, length, channel = _START_OF_MESSAGE.unpack_from(data, position)
-        start = position + HEAD.size
+        content_start = position + HEAD.size
         if opcode == Opcode.MESSAGE and length >= MIN_MESSAGE_LENGTH:
-            starts[channel].append(position)
+            offsets_by_channel[channel].append(position)
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and definitions < CHUNK.max_definitions:
-            target, kind = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
-            message = kind.read(_stream(data[start : start + length]))
-            target[message.id] = message
+            definitions_by_id, record_type = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
+            message = record_type.read(_stream(data[content_start : content_start + length]))
+            definitions_by_id[message.id] = message
             definitions += 1
         else:
             raise ValueError(f"there is no valid schema, channel or message at its byte {position}")
-        position = start + length
+        position = content_start + length
     rows_by_channel = {
-        channel: rows for channel, offsets in starts.items() if (rows := _equal_length_rows(data, offsets)) is not None
+        channel: rows
+        for channel, offsets in offsets_by_channel.items()
+        if (rows := _equal_length_rows(data, offsets)) is not None
     }
-    counts = {channel: len(offsets) for channel, offsets in starts.items()}
-    return Messages(schemas, channels, rows_by_channel, frozenset(starts.keys() - rows_by_channel.keys()), counts)
+    counts = {channel: len(offsets) for channel, offsets in offsets_by_channel.items()}
+    return Messages(
+        schemas, channels, rows_by_channel, frozenset(offsets_by_channel.keys() - rows_by_channel.keys()), counts
+    )
 
 
 def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:

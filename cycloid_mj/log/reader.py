@@ -84,18 +84,18 @@ class _GroupSamples:
         with container.convert_parse_errors(path, f"malformed messages of {group.topic}"):
             records = group.decode(block[:, header_size:])
         sequence = block[:, :header_size].view(container.MESSAGE_HEAD)["sequence"][:, 0]
-        end = self.count + len(records)
-        if (sequence != np.arange(self.count, end).astype(np.uint32)).any():
+        end_count = self.count + len(records)
+        if (sequence != np.arange(self.count, end_count).astype(np.uint32)).any():
             raise container.corrupt_log_error(path, f"messages of {group.topic} are missing or out of order")
         if self._rows is not None:
-            records = records[self._rows[(self._rows >= self.count) & (self._rows < end)] - self.count]
-        names, end_kept = (TIME, *group.units), self._kept + len(records)
+            records = records[self._rows[(self._rows >= self.count) & (self._rows < end_count)] - self.count]
+        names, end_row = (TIME, *group.units), self._kept + len(records)
         self._columns = self._columns or [np.empty(0) for _ in names]
         for name, column in zip(names, self._columns, strict=True):
-            if column.size < end_kept:
-                column.resize(int(GROWTH * end_kept), refcheck=False)
-            column[self._kept : end_kept] = records[name]
-        self.count, self._kept = end, end_kept
+            if column.size < end_row:
+                column.resize(int(GROWTH * end_row), refcheck=False)
+            column[self._kept : end_row] = records[name]
+        self.count, self._kept = end_count, end_row
 
     def finish(self, samples: int) -> list[Array]:
         """Return the times [s] of this group and then each of its columns, all of shape (k,).
@@ -170,7 +170,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     """
     path, contents = Path(path), _Contents(without, rows)
     try:
-        with _open_log(path) as stream:
+        with _open_existing_log(path) as stream:
             is_complete = _read_records(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
@@ -189,7 +189,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     return Log(run, _viewer_topics(contents), is_complete, size)
 
 
-def _open_log(path: Path) -> BinaryIO:
+def _open_existing_log(path: Path) -> BinaryIO:
     """Open a log for reading; if it is not a readable file, raise LogError, with the names of similar files."""
     if not path.exists():
         raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")
@@ -328,8 +328,8 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
         for channel_id, (_, *group_columns) in columns_by_group.items()
         for name, values in zip(groups[channel_id].units, group_columns, strict=True)
     }
-    end = contents.metadata.get(END, {})
-    note, complete = end.get("note", ""), end.get("complete") == "true"
+    end_entries = contents.metadata.get(END, {})
+    note, complete = end_entries.get("note", ""), end_entries.get("complete") == "true"
     if not is_complete:
         truncation_note = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
         missing = missing_contents(contents.metadata, contents.attachments)

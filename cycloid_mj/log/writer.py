@@ -102,7 +102,7 @@ class LogWriter:
         size = sum(group.zeros.size for group in self._groups)
         self._samples_per_chunk = max(1, chunk_size // size)
         metadata = preamble(provenance or {}, attachments or {})
-        self._file, self._mcap = _open_log(Path(path), force, hidden, metadata, attachments or {})
+        self._file, self._mcap = _create_log(Path(path), force, hidden, metadata, attachments or {})
         self._channels = [
             _add_channel(
                 self._mcap, group.topic, _add_schema(self._mcap, group.message, group.schema()), group.metadata()
@@ -144,12 +144,14 @@ class LogWriter:
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
         viewer_messages = self._viewer_messages(time, values)
-        start = 0
-        while start < time.size:
-            end = min(time.size, start + self._samples_per_chunk - self.samples % self._samples_per_chunk)
-            self._append_samples(nanoseconds[start:end], [block[start:end] for block in messages], viewer_messages)
-            self._last_time = float(time[end - 1])
-            start = end
+        first_row = 0
+        while first_row < time.size:
+            end_row = min(time.size, first_row + self._samples_per_chunk - self.samples % self._samples_per_chunk)
+            self._append_samples(
+                nanoseconds[first_row:end_row], [block[first_row:end_row] for block in messages], viewer_messages
+            )
+            self._last_time = float(time[end_row - 1])
+            first_row = end_row
 
     def flush(self) -> None:
         """Write all samples to the file of the log, so that it can be read up to the last sample."""
@@ -286,10 +288,14 @@ class LogWriter:
 
         `note` states why the run ended early, unless it is `complete`; `attachments` are the contents by name.
         """
-        end = {"complete": "true" if complete else "false", "note": encodable_text(note), "samples": str(self.samples)}
+        end_entries = {
+            "complete": "true" if complete else "false",
+            "note": encodable_text(note),
+            "samples": str(self.samples),
+        }
         try:
             _attach(self._mcap, attachments)
-            self._mcap.add_metadata(f"{PACKAGE}.end", end)
+            self._mcap.add_metadata(f"{PACKAGE}.end", end_entries)
             self._mcap.finish()
             self._file.finish(complete or self._file.hidden)
         except OSError as problem:
@@ -348,7 +354,7 @@ def write(run: Run, path: str | os.PathLike[str], viewer: Viewer | None = None, 
         log.close(run.note, run.complete)
 
 
-def _open_log(
+def _create_log(
     path: Path,
     force: bool,
     hidden: bool,

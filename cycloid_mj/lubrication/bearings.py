@@ -15,8 +15,8 @@ def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) 
     `factor` is f0 [1], `diameter` the mean diameter [m], `speed` the speed of one ring relative to the other [rad/s],
     and `viscosity` the kinematic viscosity [mm2/s].
     """
-    viscous = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
-    per_volume = 160e-7 if viscous == MIN_VISCOUS else 1e-7 * viscous ** (2.0 / 3.0)
+    viscosity_speed = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
+    per_volume = 160e-7 if viscosity_speed == MIN_VISCOUS else 1e-7 * viscosity_speed ** (2.0 / 3.0)
     return 1e-3 * per_volume * factor * (MILLIMETRES * diameter) ** 3
 
 

@@ -60,7 +60,7 @@ def line_contact_groups(
     modulus
         Reduced modulus E' [Pa], which is twice the result of `ideal_loads.contact_modulus`.
     """
-    force, speed, radius = (np.asarray(values, float) for values in (force, entrainment, radius))
+    force, speed, radius = (np.asarray(array, float) for array in (force, entrainment, radius))
     return Groups(
         speed=np.asarray(viscosity * np.abs(speed) / (modulus * radius)),
         material=pressure_coefficient * modulus,
@@ -113,12 +113,12 @@ def _power_law(
     b and c are `speed_power`, `material_power` and `load_power`. If `load_group` is not None, it is used in place of W.
     """
     load_group = line_contact.load if load_group is None else load_group
-    loaded = np.maximum(load_group, np.finfo(float).tiny)
+    positive_load = np.maximum(load_group, np.finfo(float).tiny)
     thickness = (
         factor
         * line_contact.speed**speed_power
         * line_contact.material**material_power
-        * loaded**load_power
+        * positive_load**load_power
         * line_contact.radius
     )
     return np.asarray(np.where(load_group > 0.0, thickness, 0.0))

@@ -113,13 +113,13 @@ def line_friction(
     modulus
         Contact modulus E* [Pa] of `ideal_loads.contact_modulus`.
     """
-    pressed, reduced = np.maximum(np.asarray(force, float), MIN_FORCE), np.asarray(radius, float)
+    positive_force, reduced_radius = np.maximum(np.asarray(force, float), MIN_FORCE), np.asarray(radius, float)
     contact = line_contact_groups(
-        pressed, entrainment, reduced, length, law.viscosity, law.pressure_coefficient, 2.0 * modulus
+        positive_force, entrainment, reduced_radius, length, law.viscosity, law.pressure_coefficient, 2.0 * modulus
     )
     film = law.film_factor * np.maximum(FORMULAS[law.formula](contact), isoviscous_elastic(contact))
-    mean = 0.25 * math.pi * np.sqrt(pressed * modulus / (math.pi * reduced * length))
-    return _mixed(law, film, _film_coefficient(law, film, sliding, mean))
+    mean_pressure = 0.25 * math.pi * np.sqrt(positive_force * modulus / (math.pi * reduced_radius * length))
+    return _mixed(law, film, _film_coefficient(law, film, sliding, mean_pressure))
 
 
 def journal_friction(

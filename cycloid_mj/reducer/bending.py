@@ -50,10 +50,10 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     flexibility = cantilever(arms, arms)
     if length is None:
         return flexibility
-    end = np.array([length])
-    coupling = np.stack([cantilever(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
+    far_end = np.array([length])
+    coupling = np.stack([cantilever(arms, far_end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
     end_rotation = length**2 / (2.0 * bending)
-    end_flexibility = np.array([[cantilever(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
+    end_flexibility = np.array([[cantilever(far_end, far_end)[0, 0], end_rotation], [end_rotation, length / bending]])
     return np.asarray(flexibility - coupling @ np.linalg.solve(end_flexibility, coupling.T))
 
 

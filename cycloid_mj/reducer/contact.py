@@ -132,8 +132,8 @@ class Contact:
             return self._ideal_force(self._reducer.contacts.working_load / design.gear.discs)
         if self.kind != "cam":
             return force
-        rolling = design.gear.bearing == "rolling"
-        return force * (design.contact.cam_rollers / STRIBECK if rolling else design.ring.teeth / 4.0)
+        is_rolling = design.gear.bearing == "rolling"
+        return force * (design.contact.cam_rollers / STRIBECK if is_rolling else design.ring.teeth / 4.0)
 
     @property
     def source(self) -> Source:
@@ -343,14 +343,14 @@ class Contact:
             The working force flattens a pin beyond a line contact.
         """
         design, kind = self._reducer.design, self.kind
-        value: float = getattr(design.stiffness, kind)
-        if value:
-            return value
+        stated_stiffness: float = getattr(design.stiffness, kind)
+        if stated_stiffness:
+            return stated_stiffness
         if impact := self._reducer.contacts.impact:
             return impact.secant(self.force)
         if kind == "cam" and not self._has_rollers:
-            face, clearance = design.gear.face_width, design.clearance.cam
-            return ideal_loads.conformal_stiffness(self.force, face, self.modulus, clearance)
+            face_width, clearance = design.gear.face_width, design.clearance.cam
+            return ideal_loads.conformal_stiffness(self.force, face_width, self.modulus, clearance)
         law = self.curvature_law
         if kind == "cam":
             cam_stiffness = self._cam_roller_stiffness() or law.stiffness
@@ -369,8 +369,8 @@ class Contact:
             return 0.0
         shaft, depth = design.material_of("shaft"), design.ring.pin_radius
         modulus = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
-        face, force = design.gear.face_width, self._line_force
-        return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
+        face_width, force = design.gear.face_width, self._line_force
+        return float(ideal_loads.line_contact_stiffness(force, face_width, modulus, depth, 1.0 / depth))
 
     def _compute_curvature_law(self) -> CurvatureLaw:
         """Compute the stiffness of a line contact of the pair as a function of its curvature, for `curvature_law`.
@@ -397,8 +397,8 @@ class Contact:
         stiffness = stated_stiffness or float(
             ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth)
         )
-        local = design.contact.stiffness_law == "local"
-        return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
+        is_local = design.contact.stiffness_law == "local"
+        return CurvatureLaw(reference if is_local else 0.0, constant, stiffness, force / stiffness)
 
     @property
     def _force_key(self) -> str:
@@ -449,8 +449,8 @@ class Contacts:
         """
         design = self._reducer.design
         gear, ring, output = design.gear, design.ring, design.output
-        squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
-        area = math.pi * (squares - output.pins * output.hole_radius**2)
+        squared_radii = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
+        area = math.pi * (squared_radii - output.pins * output.hole_radius**2)
         return self._weight_torque(area) * design.reduction
 
     def _weight_torque(self, area: float) -> float:
@@ -460,9 +460,9 @@ class Contacts:
         """
         design = self._reducer.design
         gear = design.gear
-        weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
-        centrifugal = gear.eccentricity * self._reducer.orbit_speed**2
-        force = design.material_of("gear").density * gear.face_width * area * (weight + centrifugal)
+        gravity = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
+        centripetal = gear.eccentricity * self._reducer.orbit_speed**2
+        force = design.material_of("gear").density * gear.face_width * area * (gravity + centripetal)
         return gear.discs * force * gear.eccentricity
 
     @property

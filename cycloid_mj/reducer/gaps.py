@@ -145,9 +145,9 @@ def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
     They are exact to first order in the displacements. The crank angle is in the frame of the ring; `disc` is the index
     of the disc.
     """
-    gear, turned = reducer.tooth_profile, crank_angle + reducer.phases[disc]
-    lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
-    return _gaps_with_each_half(reducer, disc, lines, middle)
+    gear, disc_crank_angle = reducer.tooth_profile, crank_angle + reducer.phases[disc]
+    lines, disc_centre = envelope.sigma_contacts(gear, disc_crank_angle), gear_centre(gear, disc_crank_angle)
+    return _gaps_with_each_half(reducer, disc, lines, disc_centre)
 
 
 def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:

@@ -136,8 +136,7 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     """Convert the columns of a run to the frame of the ring (`view_from_ring`); unchanged if the ring is fixed.
 
     Angles, positions, speeds and forces are converted to the rotating frame; the columns of pins are in this frame
-    already. The load torque becomes the torque on the carrier, which is fixed in this frame and balances crank and
-    ring.
+    already. The load torque becomes the torque on the carrier, which balances those on crank and ring.
 
     Parameters
     ----------
@@ -147,9 +146,9 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
         Columns of a run by name, shape (n,), in SI units. ``output_angle`` is required; a missing ``output_speed``
         counts as 0.
     """
-    viewed = dict(columns)
+    converted = dict(columns)
     if not reducer.member.turns_ring:
-        return viewed
+        return converted
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
     input_angle, input_speed, input_torque = (
         names.column(reducer.INPUT, quantity) for quantity in ("angle", "speed", "torque")
@@ -161,21 +160,23 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
         input_speed: speed,
     }
     sun_x, sun_y, _ = names.planar_joints(names.SUN)
-    _turn_back(viewed, sun_x, sun_y, angle)
+    _turn_back(converted, sun_x, sun_y, angle)
     for gear in reducer.gears:
-        x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
-        frame_motions |= {turn: angle, spin: speed}
-        _turn_back(viewed, x, y, angle)
-        _turn_back(viewed, vx, vy, angle)
-        if vx in viewed:
-            viewed[vx], viewed[vy] = viewed[vx] + speed * viewed[y], viewed[vy] - speed * viewed[x]
+        x, y, rotation, vx, vy, angular_speed = (*names.planar_joints(gear), *names.planar_speeds(gear))
+        frame_motions |= {rotation: angle, angular_speed: speed}
+        _turn_back(converted, x, y, angle)
+        _turn_back(converted, vx, vy, angle)
+        if vx in converted:
+            converted[vx], converted[vy] = converted[vx] + speed * converted[y], converted[vy] - speed * converted[x]
     for name in columns:
         if name.endswith(names.FORCE_X):
-            _turn_back(viewed, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
-    viewed |= {name: viewed[name] - frame_motion for name, frame_motion in frame_motions.items() if name in viewed}
-    if {"load_torque", input_torque} <= viewed.keys():
-        viewed["load_torque"] = -(columns["load_torque"] + columns[input_torque])
-    return viewed
+            _turn_back(converted, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    converted |= {
+        name: converted[name] - frame_motion for name, frame_motion in frame_motions.items() if name in converted
+    }
+    if {"load_torque", input_torque} <= converted.keys():
+        converted["load_torque"] = -(columns["load_torque"] + columns[input_torque])
+    return converted
 
 
 def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:

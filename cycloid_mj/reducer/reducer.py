@@ -369,9 +369,9 @@ def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Conca
     """
 
     @wraps(function)
-    def kept(reducer: Drive, /, *arguments: Given.args, **named: Given.kwargs) -> Value:
+    def cached_function(reducer: Drive, /, *arguments: Given.args, **keywords: Given.kwargs) -> Value:
         """Return the cached result for these arguments, or compute it."""
-        key = (function, arguments, *sorted(named.items()))
-        return reducer.kept(key, lambda: function(reducer, *arguments, **named))
+        key = (function, arguments, *sorted(keywords.items()))
+        return reducer.kept(key, lambda: function(reducer, *arguments, **keywords))
 
-    return kept
+    return cached_function

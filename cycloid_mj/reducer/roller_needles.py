@@ -73,7 +73,7 @@ def roller_needles(reducer: "Reducer") -> RollerNeedles:
         return NO_NEEDLES
     row, force = needle_row(output), reducer.contacts["output"].force
     material, depth = design.material_of("output"), 0.5 * row.diameter
-    line = contact.stiffness or float(
+    line_stiffness = contact.stiffness or float(
         ideal_loads.line_contact_stiffness(
             STRIBECK * force / row.needles,
             design.gear.face_width,
@@ -82,15 +82,15 @@ def roller_needles(reducer: "Reducer") -> RollerNeedles:
             1.0 / depth,
         )
     )
-    bearing = 0.5 * line * row.needles / STRIBECK
+    bearing_stiffness = 0.5 * line_stiffness * row.needles / STRIBECK
     # the centre of the hole circles around the pin, so that the roller turns back
     roller_turn = 1.0 - output.hole_radius / output.pin_radius
-    inner, outer = row.pitch - row.diameter, row.pitch + row.diameter
+    inner_raceway, outer_raceway = row.pitch - row.diameter, row.pitch + row.diameter
     return RollerNeedles(
         needles=row.needles,
-        stiffness=needle_share(row.needles) * bearing,
+        stiffness=needle_share(row.needles) * bearing_stiffness,
         clearance=max(reducer.output_clearance, 0.0),
-        cage_ratio=roller_turn * outer / (inner + outer),
+        cage_ratio=roller_turn * outer_raceway / (inner_raceway + outer_raceway),
     )
 
 
@@ -115,7 +115,7 @@ def roller_contact(
     """Compute force [N] and stiffness [N/m] of a roller between hole and core, by a semismooth Newton method.
 
     The unknowns are the displacements of the roller on its core, x along the force and y across. The energy of all
-    springs is convex; steps that raise it are halved.
+    springs is convex; steps that raise it are halved. In the code, xx, xy and yy are its second derivatives [N/m].
 
     Parameters
     ----------
@@ -128,14 +128,14 @@ def roller_contact(
     needles, needle_stiffness, clearance
         Number, stiffness [N/m] and clearance [m] of the needles, as in `RollerNeedles`.
     """
-    x, y, step_x, step_y, lowest = approach, 0.0, 0.0, 0.0, math.inf
-    spacing, regular = 2.0 * math.pi / needles, 1e-9 * stiffness
-    xx, xy, yy = stiffness, 0.0, regular
+    x, y, step_x, step_y, min_energy = approach, 0.0, 0.0, 0.0, math.inf
+    spacing, regularisation = 2.0 * math.pi / needles, 1e-9 * stiffness
+    xx, xy, yy = stiffness, 0.0, regularisation
     for _ in range(100):
         trial_x, trial_y = x + step_x, y + step_y
         force = stiffness * (approach - trial_x)
         energy, gradient_x, gradient_y = 0.5 * force * (approach - trial_x), -force, 0.0
-        hessian_xx, hessian_xy, hessian_yy = stiffness + regular, 0.0, regular
+        hessian_xx, hessian_xy, hessian_yy = stiffness + regularisation, 0.0, regularisation
         for needle in range(needles):
             cosine, sine = math.cos(needle * spacing - angle), math.sin(needle * spacing - angle)
             depth = trial_x * cosine + trial_y * sine - clearance
@@ -147,10 +147,10 @@ def roller_contact(
                 hessian_xx += needle_stiffness * cosine * cosine
                 hessian_xy += needle_stiffness * cosine * sine
                 hessian_yy += needle_stiffness * sine * sine
-        if energy > lowest * (1.0 + 1e-12):
+        if energy > min_energy * (1.0 + 1e-12):
             step_x, step_y = 0.5 * step_x, 0.5 * step_y
             continue
-        x, y, lowest, xx, xy, yy = trial_x, trial_y, energy, hessian_xx, hessian_xy, hessian_yy
+        x, y, min_energy, xx, xy, yy = trial_x, trial_y, energy, hessian_xx, hessian_xy, hessian_yy
         if abs(gradient_x) + abs(gradient_y) <= 1e-9 * stiffness * approach:
             break
         determinant = xx * yy - xy * xy

@@ -273,7 +273,10 @@ class RvReducer(Reducer):
 
     @property
     def clearance_keys(self) -> dict[str, tuple[tuple[str, str], ...]]:
-        """Return table and key of the clearances in the design by kind of mating pair, from the ring to the sun."""
+        """Return table and key in the design file of the clearances of each kind of mating pair, from ring to sun.
+
+        Crank bearings have two clearances, those of the needle and of the tapered bearing; others have one.
+        """
         ring = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
         return {
             **{kind: (("clearance", kind),) for kind in ring},
@@ -288,14 +291,16 @@ class RvReducer(Reducer):
         teeth, each converted to the output (principle of virtual work). The clearance of the crank bearings contributes
         twice: along the circle of the crank axes, and perpendicular to the eccentricity. `crank` has no effect.
         """
-        design, clearance = self.design, self.bearing_clearance
-        tooth = getattr(design.clearance, design.tooth_pair) + design.pin_play
+        design, bearing_clearance = self.design, self.bearing_clearance
+        tooth_clearance = getattr(design.clearance, design.tooth_pair) + design.pin_play
         planet = self.planet
         pitch_radius = self.crank_radius * planet.planet_teeth / (planet.sun_teeth + planet.planet_teeth)
         eccentricity = design.gear.eccentricity
-        crank_play = planet.backlash / pitch_radius + 2.0 * (max(clearance, 0.0) + tooth) / eccentricity
-        turn = 2.0 * design.lobes * max(clearance, 0.0) / self.crank_radius
-        return float((crank_play + turn) / self.stage.speed_up * self.share)
+        crank_play = (
+            planet.backlash / pitch_radius + 2.0 * (max(bearing_clearance, 0.0) + tooth_clearance) / eccentricity
+        )
+        rotation_play = 2.0 * design.lobes * max(bearing_clearance, 0.0) / self.crank_radius
+        return float((crank_play + rotation_play) / self.stage.speed_up * self.share)
 
     @property
     def carrying_parts(self) -> tuple[str, int]:
@@ -321,11 +326,11 @@ def _warm_design(design: Design) -> Design:
     from cycloid_mj.geometry.expansion import expand, tooth_play
     from cycloid_mj.reducer.rv_preload import preload_share
 
-    warm, interference = expand(design), max(0.0, -tooth_play(design))
+    warm_design, interference = expand(design), max(0.0, -tooth_play(design))
     if not interference:
-        return warm
-    relief = (1.0 - preload_share(RvReducer(warm))) * interference
-    return warm.but(modification={"equidistant": warm.modification.equidistant + relief})
+        return warm_design
+    relief = (1.0 - preload_share(RvReducer(warm_design))) * interference
+    return warm_design.but(modification={"equidistant": warm_design.modification.equidistant + relief})
 
 
 def _required(table: Table | None) -> Table:

@@ -128,7 +128,7 @@ def build_rv_mechanism(reducer: "RvReducer") -> Mechanism:
     return Mechanism(
         design=design,
         phases=reducer.phases,
-        bodies=tuple(_bodies(reducer, errors)),
+        bodies=tuple(_rv_bodies(reducer, errors)),
         matings=(
             *(tooth_mating(design, disc, pins) for disc in discs),
             *seats,
@@ -148,31 +148,31 @@ def crank_joint(crank: str) -> str:
     return names.planar_joints(crank)[-1]
 
 
-def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
+def _rv_bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
     """Yield the bodies in this order: fixed member, sun, discs, loaded member, cranks, moving pins.
 
     The loaded member is the output: the carrier or the ring. `errors` displace the ring pins.
     """
     design, axis = reducer.design, np.zeros(2)
-    loaded, fixed = reducer.member.turning_and_held
-    yield Body(fixed, fixed, (), axis, axis)
+    loaded_body, fixed_body = reducer.member.turning_and_held
+    yield Body(fixed_body, fixed_body, (), axis, axis)
     joints = names.planar_joints(names.SUN)
     is_floating = reducer.planet.sun_support == "floating"
     yield Body(names.SUN, names.SUN, joints if is_floating else joints[-1:], axis, axis)
     for name, phase, plane in zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True):
         centre = gear_centre(reducer.tooth_profile, phase)
         yield Body(name, name, names.planar_joints(name), centre, centre, plane)
-    yield Body(loaded, loaded, (names.OUTPUT_JOINT,), axis, axis)
+    yield Body(loaded_body, loaded_body, (names.OUTPUT_JOINT,), axis, axis)
     shift = np.stack(
         [
-            expanded(values, (reducer.cranks.count,))
-            for values in (reducer.crank_errors.carrier_x, reducer.crank_errors.carrier_y)
+            expanded(position_errors, (reducer.cranks.count,))
+            for position_errors in (reducer.crank_errors.carrier_x, reducer.crank_errors.carrier_y)
         ],
         axis=-1,
     )
     for name, position in zip(crank_names(reducer), reducer.stage.crank_positions([0.0])[0] + shift, strict=True):
         yield Body(name, names.CRANK, (crank_joint(name),), position, axis, carrier=names.OUTPUT)
-    yield from pin_bodies(design, errors, names.HOUSING if loaded == names.HOUSING else "")
+    yield from pin_bodies(design, errors, names.HOUSING if loaded_body == names.HOUSING else "")
 
 
 def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
@@ -181,17 +181,19 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
     The clearances of needle bearing and tapered bearing are included in the radius of the bores.
     """
     design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
-    shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
+    error_shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
 
     def numbered(stem: str) -> tuple[str, ...]:
         return tuple(names.of_disc(name, disc, design.gear.discs) for name in names.all_numbered(stem, count))
 
-    bore_error = np.stack([expanded(errors.bore_x, shape)[disc], expanded(errors.bore_y, shape)[disc]], axis=-1)
-    outward = profile.unit(np.array([-reducer.phases[disc]]))
-    forward = np.stack([-outward[:, 1], outward[:, 0]], axis=-1)
+    bore_error = np.stack(
+        [expanded(errors.bore_x, error_shape)[disc], expanded(errors.bore_y, error_shape)[disc]], axis=-1
+    )
+    radial = profile.unit(np.array([-reducer.phases[disc]]))
+    tangential = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
     eccentric_error = (
-        expanded(errors.eccentric_radial, shape)[disc][:, np.newaxis] * outward
-        + expanded(errors.eccentric_tangential, shape)[disc][:, np.newaxis] * forward
+        expanded(errors.eccentric_radial, error_shape)[disc][:, np.newaxis] * radial
+        + expanded(errors.eccentric_tangential, error_shape)[disc][:, np.newaxis] * tangential
     )
     radius = reducer.cranks.eccentric_radius
     bores = surfaces_on_circle(
@@ -246,8 +248,10 @@ def needle_directions(reducer: "Reducer", crank: Array) -> Array:
     is on +y at the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).
     """
     count = reducer.separate_needles
-    disc = -crank / reducer.design.lobes
-    angle = (disc + reducer.cage_ratio * (crank - disc))[:, np.newaxis] + 2.0 * np.pi * np.arange(count) / max(count, 1)
+    disc_angle = -crank / reducer.design.lobes
+    angle = (disc_angle + reducer.cage_ratio * (crank - disc_angle))[:, np.newaxis] + 2.0 * np.pi * np.arange(
+        count
+    ) / max(count, 1)
     return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
 
 
@@ -267,7 +271,7 @@ def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str,
     position = {SUN_ANGLE: sun, names.OUTPUT_JOINT: float(member.output_angle(sun))}
     velocity = {SUN_ANGLE: speed, names.OUTPUT_JOINT: float(member.output_angle(speed))}
     for name, phase in zip(reducer.gears, reducer.phases, strict=True):
-        x, y = (float(value) for value in gear_centre(gear, crank + phase))
+        x, y = (float(coordinate) for coordinate in gear_centre(gear, crank + phase))
         joints = names.planar_joints(name)
         position |= dict(zip(joints, (x, y, float(member.gear_angle(sun))), strict=True))
         velocity |= dict(zip(joints, (-crank_speed * y, crank_speed * x, float(member.gear_angle(speed))), strict=True))

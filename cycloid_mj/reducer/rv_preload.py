@@ -19,10 +19,12 @@ def preload_share(reducer: Reducer) -> float:
     """
     design, ring = reducer.design, reducer.design.ring
     housing, disc = design.material_of("housing"), design.material_of("gear")
-    section = (design.housing.outer_radius - design.ring_root_radius) * design.gear.stack_width
-    middle = 0.5 * (design.housing.outer_radius + design.ring_root_radius)
-    expansion = ring.teeth * design.gear.discs * middle / (2.0 * math.pi * housing.youngs_modulus * section)
-    shrinkage = (1.0 - disc.poisson) * ring.teeth
-    shrinkage /= 2.0 * math.pi * design.gear.face_width * disc.youngs_modulus
-    pin = 1.0 / float(np.mean(tooth_stiffness(reducer, np.array([1.0 / ring.pin_radius]))))
-    return pin / (pin + expansion + shrinkage)
+    section_area = (design.housing.outer_radius - design.ring_root_radius) * design.gear.stack_width
+    mean_radius = 0.5 * (design.housing.outer_radius + design.ring_root_radius)
+    housing_compliance = (
+        ring.teeth * design.gear.discs * mean_radius / (2.0 * math.pi * housing.youngs_modulus * section_area)
+    )
+    disc_compliance = (1.0 - disc.poisson) * ring.teeth
+    disc_compliance /= 2.0 * math.pi * design.gear.face_width * disc.youngs_modulus
+    tooth_compliance = 1.0 / float(np.mean(tooth_stiffness(reducer, np.array([1.0 / ring.pin_radius]))))
+    return tooth_compliance / (tooth_compliance + housing_compliance + disc_compliance)

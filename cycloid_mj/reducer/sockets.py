@@ -24,8 +24,14 @@ def wall_radius(design: Design) -> float:
     from the reducer's axis, and the sockets reach E + rho. So there is room for a wall if c is less than rho. The gap
     between wall and tips is at least `WALL_GAP` times rho - c.
     """
-    centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
-    return max(centre, centre - pin + 2.0 * eccentricity + WALL_GAP * (pin - eccentricity))
+    pin_circle_radius, pin_radius, eccentricity = (
+        design.ring.pin_circle_radius,
+        design.ring.pin_radius,
+        design.gear.eccentricity,
+    )
+    return max(
+        pin_circle_radius, pin_circle_radius - pin_radius + 2.0 * eccentricity + WALL_GAP * (pin_radius - eccentricity)
+    )
 
 
 def arc_half_angle(design: Design, radius: float) -> float:
@@ -34,8 +40,8 @@ def arc_half_angle(design: Design, radius: float) -> float:
     The arc is symmetric to the direction away from the reducer's axis. `radius` [m] is that of the circle. The result
     is 0 if the entire circle is inside the wall's inner radius.
     """
-    centre, wall = design.ring.pin_circle_radius, wall_radius(design)
-    cosine = (wall**2 - centre**2 - radius**2) / (2.0 * centre * radius)
+    pin_circle_radius, inner_radius = design.ring.pin_circle_radius, wall_radius(design)
+    cosine = (inner_radius**2 - pin_circle_radius**2 - radius**2) / (2.0 * pin_circle_radius * radius)
     return math.acos(min(1.0, max(-1.0, cosine)))
 
 

@@ -31,7 +31,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     UsageError
         The hinge does not exist, it has a reducer, or the model does not compile.
     """
-    model = _compile(spec)
+    model = _compile_copy(spec)
     hinge = spec.joint(joint)
     if hinge is None:
         hinges = (element for element in spec.joints if element.type == mujoco.mjtJoint.mjJNT_HINGE)
@@ -71,7 +71,7 @@ def constant_polynomial(coefficient: float) -> list[float]:
     return [coefficient, *[0.0] * mujoco.mjNPOLY]
 
 
-def _compile(spec: Any) -> Any:
+def _compile_copy(spec: Any) -> Any:
     """Compile a copy of a robot's editable model (``MjSpec``); raise UsageError if MuJoCo refuses it."""
     try:
         return spec.copy().compile()
@@ -216,7 +216,7 @@ def _write_keyframes(
     reduced, joint
         The reducer's joint, and the name of the hinge.
     """
-    attached_model = _compile(spec)
+    attached_model = _compile_copy(spec)
     crank, output = attached_model.joint(rotor_name(joint)), model.joint(joint)
     qpos_address, dof_address = int(crank.qposadr[0]), int(crank.dofadr[0])
     for key, (positions, speeds) in zip(spec.keys, keyframes, strict=True):

@@ -143,7 +143,7 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
     """
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     play = solve_play(reducer, COMPARISON.angles_factor * POSES)
-    loop_rows, loop_curves = _compare_loop(reduced.at("backlash"), play)
+    loop_rows, loop_curves = _compare_wind_up(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise
     joint_without_ripple = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
     efficiency_rows, efficiency_curves = _compare_efficiencies(reducer, joint_without_ripple)
@@ -175,7 +175,7 @@ def _strongest_order(ripple: Ripple) -> float:
     return ripple.orders[int(np.argmax(np.hypot(ripple.high_cos[-1], ripple.high_sin[-1])))]
 
 
-def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
+def _compare_wind_up(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
     """Compare backlash, lost motion and wind-up [arcmin] of the joint and the full model, at rest with a locked crank.
 
     `reduced` is the joint, and `play` has play and wind-up of the full model. The joint's backlash is extrapolated to
@@ -196,7 +196,7 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     angles_at_small_torque = {
         share: rest_angle(share) for share in (GRID.small, 2.0 * GRID.small, -GRID.small, -2.0 * GRID.small)
     }
-    width = (
+    joint_backlash = (
         2.0 * angles_at_small_torque[GRID.small]
         - angles_at_small_torque[2.0 * GRID.small]
         - 2.0 * angles_at_small_torque[-GRID.small]
@@ -205,19 +205,19 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     wind_up_of_joint = {share: 0.5 * (rest_angle(share) - rest_angle(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
     wind_up_of_full_model = {share: 0.5 * play.backlash + play.wind_up[share] for share in wind_up_of_joint}
     loop_name, small_share = "loop at +-3 % of the nominal torque", LOST_MOTION_SHARE
-    values = (
-        ("backlash_arcmin", "backlash", width, play.backlash),
+    compared_values = (
+        ("backlash_arcmin", "backlash", joint_backlash, play.backlash),
         ("loop_arcmin", loop_name, 2.0 * wind_up_of_joint[small_share], 2.0 * wind_up_of_full_model[small_share]),
         (
             "wind_up_arcmin",
             "wind-up beyond the stop at the nominal torque",
-            wind_up_of_joint[1.0] - 0.5 * width,
+            wind_up_of_joint[1.0] - 0.5 * joint_backlash,
             play.wind_up[1.0],
         ),
     )
     rows = [
         Quantity(key, name, value / ARCMINUTE, "arcmin", None, reference / ARCMINUTE)
-        for key, name, value, reference in values
+        for key, name, value, reference in compared_values
     ]
     loop_shares = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
     joint_angles = np.array([rest_angle(share) for share in loop_shares])
@@ -225,11 +225,11 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     wind_ups = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
     full_model_angles = np.concatenate([(play.stops[0] - wind_ups)[::-1], play.stops[1] + wind_ups])
     full_model_torques = rated_torque * np.concatenate([-shares[::-1], shares])
-    axes = "torque on the output [N m]", "turn [arcmin]"
-    panel = "hysteresis loop, crank locked"
+    axis_labels = "torque on the output [N m]", "turn [arcmin]"
+    panel_title = "hysteresis loop, crank locked"
     return rows, [
-        Curve(panel, "full model", full_model_torques, full_model_angles / ARCMINUTE, *axes, "theory"),
-        Curve(panel, "joint", loop_shares * rated_torque, joint_angles / ARCMINUTE, *axes),
+        Curve(panel_title, "full model", full_model_torques, full_model_angles / ARCMINUTE, *axis_labels, "theory"),
+        Curve(panel_title, "joint", loop_shares * rated_torque, joint_angles / ARCMINUTE, *axis_labels),
     ]
 
 
@@ -241,14 +241,15 @@ def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
     inertia of load and output.
     """
     inertia = 10.0 * reduced.reflected_inertia
-    expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
+    expected_angular_frequency = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
     _, _, frequency_error = measure_vibration(
-        create_trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
+        create_trial_scene(reduced, inertia, COMPARISON.phase_step / expected_angular_frequency, "implicitfast"),
+        inertia,
     )
     nominal_frequency = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
     frequency = nominal_frequency * (1.0 + frequency_error) / (2.0 * np.pi)
     name = f"resonance with {inertia:.3g} kg m2, crank locked"
-    yield Quantity("resonance_hz", name, frequency, "Hz", None, expected / (2.0 * np.pi))
+    yield Quantity("resonance_hz", name, frequency, "Hz", None, expected_angular_frequency / (2.0 * np.pi))
 
 
 def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
@@ -283,11 +284,11 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
                 )
             )
         torques = np.array(COMPARISON.loads) * reducer.design.rated_torque
-        axes = "torque on the output [N m]", "efficiency [%]"
-        panel = f"{name}, {reduced.rated_speed / RPM:.0f} rpm"
+        axis_labels = "torque on the output [N m]", "efficiency [%]"
+        panel_title = f"{name}, {reduced.rated_speed / RPM:.0f} rpm"
         curves += [
-            Curve(panel, "full model", torques, np.array(full_percent), *axes, "theory"),
-            Curve(panel, "joint", torques, np.array(joint_percent), *axes),
+            Curve(panel_title, "full model", torques, np.array(full_percent), *axis_labels, "theory"),
+            Curve(panel_title, "joint", torques, np.array(joint_percent), *axis_labels),
         ]
     return rows, curves
 
@@ -398,24 +399,24 @@ def _transmission_error_curves(
     """
     design = reducer.design
     angle = np.mod(angle, 2.0 * np.pi * design.reduction)
-    panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
-    axes = "crank angle [deg]", "output's error about its mean [arcsec]"
+    panel_title = f"transmission error under {design.rated_torque:.4g} N m, {name}"
+    axis_labels = "crank angle [deg]", "output's error about its mean [arcsec]"
     crank_degrees = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
     is_in_first_turn, is_recorded_in_first_turn = crank_degrees <= 360.0, angle <= 2.0 * np.pi
     return (
         Curve(
-            panel,
+            panel_title,
             "full model",
             crank_degrees[is_in_first_turn],
             ARCSECONDS * (errors - errors.mean())[is_in_first_turn],
-            *axes,
+            *axis_labels,
             "theory",
         ),
         Curve(
-            panel,
+            panel_title,
             "joint",
             np.degrees(angle[is_recorded_in_first_turn]),
             ARCSECONDS * (deviation - deviation.mean())[is_recorded_in_first_turn],
-            *axes,
+            *axis_labels,
         ),
     )

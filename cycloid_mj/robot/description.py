@@ -167,7 +167,7 @@ def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -
         ElementTree.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
         ElementTree.SubElement(inertial, "mass", value=_format_number(link.mass))
         moments = {"ixx": link.ixx, "iyy": link.iyy, "izz": link.izz, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
-        ElementTree.SubElement(inertial, "inertia", {key: _format_number(value) for key, value in moments.items()})
+        ElementTree.SubElement(inertial, "inertia", {key: _format_number(moment) for key, moment in moments.items()})
     for joint in _list_joints(reduced, play=PLAY if armature else OUTPUT):
         element = ElementTree.SubElement(robot, "joint", name=joint.name, type=joint.kind)
         ElementTree.SubElement(element, "parent", link=joint.parent)
@@ -210,10 +210,10 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
         axis = ElementTree.SubElement(element, "axis")
         ElementTree.SubElement(axis, "xyz").text = "0 0 1"
         limit = ElementTree.SubElement(axis, "limit")
-        values = {"effort": joint.effort, "velocity": joint.speed}
+        limits = {"effort": joint.effort, "velocity": joint.speed}
         if joint.stops:
-            values |= {"lower": joint.stops[0], "upper": joint.stops[1], "stiffness": joint.stiffness}
-        for key, value in values.items():
+            limits |= {"lower": joint.stops[0], "upper": joint.stops[1], "stiffness": joint.stiffness}
+        for key, value in limits.items():
             ElementTree.SubElement(limit, key).text = _format_number(value)
         dynamics = ElementTree.SubElement(axis, "dynamics")
         ElementTree.SubElement(dynamics, "damping").text = _format_number(joint.damping)
@@ -254,8 +254,8 @@ def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
     drive = _list_joints(reduced)[0]
     friction = {key: value for key, value in fit_bam_models(reduced)["m5"].items() if isinstance(value, float)}
     del friction["armature"]
-    values = {**equivalent_motor(reduced), **friction}
-    parameters = "".join(f"    {key}={_format_number(value)},\n" for key, value in values.items())
+    motor_values = {**equivalent_motor(reduced), **friction}
+    parameters = "".join(f"    {key}={_format_number(value)},\n" for key, value in motor_values.items())
     passive = (
         ""
         if reduced.level == "rigid"
@@ -324,7 +324,7 @@ class _Joint:
 def _list_joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
     """List the joints of a reduced joint in URDF and SDF: the driven joint and, unless rigid, that of the play.
 
-    `play` is the name of the latter.
+    `play` is the name of the joint of the play.
     """
     effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
     friction, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output

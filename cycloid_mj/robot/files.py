@@ -31,6 +31,8 @@ def choose_scenes(
 ) -> tuple[StepTrial, StepTrial | None]:
     """Choose time step and integrator of the test scenes scene.xml and lossy_scene.xml of a reduced joint.
 
+    The joint in lossy_scene.xml has load-dependent friction without Python code, see `lossy.lossy_joint_xml`.
+
     Parameters
     ----------
     reduced
@@ -62,8 +64,8 @@ def choose_scenes(
 def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
     """Return the MJCF and other files of a reduced joint: name -> content.
 
-    `reduced` is the joint model. These are `BASE_FILES` and, unless `lossy` is None, `SPRING_FILES`. `main_scene` and
-    `lossy` are the trials whose time steps the scenes have, from `choose_scenes`.
+    `reduced` is the joint model. The files are `BASE_FILES` and, unless `lossy` is None, `SPRING_FILES`. `main_scene`
+    and `lossy` are the results of `choose_scenes`: trials whose time steps scene.xml and lossy_scene.xml have.
     """
     texts = [
         joint_xml(reduced),

@@ -57,7 +57,7 @@ class FullModel(ABC):
 
     @abstractmethod
     def rotation_over_part(self, torque: float, direction: int, part: int, samples: int) -> Array:
-        """Compute the rotation of the output from its ideal angle [rad], counter-clockwise, with friction.
+        """Compute the rotation of the output from its ideal angle [rad] over a part of its turn, with friction.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class FullModel(ABC):
         Returns
         -------
         Array
-            Rotations at m crank angles in counter-clockwise order, shape (m,).
+            Rotations, positive counter-clockwise, at m crank angles in counter-clockwise order, shape (m,).
         """
 
     @abstractmethod
@@ -120,11 +120,11 @@ class CentralModel(FullModel):
         `poses` is the number of crank angles of the mean.
         """
         sense = self._reducer.member.sense
-        resting = at_rest(self._reducer)
-        springs = springs_of(resting, turn_evenly(self._reducer, poses), friction=False)
+        resting_reducer = at_rest(self._reducer)
+        springs = springs_of(resting_reducer, turn_evenly(self._reducer, poses), friction=False)
 
         def rotation(torque: float) -> float:
-            return float(sense * loads(resting, springs, sense * torque).output_turn.mean())
+            return float(sense * loads(resting_reducer, springs, sense * torque).output_turn.mean())
 
         return rotation
 
@@ -145,7 +145,7 @@ class CentralModel(FullModel):
             windup.compliance_by_spring(reducer)
             for windup in solve_windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)
         ]
-        means = {kind: float(np.mean([item[kind] for item in compliances])) for kind in compliances[0]}
+        means = {kind: float(np.mean([by_kind[kind] for by_kind in compliances])) for kind in compliances[0]}
         return means | {"twist": wind_up(reducer)}
 
     def time_constants(self) -> dict[str, float]:
@@ -195,10 +195,10 @@ class RvModel(FullModel):
 
         `poses` is the number of crank angles of the mean.
         """
-        reducer, braking = self._reducer, braking_sign(self._reducer)
+        reducer, brake_sign = self._reducer, braking_sign(self._reducer)
 
         def rotation(torque: float) -> float:
-            carrier_turn = solve_rv_equilibrium(reducer, braking * torque, poses).carrier_turn
+            carrier_turn = solve_rv_equilibrium(reducer, brake_sign * torque, poses).carrier_turn
             return float(output_rotation(reducer, carrier_turn).mean())
 
         return rotation
@@ -210,13 +210,16 @@ class RvModel(FullModel):
         index of the part, and `samples` the number of crank angles in a mesh period. The part is a turn of the cranks
         against the ring.
         """
-        driven = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
-        count = driven.design.ring.teeth * samples
-        sun = 2.0 * np.pi * driven.design.reduction * (np.arange(count) / count + part) / self.parts
-        crank, on_carrier = driven.member.against_ring(sun), torque_on_carrier(driven, torque)
-        friction = running_friction(driven, crank, np.sign(on_carrier))
-        balance = solve_rv_loads(compute_rv_springs(driven, crank), on_carrier, friction)
-        return output_rotation(driven, balance.carrier_turn)
+        turning_reducer = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
+        count = turning_reducer.design.ring.teeth * samples
+        sun_angle = 2.0 * np.pi * turning_reducer.design.reduction * (np.arange(count) / count + part) / self.parts
+        crank_angle, carrier_torque = (
+            turning_reducer.member.against_ring(sun_angle),
+            torque_on_carrier(turning_reducer, torque),
+        )
+        friction = running_friction(turning_reducer, crank_angle, np.sign(carrier_torque))
+        equilibrium = solve_rv_loads(compute_rv_springs(turning_reducer, crank_angle), carrier_torque, friction)
+        return output_rotation(turning_reducer, equilibrium.carrier_turn)
 
     def compliances(self) -> dict[str, float]:
         """Compute the compliance of teeth, crank bearings and planets [rad/(N m)] at the output.
@@ -226,15 +229,16 @@ class RvModel(FullModel):
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)
-        low, high = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
+        at_low_torque, at_high_torque = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
         teeth, flanks = np.split(springs.stiffness, [springs.pins], axis=1)
         work = {
-            "mesh": (high.pins - low.pins) ** 2 / teeth,
-            names.CRANK_BEARING: (high.cranks - low.cranks) ** 2 / springs.bearing_stiffness,
-            names.PLANET_MESH: (high.flanks - low.flanks) ** 2 / flanks.reshape(high.flanks.shape),
+            "mesh": (at_high_torque.pins - at_low_torque.pins) ** 2 / teeth,
+            names.CRANK_BEARING: (at_high_torque.cranks - at_low_torque.cranks) ** 2 / springs.bearing_stiffness,
+            names.PLANET_MESH: (at_high_torque.flanks - at_low_torque.flanks) ** 2
+            / flanks.reshape(at_high_torque.flanks.shape),
         }
-        change = (torques[1] - torques[0]) ** 2 * len(springs.crank)
-        return {kind: float(item.sum()) / change for kind, item in work.items()}
+        squared_torque_change = (torques[1] - torques[0]) ** 2 * len(springs.crank)
+        return {kind: float(work_of_springs.sum()) / squared_torque_change for kind, work_of_springs in work.items()}
 
     def time_constants(self) -> dict[str, float]:
         """Compute the time constants of teeth, crank bearings and planets."""

@@ -116,7 +116,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         output_inertia=output,
         friction=friction,
         ripple=solve_ripple(reducer, counter.count_one),
-        slips=tuple(Slip(*item) for item in np.stack(slip_elements(reducer), axis=1).tolist()),
+        slips=tuple(Slip(*slip_values) for slip_values in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
     counter.count_one()
     return replace(joint.at(level), quantities=by_key(_list_quantities(reducer, joint, fine, coarse)))
@@ -201,14 +201,19 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
         """Compute the mean rotation of the output [rad] under a share of the nominal torque."""
         return locked_rotation(share * rated_torque)
 
-    low, high = (
+    lower_stop, upper_stop = (
         2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
     )
-    if low > high:  # preloaded halves leave no play: both lines end in the same angle, except for their curvature
-        low = high = 0.5 * (low + high)
+    if (
+        lower_stop > upper_stop
+    ):  # preloaded halves leave no play: both lines end in the same angle, except for their curvature
+        lower_stop = upper_stop = 0.5 * (lower_stop + upper_stop)
     shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
-    wind_up = {share: 0.5 * (mean_output_angle(share) - high + low - mean_output_angle(-share)) for share in shares}
-    return Play(rated_torque, (low, high), wind_up)
+    wind_up = {
+        share: 0.5 * (mean_output_angle(share) - upper_stop + lower_stop - mean_output_angle(-share))
+        for share in shares
+    }
+    return Play(rated_torque, (lower_stop, upper_stop), wind_up)
 
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
@@ -248,13 +253,14 @@ def _compute_no_load_torque(reducer: Reducer) -> float:
     rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:
         with suppress(RunError):
-            low = _compute_friction_torque(reducer, torque * rated_torque)
+            friction_torque = _compute_friction_torque(reducer, torque * rated_torque)
             if torque == GRID.small:
-                return low
+                return friction_torque
             return max(
                 0.0,
                 _extrapolate_to_zero(
-                    (torque, low), (GRID.torques[0], _compute_friction_torque(reducer, GRID.torques[0] * rated_torque))
+                    (torque, friction_torque),
+                    (GRID.torques[0], _compute_friction_torque(reducer, GRID.torques[0] * rated_torque)),
                 ),
             )
     return 0.0
@@ -297,7 +303,10 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
 
     direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
     yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=direction)
-    play, wind_up = value_and_error(lambda item: item.backlash), value_and_error(lambda item: item.wind_up[1.0])
+    play, wind_up = (
+        value_and_error(lambda solution: solution.backlash),
+        value_and_error(lambda solution: solution.wind_up[1.0]),
+    )
     name = "backlash of the output, mean over the crank angle"
     yield Quantity("backlash_arcmin", name, *_convert_with_error(play, ARCMINUTE, "arcmin"))
     name = f"wind-up beyond the stop under {rated_torque:.4g} N m, crank locked"
@@ -305,7 +314,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     name = f"largest relative error of the stiffness as a polynomial, up to {rated_torque:.4g} N m"
     yield Quantity("polynomial_error", name, *_convert_with_error(value_and_error(Play.polynomial_error), 1.0, "1"))
     name = "torsional stiffness, 50 to 100 % of the nominal torque"
-    stiffness = value_and_error(lambda item: item.stiffness)
+    stiffness = value_and_error(lambda solution: solution.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     yield from _list_friction(reducer, joint, model.no_load_note)
     name = f"inertia on the crank: {model.crank_parts}"
@@ -323,10 +332,10 @@ def _list_friction(reducer: Reducer, joint: ReducedJoint, no_load_note: str) -> 
     """
     friction, torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
     efficiency = 100.0 * friction.efficiency(torque, speed, joint.ratio, driving=True)
-    error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)
+    error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _describe_efficiency_spread(reducer)
     name = f"efficiency at {torque:.4g} N m, {speed / RPM:.0f} rpm"
     row = Quantity("efficiency", name, efficiency, "%", error, note=spread_note)
-    yield _with_interval(row, reducer, sampled_efficiency, torque)
+    yield _add_film_interval(row, reducer, sampled_efficiency, torque)
     powers, driving_torque = solve_back_driving(reducer, torque)
     key, name = (
         "back_driving_efficiency",
@@ -338,35 +347,37 @@ def _list_friction(reducer: Reducer, joint: ReducedJoint, no_load_note: str) -> 
         error = 100.0 * _efficiency_error(reducer, -driving_torque / torque)
         row = Quantity(key, name, 100.0 * powers.efficiency, "%", error)
         if not isinstance(reducer, RvReducer):
-            row = _with_interval(row, reducer, back_driving_efficiency_spread, driving_torque)
+            row = _add_film_interval(row, reducer, back_driving_efficiency_spread, driving_torque)
         yield row
-    first, second = ((load, friction.torque(load, speed, driving=True)) for load in friction.torques[1:3])
-    error = abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first, second)))
+    first_point, second_point = ((load, friction.torque(load, speed, driving=True)) for load in friction.torques[1:3])
+    error = abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first_point, second_point)))
     name = f"no-load torque on the crank at {speed / RPM:.0f} rpm"
     row = Quantity("no_load_torque_nm", name, joint.no_load_torque, "N m", error, note=no_load_note)
-    yield _with_interval(row, reducer, no_load_spread)
+    yield _add_film_interval(row, reducer, no_load_spread)
 
 
-def _with_interval(row: Quantity, reducer: Reducer, compute: Callable[..., Spread], *arguments: float) -> Quantity:
-    """Return a row with the 5 to 95 % interval that it has under film friction; unchanged under Coulomb friction.
+def _add_film_interval(
+    quantity: Quantity, reducer: Reducer, compute: Callable[..., Spread], *arguments: float
+) -> Quantity:
+    """Add the 5 to 95 % interval under film friction to a `quantity`; return it unchanged under Coulomb friction.
 
-    `compute` is a function of the reducer and the `arguments`.
+    `compute` is a function of the `reducer` and the `arguments` that returns this interval.
     """
     if not reducer.design.has_film:
-        return row
+        return quantity
     interval = compute(reducer, *arguments)
-    return replace(row, low=interval.low, high=interval.high, causes=interval.causes)
+    return replace(quantity, low=interval.low, high=interval.high, causes=interval.causes)
 
 
-def _efficiency_spread(reducer: Reducer) -> str:
-    """Return the friction law, and how much the efficiency changes if assumed inputs are varied, one at a time.
+def _describe_efficiency_spread(reducer: Reducer) -> str:
+    """Describe the friction law, and by how much the efficiency changes if assumed inputs are varied one at a time.
 
-    Under film friction the interval of the efficiency has this information, and the text is the law only.
+    Under film friction only the law is described, because the efficiency then has an interval (`_add_film_interval`).
     """
     if reducer.design.has_film:
         return reducer.design.condition_words
 
-    def rate(varied_reducer: Reducer) -> float:
+    def efficiency_of(varied_reducer: Reducer) -> float:
         try:
             return shaft_powers(varied_reducer, reducer.design.rated_torque).efficiency
         except RunError:
@@ -374,9 +385,14 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
     assumed_inputs = spread.assumed_inputs(reducer)
     return f"{reducer.design.condition_words}; " + spread.spread_text(
-        rate(reducer),
+        efficiency_of(reducer),
         spread.input_effects(
-            assumed_inputs, {end: rate(reducer_of(end)) for item in assumed_inputs for end in item.ends}
+            assumed_inputs,
+            {
+                end_design: efficiency_of(reducer_of(end_design))
+                for assumed_input in assumed_inputs
+                for end_design in assumed_input.ends
+            },
         ),
     )
 

@@ -123,10 +123,12 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         2.0 * math.pi * frequency,
     )
     is_full = reduced.level == "full"
-    start = reduced.stops[1] + reduced.wind_up(rated_torque) + (reduced.ripple.errors(0.0, 1.0)[1] if is_full else 0.0)
+    start_deviation = (
+        reduced.stops[1] + reduced.wind_up(rated_torque) + (reduced.ripple.errors(0.0, 1.0)[1] if is_full else 0.0)
+    )
     spring_torque, damping = _tabulated_torque(reduced), reduced.damping
 
-    def motion(state: np.ndarray, time: float) -> tuple[float, float]:
+    def state_derivative(state: np.ndarray, time: float) -> tuple[float, float]:
         deviation, speed = state.tolist()
         torque = spring_torque(deviation)
         damping_torque = damping * speed if torque or not is_full else 0.0
@@ -138,8 +140,8 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, vibration / frequency))
     )
     states = odeint(
-        motion,
-        [start, 0.0],
+        state_derivative,
+        [start_deviation, 0.0],
         times,
         rtol=IMPACT.tolerance,
         atol=IMPACT.tolerance * reduced.wind_up(rated_torque),
@@ -159,7 +161,7 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     """
     breakpoints = reduced.bends(0.0)
     span = float(np.ptp(breakpoints))
-    knots = (bend + side * IMPACT.jump_width * span for bend in breakpoints for side in (-1, 1))
+    knots = (bend + sign * IMPACT.jump_width * span for bend in breakpoints for sign in (-1, 1))
     deviations = [breakpoints[0] - span, *knots, breakpoints[-1] + span]
     stops_at = reduced.moving_stops(0.0)
     torques = [

@@ -95,7 +95,7 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     spring_torques = np.array(
         [[spring.stiffness * max(wind_up - spring.start, 0.0) for spring in reduced.springs] for wind_up in wind_ups]
     )
-    driving, driven = (
+    driving_friction, driven_friction = (
         np.maximum(
             [
                 reduced.friction.torque(load, reduced.rated_speed, is_driving) - reduced.no_load_torque
@@ -106,10 +106,12 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
         for is_driving in (True, False)
     )
     # a compromise between errors of torque and of efficiency: large loads have more weight
-    weights, total = 1.0 / np.sqrt(loads), driving + driven
-    sums, differences = weights * total, weights * (driving - driven)
+    weights, total = 1.0 / np.sqrt(loads), driving_friction + driven_friction
+    sums, differences = weights * total, weights * (driving_friction - driven_friction)
     leading = float(np.clip(differences @ sums / (sums @ sums), -SHOE.max_leading, SHOE.max_leading))
-    by_spring, _ = nnls(weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving * driven / total)
+    by_spring, _ = nnls(
+        weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving_friction * driven_friction / total
+    )
     friction = max(float(by_spring.max()), np.finfo(float).tiny)
     shares = by_spring / friction
     deflection = SHOE.deflection * reduced.wind_up(reduced.rated_torque)
@@ -209,12 +211,12 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
     """Tabulate the efficiencies [%] of the joint with the brake shoe next to those of the full model."""
     rows = tuple(
         (
-            f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the nominal torque",
-            f"{item.percent:.2f}",
-            f"{item.full_model_percent:.2f}",
-            f"{item.percent - item.full_model_percent:+.2f}",
+            f"{'driving' if efficiency.driving else 'back-driven'}, {efficiency.share:.0%} of the nominal torque",
+            f"{efficiency.percent:.2f}",
+            f"{efficiency.full_model_percent:.2f}",
+            f"{efficiency.percent - efficiency.full_model_percent:+.2f}",
         )
-        for item in efficiencies
+        for efficiency in efficiencies
     )
     return Table(
         "lossy_joint.xml: efficiency in MuJoCo alone [%]", ("condition", "joint", "full model", "difference"), rows

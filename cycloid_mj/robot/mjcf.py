@@ -64,9 +64,9 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
         Armature [kg m2] and damping [N m s/rad] of each element.
     """
     smallest = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
-    limit = sum(slip.limit for slip in reduced.slips)
+    total_limit = sum(slip.limit for slip in reduced.slips)
     armatures = [
-        max(armature, sum(smallest) * slip.limit / limit)
+        max(armature, sum(smallest) * slip.limit / total_limit)
         for armature, slip in zip(smallest, reduced.slips, strict=True)
     ]
     return [
@@ -135,9 +135,9 @@ def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
     tendons, elements = [], []
     for number, spring in enumerate(reduced.springs):
         name, damping = reducer_name(joint, number), reduced.damping if number == 0 else 0.0
-        low, high = reduced.stops[0] - spring.start, reduced.stops[1] + spring.start
+        lower_end, upper_end = reduced.stops[0] - spring.start, reduced.stops[1] + spring.start
         tendons.append(
-            f'    <fixed name="{name}" springlength="{xml_number(low)} {xml_number(high)}" '
+            f'    <fixed name="{name}" springlength="{xml_number(lower_end)} {xml_number(upper_end)}" '
             f'stiffness="{xml_number(spring.stiffness)}" damping="{xml_number(damping)}">'
             f'<joint joint="{rotor}" coef="{xml_number(reduced.coefficient)}"/>'
             f'<joint joint="{joint}" coef="1"/></fixed>\n'

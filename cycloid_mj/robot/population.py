@@ -115,12 +115,12 @@ class Population(Tabular):
         """Tabulate the distribution of each joint parameter over random drives, and their correlations."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
-            (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summarize_parameter(key).values())))
+            (key, unit, *(f"{value:.5g}" for value in (self.nominal[key], *self._summarize_parameter(key).values())))
             for key, unit in PARAMETERS.items()
         )
-        header = ("parameter", "unit", "nominal", "mean", "std", *(f"{item:g} %" for item in QUANTILES))
+        header = ("parameter", "unit", "nominal", "mean", "std", *(f"{value:g} %" for value in QUANTILES))
         matrix = tuple(
-            (key, *("-" if np.isnan(item) else f"{item:+.2f}" for item in row))
+            (key, *("-" if np.isnan(value) else f"{value:+.2f}" for value in row))
             for key, row in zip(PARAMETERS, self.correlation.tolist(), strict=True)
         )
         return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
@@ -142,7 +142,8 @@ class Population(Tabular):
             },
             "correlation": {"parameters": list(PARAMETERS), "matrix": self.correlation.tolist()},
             "ranges": [
-                {"input": item.name, "unit": item.unit, "low": item.low, "high": item.high} for item in self.ranges
+                {"input": input_range.name, "unit": input_range.unit, "low": input_range.low, "high": input_range.high}
+                for input_range in self.ranges
             ],
         }
 
@@ -180,18 +181,18 @@ def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Pro
         Fewer than two drives can be assembled, or the design has no static equilibrium.
     """
     varied_tables = VARIED[reducer.LAYOUT]
-    ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in varied_tables)
-    work = partial(_draw_drive, reducer, ranges, seed)
-    drives = Engine(kind="threads").each(work, range(samples), progress)
-    assembled_drives = [item for item in drives if item is not None]
+    ranges = tuple(_centred_range(reducer, drive) for drive in assumed_inputs(reducer) if drive.table in varied_tables)
+    draw_drive = partial(_draw_drive, reducer, ranges, seed)
+    drives = Engine(kind="threads").each(draw_drive, range(samples), progress)
+    assembled_drives = [drive for drive in drives if drive is not None]
     if len(assembled_drives) < 2:
         raise RunError(
             f"{reducer.design.name}: only {len(assembled_drives)} of {samples} randomly sampled drives can be "
             "assembled, but at least 2 are needed. Reduce the tolerances, or increase the clearances (clearance.*)"
         )
     values, drawn_values = (
-        {key: np.array([item[part][key] for item in assembled_drives]) for key in assembled_drives[0][part]}
-        for part in (0, 1)
+        {key: np.array([drive[index][key] for drive in assembled_drives]) for key in assembled_drives[0][index]}
+        for index in (0, 1)
     )
     return Population(
         design=reducer.design.name,
@@ -223,8 +224,8 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
     if all(factor == 1.0 for factor in factors.values()):
         return input_range
     low_values, high_values = (
-        {key: factors[key] * value for key, value in end.items()}
-        for end in (input_range.low_values, input_range.high_values)
+        {key: factors[key] * value for key, value in end_values.items()}
+        for end_values in (input_range.low_values, input_range.high_values)
     )
     low, high = min(low_values.values()), max(high_values.values())
     return replace(input_range, low=low, high=high, low_values=low_values, high_values=high_values)

@@ -126,7 +126,7 @@ def _mjx_randomization(reduced: ReducedJoint, population: Population) -> str:
 
     `population` has the joint parameters of a sample of drives.
     """
-    lines = "".join(f'    "{name}": {_format_pair(ends)},\n' for name, ends in factor_ranges(population).items())
+    lines = "".join(f'    "{name}": {_format_pair(limits)},\n' for name, limits in factor_ranges(population).items())
     tendons = [f"{OUTPUT}_reducer" + (f"_{number + 1}" if number else "") for number in range(len(reduced.springs))]
     return f'''"""{_describe_ranges(population)}
 

@@ -175,13 +175,13 @@ class ReducedJoint(Presented):
 
     def wind_up(self, torque: float) -> float:
         """Compute how far [rad] a torque [N m] of either sign turns the joint's output beyond the stop (>= 0)."""
-        start, torque_at_start, slope = 0.0, 0.0, 0.0
+        previous_start, torque_at_previous_start, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
-            if torque_at_start + slope * (spring.start - start) > abs(torque):
+            if torque_at_previous_start + slope * (spring.start - previous_start) > abs(torque):
                 break
-            torque_at_start += slope * (spring.start - start)
-            start, slope = spring.start, slope + spring.stiffness
-        return start + (abs(torque) - torque_at_start) / slope
+            torque_at_previous_start += slope * (spring.start - previous_start)
+            previous_start, slope = spring.start, slope + spring.stiffness
+        return previous_start + (abs(torque) - torque_at_previous_start) / slope
 
     def torque(self, deviation: float, stops: tuple[float, float] | None = None) -> float:
         """Compute the torque of the springs on the output [N m] at its deviation L [rad].
@@ -189,10 +189,10 @@ class ReducedJoint(Presented):
         L is the output's angle minus its ideal angle at the crank's angle. The torque acts towards the play. `stops`
         are the deviations at the ends of the play [rad], by default their means over the crank angle.
         """
-        low, high = stops or self.stops
-        wind_up = max(deviation - high, low - deviation)
-        size = sum(spring.stiffness * max(wind_up - spring.start, 0.0) for spring in self.springs)
-        return -size if deviation > high else size
+        lower_stop, upper_stop = stops or self.stops
+        wind_up = max(deviation - upper_stop, lower_stop - deviation)
+        magnitude = sum(spring.stiffness * max(wind_up - spring.start, 0.0) for spring in self.springs)
+        return -magnitude if deviation > upper_stop else magnitude
 
     def stops_at(self, angle: float, deviation: float) -> tuple[float, float]:
         """Compute the deviations at both stops [rad] at a crank angle [rad], with the transmission error under load.
@@ -211,7 +211,7 @@ class ReducedJoint(Presented):
         wind up; the largest is used.
         """
         shares, _ = self._bend_points
-        (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
+        (lower_errors, lower_deviation), (upper_errors, upper_deviation) = self._stop_deviations(angle)
 
         def stops(deviation: float) -> tuple[float, float]:
             """Return the deviations L at the lower and the upper stop [rad], under the load at the output's deviation.
@@ -224,8 +224,8 @@ class ReducedJoint(Presented):
                 np.interp(deviation, upper_deviation, shares),
             )
             return (
-                self.stops[0] + float(np.interp(share_below, shares, low)),
-                self.stops[1] + float(np.interp(share_above, shares, high)),
+                self.stops[0] + float(np.interp(share_below, shares, lower_errors)),
+                self.stops[1] + float(np.interp(share_above, shares, upper_errors)),
             )
 
         return stops
@@ -238,14 +238,14 @@ class ReducedJoint(Presented):
         transmission error at the crank angle `angle` [rad] moves them.
         """
         if self.level == "full":
-            (_, lower), (_, upper) = self._stop_deviations(angle)
-            return np.unique([*-lower, *upper])
+            (_, lower_deviations), (_, upper_deviations) = self._stop_deviations(angle)
+            return np.unique([*-lower_deviations, *upper_deviations])
         starts = [spring.start for spring in self.springs]
         return np.unique(
             [
-                side * start + stop_angle
+                sign * start + stop_angle
                 for start in starts
-                for side, stop_angle in zip((-1, 1), self.stops, strict=True)
+                for sign, stop_angle in zip((-1, 1), self.stops, strict=True)
             ]
         )
 
@@ -261,10 +261,12 @@ class ReducedJoint(Presented):
             those of `_bend_points`. Neither -L nor L falls with the load.
         """
         shares, wind_ups = self._bend_points
-        low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
-        return (low, _lower_envelope(wind_ups - low - self.stops[0])), (
-            high,
-            _lower_envelope(wind_ups + high + self.stops[1]),
+        lower_errors, upper_errors = (
+            np.interp(shares, self.ripple.loads, error_at_loads) for error_at_loads in self.ripple.errors_at(angle)
+        )
+        return (lower_errors, _lower_envelope(wind_ups - lower_errors - self.stops[0])), (
+            upper_errors,
+            _lower_envelope(wind_ups + upper_errors + self.stops[1]),
         )
 
     @cached_property
@@ -273,11 +275,11 @@ class ReducedJoint(Presented):
 
         The loads are shares of the nominal torque [1], the wind-ups are in rad; shape (n,) each, in increasing order.
         """
-        starts = [
-            sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
-            for item in self.springs
+        torques_at_starts = [
+            sum(spring.stiffness * max(reached_spring.start - spring.start, 0.0) for spring in self.springs)
+            for reached_spring in self.springs
         ]
-        shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in starts)])
+        shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in torques_at_starts)])
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
 
     def at(self, level: Level) -> Self:
@@ -333,12 +335,14 @@ class ReducedJoint(Presented):
             The model has no joint with this reducer.
         """
         tuples = zip(model.tuple_adr.tolist(), model.tuple_size.tolist(), strict=True)
-        starts = [(start, size) for start, size in tuples if size and model.tuple_objprm[start] == self.fingerprint]
-        if not starts:
+        matching_tuples = [
+            (start, size) for start, size in tuples if size and model.tuple_objprm[start] == self.fingerprint
+        ]
+        if not matching_tuples:
             raise UsageError(
                 f"no joint of the model has the reducer {self.name!r}: attach it first with attach_reducer"
             )
-        for start, size in starts:
+        for start, size in matching_tuples:
             output, *remaining = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = remaining or [output]
             output_addresses, crank_addresses = (
@@ -354,10 +358,10 @@ class ReducedJoint(Presented):
         """
         angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
         deviation = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
-        low, high = self.stops_at(angle, deviation)
+        lower_stop, upper_stop = self.stops_at(angle, deviation)
         for spring, tendon in zip(self.springs, addresses.tendons, strict=True):
-            model.tendon_lengthspring[tendon] = low - spring.start, high + spring.start
-        torque = self.torque(deviation, (low, high))
+            model.tendon_lengthspring[tendon] = lower_stop - spring.start, upper_stop + spring.start
+        torque = self.torque(deviation, (lower_stop, upper_stop))
         model.tendon_damping[addresses.tendons[0]] = self.damping if torque else 0.0
         torque_on_crank = self.coefficient * torque
         speed = float(data.qvel[dof])
@@ -419,10 +423,10 @@ class ReducedJoint(Presented):
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
             values["springs"] = tuple(
-                Spring(float(item["start"]), float(item["stiffness"])) for item in values["springs"]
+                Spring(float(entry["start"]), float(entry["stiffness"])) for entry in values["springs"]
             )
             values["slips"] = tuple(
-                Slip(float(item["limit"]), float(item["stiffness"])) for item in values.get("slips", ())
+                Slip(float(entry["limit"]), float(entry["stiffness"])) for entry in values.get("slips", ())
             )
             values["friction"] = FrictionMap.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])

@@ -55,19 +55,24 @@ class Ripple:
         rotation. `sense` is 1 if the output turns in the direction of the crank, else -1. `rated` is the nominal torque
         on the output [N m].
         """
-        for direction, high in (("forward", sense < 0), ("reverse", sense > 0)):
-            stop_name = "high" if high else "low"
-            a, b, errors = (np.array(getattr(self, f"{stop_name}_{part}")) for part in ("cos", "sin", "error"))
-            for i, load in enumerate(self.loads):
-                for j, order in enumerate(self.orders):
+        for direction, is_upper_stop in (("forward", sense < 0), ("reverse", sense > 0)):
+            stop_name = "high" if is_upper_stop else "low"
+            cosines, sines, errors = (
+                np.array(getattr(self, f"{stop_name}_{term}")) for term in ("cos", "sin", "error")
+            )
+            for load_index, load in enumerate(self.loads):
+                for order_index, order in enumerate(self.orders):
                     yield {
                         "order": order,
                         "way": direction,
                         "load_nm": load * rated,
-                        "value": float(np.hypot(a[i, j], b[i, j])) * ARCSECONDS,
+                        "value": float(np.hypot(cosines[load_index, order_index], sines[load_index, order_index]))
+                        * ARCSECONDS,
                         "unit": "arcsec",
-                        "numerical_error": float(errors[i, j]) * ARCSECONDS,
-                        "phase_deg": float(np.degrees(np.arctan2(-b[i, j], a[i, j]))),
+                        "numerical_error": float(errors[load_index, order_index]) * ARCSECONDS,
+                        "phase_deg": float(
+                            np.degrees(np.arctan2(-sines[load_index, order_index], cosines[load_index, order_index]))
+                        ),
                     }
 
     @classmethod

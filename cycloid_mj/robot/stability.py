@@ -202,11 +202,13 @@ def try_time_step(
     if reduced.level == "rigid":
         return StepTrial(*conditions, *_accelerate_rigid_joint(scene(), inertia))
     load_case = solve_impact(reduced, inertia)
-    stable, error, frequency = measure_vibration(scene(), inertia)
+    stable, static_error, frequency_error = measure_vibration(scene(), inertia)
     peak = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
     if peak is None:
         return StepTrial(*conditions, False, math.nan, math.nan, load_case.frequency)
-    return StepTrial(*conditions, True, error, frequency, load_case.frequency, peak, peak / load_case.peak - 1.0)
+    return StepTrial(
+        *conditions, True, static_error, frequency_error, load_case.frequency, peak, peak / load_case.peak - 1.0
+    )
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
@@ -216,13 +218,13 @@ def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Inte
     step, longer steps count up to the first that is not accurate.
     """
     matching = [trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)]
-    best = None
+    longest = None
     for trial in sorted(matching, key=lambda trial: trial.timestep):
         if trial.accurate:
-            best = trial
-        elif best is not None:
+            longest = trial
+        elif longest is not None:
             break
-    return best
+    return longest
 
 
 def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
@@ -236,9 +238,9 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
-            best = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
-            by_load = {load: trial.timestep if trial else 0.0 for load, trial in best.items()}
-            errors = {load: trial.impact_error if trial else math.nan for load, trial in best.items()}
+            longest_by_load = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
+            by_load = {load: trial.timestep if trial else 0.0 for load, trial in longest_by_load.items()}
+            errors = {load: trial.impact_error if trial else math.nan for load, trial in longest_by_load.items()}
             steps = {"timestep_s": min(by_load.values()), "by_load": by_load, "impact_error": errors}
             rows.append({"level": level, "integrator": integrator, **steps})
     return rows
@@ -252,8 +254,8 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
-            best = [longest_accurate(trials, level, integrator, load) for load in INERTIAS]
-            cells = (f"{1e3 * item.timestep:g} ms: {item.summary}" if item else "none" for item in best)
+            longest_trials = [longest_accurate(trials, level, integrator, load) for load in INERTIAS]
+            cells = (f"{1e3 * trial.timestep:g} ms: {trial.summary}" if trial else "none" for trial in longest_trials)
             rows.append((f"{level}, {integrator}", *cells))
     title = f"Longest time step at which the peak of an impact is within {STUDY.impact_rtol:.0%}, and its error"
     return Table(title, ("level, integrator", *INERTIAS), tuple(rows))
@@ -304,9 +306,9 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> float:
     """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
-    It replaces the error of the mean of a vibration: with a nonlinear spring, such as with a transmission error that
-    depends on the load, this mean differs from the position of rest. `scene` has the joint, `stop_angle` is the angle
-    of its stop [rad], and `steps` is the number of time steps.
+    With a nonlinear spring, such as with a transmission error that depends on the load, the mean of a vibration differs
+    from the position of rest; `measure_vibration` then returns this error instead. `scene` has the joint, `stop_angle`
+    is the angle of its stop [rad], and `steps` is the number of time steps.
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)
@@ -324,12 +326,12 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
     If the shortest step is not accurate, those at `STUDY.finer_steps` follow until one is. `load` is the name of the
     inertia. `reduced` is the joint model of the drive.
     """
-    runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
+    runs = [try_time_step(reduced, integrator, step, inertia, load) for step in STUDY.steps]
     yield from runs
     if runs[0].accurate:
         return
-    for finer in STUDY.finer_steps:
-        run = try_time_step(reduced, integrator, finer, inertia, load)
+    for finer_step in STUDY.finer_steps:
+        run = try_time_step(reduced, integrator, finer_step, inertia, load)
         yield run
         if run.accurate:
             return

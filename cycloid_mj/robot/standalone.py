@@ -56,17 +56,19 @@ def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str,
     """
     play, stiffness, friction, loss, error = (float(factors[key]) for key in PARAMETERS)
     scaled = copy.deepcopy(dict(values))
-    low, high = values["stops"]
-    middle, half = 0.5 * (low + high), 0.5 * play * (high - low)
-    scaled["stops"] = [middle - half, middle + half]
+    lower_stop, upper_stop = values["stops"]
+    middle, half_play = 0.5 * (lower_stop + upper_stop), 0.5 * play * (upper_stop - lower_stop)
+    scaled["stops"] = [middle - half_play, middle + half_play]
     for spring in scaled["springs"]:
         spring["start"] /= stiffness
         spring["stiffness"] *= stiffness
-    scaled["polynomial"] = [coefficient * stiffness ** (n + 1) for n, coefficient in enumerate(values["polynomial"])]
+    scaled["polynomial"] = [
+        coefficient * stiffness ** (index + 1) for index, coefficient in enumerate(values["polynomial"])
+    ]
     scaled["damping"] = values["damping"] * stiffness
-    for side in ("driving", "driven"):
-        scaled["friction"][side] = [
-            [friction * row[0] + loss * (torque - row[0]) for torque in row] for row in values["friction"][side]
+    for direction in ("driving", "driven"):
+        scaled["friction"][direction] = [
+            [friction * row[0] + loss * (torque - row[0]) for torque in row] for row in values["friction"][direction]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
         scaled["ripple"][key] = [[error * coefficient for coefficient in row] for row in values["ripple"][key]]
@@ -124,13 +126,13 @@ class Joint:
         at the hinge with the name `joint`.
         """
         values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
-        low, high = values["stops"]
+        lower_stop, upper_stop = values["stops"]
         for number, spring in enumerate(values["springs"]):
             tendon = model.tendon(f"{joint}_reducer" + (f"_{number + 1}" if number else "")).id
-            model.tendon_lengthspring[tendon] = low - spring["start"], high + spring["start"]
+            model.tendon_lengthspring[tendon] = lower_stop - spring["start"], upper_stop + spring["start"]
             model.tendon_stiffness[tendon] = spring["stiffness"]
             model.tendon_damping[tendon] = 0.0 if number else values["damping"]
-        model.dof_frictionloss[dof] = self._friction("driving", 0.0, values["rated_speed"], np)
+        model.dof_frictionloss[dof] = self._interpolate_friction("driving", 0.0, values["rated_speed"], np)
 
     def step(self, model: Any, data: Any, joint: str = "output") -> None:
         """Update friction and transmission error of a hinge in a ``MjModel`` for the state in `data` (``MjData``).
@@ -190,20 +192,22 @@ class Joint:
             next_deviation = xp.where(is_later, deviation_at_bends, xp.inf).min(axis=1)
             share = xp.interp(sign * deviation, next_deviation, bends)
             stops.append(stop_angle + xp.interp(share, bends, error))
-        low, high = stops
-        wind_up = xp.maximum(deviation - high, low - deviation)
-        size = (stiffness * xp.maximum(wind_up - starts, 0.0)).sum()
-        torque = xp.where(deviation > high, -size, size)
+        lower_stop, upper_stop = stops
+        wind_up = xp.maximum(deviation - upper_stop, lower_stop - deviation)
+        magnitude = (stiffness * xp.maximum(wind_up - starts, 0.0)).sum()
+        torque = xp.where(deviation > upper_stop, -magnitude, magnitude)
         torque_on_crank = self.coefficient * torque
         direction = xp.where(xp.abs(speed) > AT_REST, speed, torque_on_crank + driven_by)
-        driving_friction, driven_friction = (self._friction(key, size, speed, xp) for key in ("driving", "driven"))
+        driving_friction, driven_friction = (
+            self._interpolate_friction(key, magnitude, speed, xp) for key in ("driving", "driven")
+        )
         return Terms(
-            xp.stack([low - starts, high + starts], axis=1),
-            xp.where(size > 0.0, values["damping"], 0.0),
+            xp.stack([lower_stop - starts, upper_stop + starts], axis=1),
+            xp.where(magnitude > 0.0, values["damping"], 0.0),
             xp.where(torque_on_crank * direction < 0.0, driving_friction, driven_friction),
         )
 
-    def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
+    def _interpolate_friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
         """Interpolate the friction torque on the crank [N m] at an output torque [N m] and a crank speed [rad/s].
 
         `key` is "driving" (the crank drives) or "driven" (the output drives), and `xp` is the array module, NumPy or

@@ -45,22 +45,24 @@ def solve_ripple(reducer: Reducer, on_part: Callable[[], None]) -> Ripple:
     The harmonics are computed in both directions of the crank; `on_part` is called after each of the `count_parts`
     parts of a turn that are solved.
     """
-    lightest = next((load for load in RIPPLE.unloaded if _has_equilibrium(reducer, load)), RIPPLE.unloaded[-1])
-    shares = (lightest, *RIPPLE.loads)
+    lowest_load = next((load for load in RIPPLE.unloaded if _has_equilibrium(reducer, load)), RIPPLE.unloaded[-1])
+    shares = (lowest_load, *RIPPLE.loads)
     spectra = {
-        (load, sign): compute_amplitudes(solve_error(reducer, load, sign, on_part))
-        for sign in (1, -1)
+        (load, direction): compute_amplitudes(solve_error(reducer, load, direction, on_part))
+        for direction in (1, -1)
         for load in shares
     }
     indices = _select_harmonics([fine for fine, _ in spectra.values()])
     # with a forward crank, the load pushes a carrier output counter-clockwise, to its upper stop
-    stops = {}
-    for name, sign in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
-        spectra_at_stop = [spectra[load, sign] for load in shares]
-        stops[f"{name}_cos"] = _rows([fine[indices].real for fine, _ in spectra_at_stop])
-        stops[f"{name}_sin"] = _rows([-fine[indices].imag for fine, _ in spectra_at_stop])
-        stops[f"{name}_error"] = _rows([np.abs(fine[indices] - coarse[indices]) for fine, coarse in spectra_at_stop])
-    return Ripple(tuple((indices / reducer.design.reduction).tolist()), shares, **stops)
+    coefficients = {}
+    for name, direction in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
+        spectra_at_stop = [spectra[load, direction] for load in shares]
+        coefficients[f"{name}_cos"] = _rows([fine[indices].real for fine, _ in spectra_at_stop])
+        coefficients[f"{name}_sin"] = _rows([-fine[indices].imag for fine, _ in spectra_at_stop])
+        coefficients[f"{name}_error"] = _rows(
+            [np.abs(fine[indices] - coarse[indices]) for fine, coarse in spectra_at_stop]
+        )
+    return Ripple(tuple((indices / reducer.design.reduction).tolist()), shares, **coefficients)
 
 
 def count_parts(reducer: Reducer) -> int:

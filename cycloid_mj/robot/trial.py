@@ -54,11 +54,11 @@ class TrialScene:
     def press_to_stop(self, torque: float) -> None:
         """Apply a torque to the output [N m], and set its angle to that of equilibrium with the springs."""
         reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
-        side, size = int(torque > 0.0), abs(torque)
-        length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
+        stop_index, magnitude = int(torque > 0.0), abs(torque)
+        deviation = reduced.stops[stop_index] + reduced.wind_up(magnitude) * (1.0 if stop_index else -1.0)
         if reduced.level == "full":
-            length += reduced.ripple.errors(angle, size / reduced.rated_torque)[side]
-        self.data.qpos[self.addresses.output_angle] = length - reduced.coefficient * angle
+            deviation += reduced.ripple.errors(angle, magnitude / reduced.rated_torque)[stop_index]
+        self.data.qpos[self.addresses.output_angle] = deviation - reduced.coefficient * angle
         self.push(torque)
 
     def step(self) -> None:
@@ -78,9 +78,9 @@ class TrialScene:
 
         reduced, data = self.reduced, self.data
 
-        def acceleration(length: float) -> float:
+        def acceleration(deviation: float) -> float:
             data.qpos[self.addresses.output_angle] = (
-                length - reduced.coefficient * data.qpos[self.addresses.crank_angle]
+                deviation - reduced.coefficient * data.qpos[self.addresses.crank_angle]
             )
             mujoco.mj_forward(self.model, data)
             return float(data.qacc[self.addresses.output_speed])

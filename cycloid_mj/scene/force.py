@@ -299,10 +299,12 @@ def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring
     """
     cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([poses_by_part[name] for name in cranks], axis=1)
-    bearings = [
+    eccentric_centres_by_disc = [
         reducer.mechanism.mating(names.CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)
     ]
-    eccentrics = np.stack([transform(crank_poses, crank_place) for crank_place in bearings], axis=1)
+    eccentrics = np.stack(
+        [transform(crank_poses, eccentric_centres) for eccentric_centres in eccentric_centres_by_disc], axis=1
+    )
     pitch_points = _pitch_points(reducer, poses_by_part[names.SUN], crank_poses)
     needle_radius = reducer.needle_circle_radius + reducer.cranks.needle_radius
     radii = _ring_radii(ring_design.pin_radius, ring_design.sleeve_bore_radius)
@@ -356,8 +358,8 @@ def _shift_to_action_line(wrench: Array, direction: Array, arm: Array) -> Array:
     force, and `arm` (..., 2) [m] the vector from the origin to the point. The shift is limited to `ARROWS.max_shift`,
     because the moment of a force near zero, or of two contacts, does not determine a point.
     """
-    size = np.linalg.norm(wrench[..., :2], axis=-1)
-    lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
+    force_size = np.linalg.norm(wrench[..., :2], axis=-1)
+    lever = np.divide(wrench[..., 2], force_size, out=np.zeros_like(force_size), where=force_size > 0)
     distance = cross(arm, direction) - lever
     normal = np.stack([-direction[..., 1], direction[..., 0]], axis=-1)
     return np.clip(distance, -ARROWS.max_shift, ARROWS.max_shift)[..., np.newaxis] * normal

@@ -119,10 +119,10 @@ class Scene:
             files |= dict.fromkeys(crank_names(self.reducer), crank_file)
         if pin_file:
             files |= {pin(number): pin_file for number, _ in enumerate(ring_places(self.reducer), start=1)}
-        for part, data in files.items():
+        for part, glb_content in files.items():
             entity = message.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
-            model = entity.models.add(data=data, media_type=MEDIA_TYPE)
+            model = entity.models.add(data=glb_content, media_type=MEDIA_TYPE)
             model.pose.orientation.w = 1.0
             model.scale.x = model.scale.y = model.scale.z = 1.0
         yield PARTS, _nanoseconds(time), message.SerializeToString(deterministic=True)
@@ -144,33 +144,33 @@ class Scene:
         rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
         nanoseconds = np.rint(1e9 * time).astype(np.int64).tolist()
         forces = shown_forces(self.reducer, columns)
-        arrows = self._arrows(forces)
+        arrows = self._compute_arrows(forces)
         rows_by_kind = {
             kind: [row for row, pair_kind in enumerate(forces.kinds) if pair_kind == kind]
             for kind in dict.fromkeys(forces.kinds)
         }
         for row in rows:
-            yield FRAMES, nanoseconds[row], self._transforms(list(poses_by_part), pose[row], nanoseconds[row])
-            yield FORCES, nanoseconds[row], self._forces(rows_by_kind, arrows[row], nanoseconds[row])
+            yield FRAMES, nanoseconds[row], self._encode_transforms(list(poses_by_part), pose[row], nanoseconds[row])
+            yield FORCES, nanoseconds[row], self._encode_forces(rows_by_kind, arrows[row], nanoseconds[row])
 
-    def _transforms(self, parts: list[str], poses: Array, nanoseconds: int) -> bytes:
+    def _encode_transforms(self, parts: list[str], poses: Array, nanoseconds: int) -> bytes:
         """Encode the transforms of parts at a time stamp [ns]: translation, and rotation about z as a quaternion.
 
         `poses` (parts, 3) has x [m], y [m] and angle [rad] of each of `parts`. `nanoseconds` is the time stamp.
         """
         message, half_angle = FrameTransforms(), 0.5 * poses[:, 2]
-        values = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()
-        for part, (x, y, sine, cosine) in zip(parts, values, strict=True):
+        rows = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()
+        for part, (x, y, sine, cosine) in zip(parts, rows, strict=True):
             transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
             transform.timestamp.FromNanoseconds(nanoseconds)
             transform.translation.x, transform.translation.y = x, y
             transform.rotation.z, transform.rotation.w = sine, cosine
         return bytes(message.SerializeToString(deterministic=True))
 
-    def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, nanoseconds: int) -> bytes:
+    def _encode_forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, nanoseconds: int) -> bytes:
         """Encode the arrows of all forces at a time stamp [ns] for a viewer: one entity for each kind of mating pair.
 
-        `nanoseconds` is the time stamp. `arrows` (k, 7) are those of k forces from `_arrows` at this time, and
+        `nanoseconds` is the time stamp. `arrows` (k, 7) are those of k forces from `_compute_arrows` at this time, and
         `rows_by_kind` has the row indices of each kind of pair. Forces of zero have no arrow.
         """
         message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
@@ -188,7 +188,7 @@ class Scene:
                 arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
         return bytes(message.SerializeToString(deterministic=True))
 
-    def _arrows(self, forces: ContactForces) -> Array:
+    def _compute_arrows(self, forces: ContactForces) -> Array:
         """Compute the arrows of k forces at n times, shape (n, k, 7); their tips are at the contacts.
 
         The last axis has position x, y, z of the tail [m], sine and cosine of half the angle from +x, and the lengths
@@ -200,8 +200,8 @@ class Scene:
         height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in forces.discs], half_angle.shape)
         length = forces.size * scale
         head = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
-        values = (tail[..., 0], tail[..., 1], height, np.sin(half_angle), np.cos(half_angle), length - head, head)
-        return np.stack(values, axis=-1)
+        arrow_values = (tail[..., 0], tail[..., 1], height, np.sin(half_angle), np.cos(half_angle), length - head, head)
+        return np.stack(arrow_values, axis=-1)
 
     @cached_property
     def _scales(self) -> dict[str, float]:

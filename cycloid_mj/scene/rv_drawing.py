@@ -82,18 +82,18 @@ def draw_rv_poses(
         The magnification is below 1 or beyond `largest_rv_magnification`.
     """
     check_magnification(reducer, magnification, largest_rv_magnification(reducer))
-    by_part, bearing = poses(reducer, columns), reducer.mechanism.mating(CRANK_BEARING, disc)
-    cranks = np.stack([by_part[name] for name in crank_names(reducer)], axis=1)
-    mesh = magnify_mesh(reducer, measure_mesh(reducer, by_part, cranks[..., 2].mean(axis=1), disc), magnification)
-    gear = by_part[reducer.gears[disc]][:, np.newaxis]
-    displaced = transform(cranks, bearing.by.place) - transform(gear, bearing.on.place)
-    eccentrics = transform(mesh.gear[:, np.newaxis], crank_centres(reducer)) + magnification * displaced
+    poses_by_part, bearing = poses(reducer, columns), reducer.mechanism.mating(CRANK_BEARING, disc)
+    cranks = np.stack([poses_by_part[name] for name in crank_names(reducer)], axis=1)
+    mesh = magnify_mesh(reducer, measure_mesh(reducer, poses_by_part, cranks[..., 2].mean(axis=1), disc), magnification)
+    gear = poses_by_part[reducer.gears[disc]][:, np.newaxis]
+    displacement = transform(cranks, bearing.by.place) - transform(gear, bearing.on.place)
+    eccentrics = transform(mesh.gear[:, np.newaxis], crank_centres(reducer)) + magnification * displacement
     axes = eccentrics - rotate(bearing.by.place, cranks[..., 2])
     return RvDrawing(
         **vars(mesh),
         eccentric_radius=reducer.bore_radius - magnification * max(reducer.bearing_clearance, 0.0),
         eccentrics=eccentrics,
         cranks=np.concatenate([axes, cranks[..., 2:]], axis=-1),
-        posts=transform(by_part[OUTPUT][:, np.newaxis], post_centres(reducer)),
-        sun=by_part[SUN],
+        posts=transform(poses_by_part[OUTPUT][:, np.newaxis], post_centres(reducer)),
+        sun=poses_by_part[SUN],
     )

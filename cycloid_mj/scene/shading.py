@@ -41,7 +41,8 @@ def shade(mesh: Mesh) -> ShadedMesh:
     faces = vertex_indices.reshape(-1, 3)
     weighted_normals = (_corner_angles(corners)[..., np.newaxis] * face_normals[:, np.newaxis]).reshape(-1, 3)
     sums = np.stack(
-        [np.bincount(faces.ravel(), weights=part, minlength=len(unique_keys)) for part in weighted_normals.T], axis=1
+        [np.bincount(faces.ravel(), weights=component, minlength=len(unique_keys)) for component in weighted_normals.T],
+        axis=1,
     )
     normals = sums / np.linalg.norm(sums, axis=1, keepdims=True)
     return ShadedMesh(mesh.vertices[unique_keys % len(mesh.vertices)], normals, faces.astype(np.int32))

@@ -57,7 +57,10 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
 
 
 def _coloured_pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
-    """Return the coloured pieces of a solid at a position [m], shape (3,); the output's discs and pins are separate."""
+    """Return the coloured pieces of the `solid` of a part at a `position` [m], shape (3,).
+
+    `name` is the name of the part. The discs and the pins of the output are separate pieces.
+    """
     if name == OUTPUT and isinstance(reducer, RvReducer):
         return (Piece("carrier", mesh(solid), COLOURS["disc"]),)
     if name != OUTPUT:

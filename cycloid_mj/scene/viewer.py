@@ -33,7 +33,7 @@ def show_model(model: Any) -> None:
     """
     viewer = _viewer()
     with install():
-        _open(viewer.launch, model)
+        _open_viewer_window(viewer.launch, model)
 
 
 def show_run(run: Run, slowdown: float) -> None:
@@ -49,11 +49,11 @@ def show_run(run: Run, slowdown: float) -> None:
     model = replay_model(run)
     data = mujoco.MjData(model)
     set_sample(model, data, run, 0)
-    start = time.monotonic()
-    with _open(_viewer().launch_passive, model, data) as window:
+    start_time = time.monotonic()
+    with _open_viewer_window(_viewer().launch_passive, model, data) as window:
         aim_camera(window.cam, model)
         while window.is_running():
-            played_time = (time.monotonic() - start) / slowdown
+            played_time = (time.monotonic() - start_time) / slowdown
             span = float(run.time[-1] - run.time[0]) or 1.0
             set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played_time % span)))
             window.sync()
@@ -66,7 +66,7 @@ def _viewer() -> Any:
     return mujoco.viewer
 
 
-def _open(open_window: Any, *args: Any) -> Any:
+def _open_viewer_window(open_window: Any, *args: Any) -> Any:
     """Call a function that opens a window with `args` and return its result; raise CycloidError if it fails."""
     try:
         return open_window(*args)

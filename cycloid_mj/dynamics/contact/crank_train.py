@@ -93,10 +93,10 @@ def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
-    bases = mesh.sun_base + mesh.planet_base
-    cosine = bases / distance
+    base_radii_sum = mesh.sun_base + mesh.planet_base
+    cosine = base_radii_sum / distance
     sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
-    opening = bases * (sine / cosine - math.acos(min(cosine, 1.0)) - mesh.involute)
+    opening = base_radii_sum * (sine / cosine - math.acos(min(cosine, 1.0)) - mesh.involute)
     planet_angle = math.atan2(planet.sine, planet.cosine) - direction
     advance = mesh.sun_base * (math.atan2(sun.sine, sun.cosine) - direction) + mesh.planet_base * planet_angle
     advance -= mesh.middle + mesh.error * math.sin(mesh.planet_teeth * planet_angle + mesh.phase)

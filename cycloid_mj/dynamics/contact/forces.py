@@ -82,13 +82,13 @@ def _tooth_contact_data(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
     address
         Memory address of the user data of a geom that represents the teeth of a disc; 0 for other geoms.
     """
-    priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
-    exact = priority == int(Role.TEETH)
-    if exact.any():
-        for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
+    priority, user_data, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
+    is_teeth = priority == int(Role.TEETH)
+    if is_teeth.any():
+        for role, play in ((Role.PIN, user_data[:, PLAY]), (Role.LOBE, 0.0)):
             max_reach = np.where(priority == int(role), model.geom_size[:, 0] - play, max_reach)
     address = model.geom_user.ctypes.data + 8 * model.nuser_geom * np.arange(model.ngeom)
-    return max_reach, np.where(exact, address, 0)
+    return max_reach, np.where(is_teeth, address, 0)
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -119,7 +119,7 @@ def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     active_contacts, max_depth, largest_force = 0, 0.0, 0.0
     for i in range(read_int(state.ncon)):
         contact = contacts_address + state.stride * i
-        max_depth = max(max_depth, _penetration(state, contact))
+        max_depth = max(max_depth, _compute_penetration(state, contact))
         number, row = pair_of(state, contact), read_int(contact + state.efc_address)
         if number == 0 or row < 0:
             continue
@@ -160,7 +160,7 @@ def _add(address: int, value: float) -> None:
 
 
 @compiling.njit(inner=True)
-def _penetration(state: StepState, contact: int) -> float:
+def _compute_penetration(state: StepState, contact: int) -> float:
     """Compute the penetration [m] of a contact; it is negative where the surfaces do not touch.
 
     `contact` is the memory address of the contact, `state` the state of the run. At exact teeth it is the geometric

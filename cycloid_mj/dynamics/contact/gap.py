@@ -284,9 +284,9 @@ def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, flo
     t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
     offset, offset_rate, _ = wave_offset(t, flank.waves)
     straightness = max(SETTINGS.min_straightness, 1.0 + trochoid_curvature(t, flank.curve) * distance)
-    turn = offset_rate / (straightness * math.sqrt(_speed_squared(t, flank.curve)))
-    size = math.sqrt(1.0 + turn * turn)
-    return t, distance + offset, (nx + turn * ny) / size, (ny - turn * nx) / size
+    normal_tilt = offset_rate / (straightness * math.sqrt(_speed_squared(t, flank.curve)))
+    norm = math.sqrt(1.0 + normal_tilt * normal_tilt)
+    return t, distance + offset, (nx + normal_tilt * ny) / norm, (ny - normal_tilt * nx) / norm
 
 
 @njit(inline="always")

@@ -105,9 +105,9 @@ def exact_xml() -> Iterator[None]:
     if setter is None or getter is None:
         raise incompatible_error("it cannot write exact XML")
     with _precision:
-        before = getter()
+        previous_precision = getter()
         setter(17)
         try:
             yield
         finally:
-            setter(before)
+            setter(previous_precision)

@@ -105,14 +105,14 @@ def write_pin_contact(
     indices of geoms. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps
     below `margin` [m].
     """
-    user = _user(model, layout, pin)
+    user_data = _user(model, layout, pin)
     ring_pin = RingPin(
         _radius(model, layout, pin),
-        read_float(user),
-        read_float(user + 8),
-        read_float(user + 16),
-        read_float(user + 24),
-        read_float(user + 32),
+        read_float(user_data),
+        read_float(user_data + 8),
+        read_float(user_data + 16),
+        read_float(user_data + 24),
+        read_float(user_data + 32),
     )
     z = _position(data, layout, teeth)[2]
     px, py = _centre_at(data, layout, pin, z)
@@ -146,17 +146,17 @@ def write_round_contacts(
 ) -> int:
     """Write the contacts of a circle in the circle or arc around it for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
-    written at the latter; `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the first geom, else -1,
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
+    written at `contacts`; `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the first geom, else -1,
     which reverses the normal; contacts have gaps below `margin` [m]. They are in the middle plane of the outer geom, or
     in two planes on both sides of it if one of the geoms is a tilting pin.
     """
     middle = _position(data, layout, outer)[2]
-    user, seat = _user(model, layout, outer), _pose(data, layout, outer)
+    user_data, seat = _user(model, layout, outer), _pose(data, layout, outer)
     outer_arc = PartialCircle(
-        _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8)
+        _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user_data), read_float(user_data + 8)
     )
-    distance, count = read_float(user + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
+    distance, count = read_float(user_data + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
     for plane in range(2 if distance > 0.0 else 1):
         z = middle + (distance if plane else -distance)
         x, y = _centre_at(data, layout, inner, z)
@@ -175,8 +175,8 @@ def write_bearing_contacts(
 ) -> int:
     """Write the contacts of an eccentric in its bore for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
-    written at the latter; `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is the first geom, else
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
+    written at `contacts`; `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is the first geom, else
     -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload the bore is smaller than the
     eccentric, and needles on the opposite side have a contact, too, until their gap opens.
     """
@@ -201,8 +201,8 @@ def write_planet_contacts(
 ) -> int:
     """Write the contacts of both flanks of sun and planet for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, contacts are
-    written at the latter; `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
+    written at `contacts`; `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which
     reverses the normal; contacts have gaps below `margin` [m].
     """
     mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)

@@ -141,7 +141,7 @@ def try_correction(address: int) -> str:
     """
     soft_contact = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
     weights = {mass: mass * TEST.gravity for mass in (1.0, 2.0, 3.0)}
-    feet = "".join(
+    sphere_bodies = "".join(
         f'<body pos="{mass} 0.1 0"><joint type="slide" axis="0 1 0"/><joint type="slide" axis="1 0 0"/>'
         f'<geom name="foot{mass:g}" type="sphere" size="0.1" mass="{mass}"/></body>'
         for mass in weights
@@ -154,7 +154,7 @@ def try_correction(address: int) -> str:
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="1e-4" gravity="0 {-TEST.gravity} 0" tolerance="0" cone="elliptic" impratio="2"/>'
         f'<size nuser_geom="{USER_DATA}" nuserdata="1"/><default><geom contype="0" conaffinity="0"/></default>'
-        f'<worldbody><geom name="floor" type="plane" size="9 9 1" zaxis="0 1 0"/>{feet}</worldbody>'
+        f'<worldbody><geom name="floor" type="plane" size="9 9 1" zaxis="0 1 0"/>{sphere_bodies}</worldbody>'
         f"<contact>{pairs}</contact></mujoco>"
     )
     data = mujoco.MjData(model)

@@ -179,7 +179,7 @@ def _manifest_json(
     """
     design = reducer.design
     shafts = [names.SUN, *crank_names(reducer)] if isinstance(reducer, RvReducer) else [names.SHAFT]
-    moving = [
+    moving_bodies = [
         *shafts,
         *reducer.gears,
         names.OUTPUT,
@@ -197,7 +197,7 @@ def _manifest_json(
         "timestep_s": model.opt.timestep,
         "geoms": model.ngeom,
         "meshes": model.nmesh,
-        "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
+        "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving_bodies)},
         "surfaces": {name: quality_um(figures) for name, figures in surface_errors.items()},
         "rest": [
             {"part": remainder.sector.part, "copies": remainder.sector.count, **quality_um(remainder.quality)}

@@ -112,11 +112,11 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
     for name, solid in visible_solids(reducer).items():
-        shape = mesh(solid)
+        surface_mesh = mesh(solid)
         spec.add_mesh(
             name=name,
-            uservert=shape.vertices.ravel().tolist(),
-            userface=shape.faces.ravel().tolist(),
+            uservert=surface_mesh.vertices.ravel().tolist(),
+            userface=surface_mesh.faces.ravel().tolist(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
         )
     add_bodies(spec, reducer, masses, tilting_pins=reducer.design.has_tilting_pins)

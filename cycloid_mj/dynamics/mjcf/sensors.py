@@ -30,14 +30,14 @@ class _Sensor(NamedTuple):
 def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
     """Return column names and units by topic, in the order of the model."""
     groups: dict[str, dict[str, str]] = {}
-    for sensor in _sensors(reducer):
+    for sensor in _list_sensors(reducer):
         groups.setdefault(sensor.topic, {})[sensor.column] = sensor.unit
     return groups
 
 
 def add_sensors(spec: Any, reducer: Reducer) -> None:
     """Add the sensors to the editable model `spec` (``MjSpec``)."""
-    for sensor in _sensors(reducer):
+    for sensor in _list_sensors(reducer):
         sensor_type, object_type = _KINDS[sensor.reads]
         spec.add_sensor(name=sensor.column, type=sensor_type, objtype=object_type, objname=sensor.of)
 
@@ -49,10 +49,10 @@ def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
         "speed": lambda name: data.joint(name).qvel,
         "torque": lambda name: data.actuator(name).force,
     }
-    return [getters[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(reducer)]
+    return [getters[sensor.reads](sensor.of).ctypes.data for sensor in _list_sensors(reducer)]
 
 
-def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
+def _list_sensors(reducer: Reducer) -> Iterator[_Sensor]:
     """Yield the sensors of all bodies that move in MuJoCo: positions and speeds of joints, torques of actuators.
 
     The driven shaft, if it is a floating sun, also has sensors along x and y. A crank of an RV reducer only rotates;

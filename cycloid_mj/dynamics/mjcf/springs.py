@@ -37,10 +37,10 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
     for kind in (names.CRANK_BEARING, names.PLANET_MESH):
         ratio = stiffness_ratio(laws[kind], spec.option.timestep)
         if ratio > MAX_STIFFNESS_RATIO:
-            longest = spec.option.timestep * (MAX_STIFFNESS_RATIO / ratio) ** 0.5
+            max_step = spec.option.timestep * (MAX_STIFFNESS_RATIO / ratio) ** 0.5
             raise ContactError(
                 f"{kind}: with MuJoCo's own springs ({laws[kind].stiffness:.3g} N/m), the simulation diverges at a "
-                f"time step of {1e6 * spec.option.timestep:g} us: reduce settings.timestep_us to {1e6 * longest:.3g} "
+                f"time step of {1e6 * spec.option.timestep:g} us: reduce settings.timestep_us to {1e6 * max_step:.3g} "
                 "or less, or increase drive.rotor_inertia_kg_m2"
             )
     for disc, plane in enumerate(reducer.design.gear.disc_planes):

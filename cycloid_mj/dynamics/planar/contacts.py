@@ -289,8 +289,8 @@ def _find_lobe_contacts(
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
     `system` has the arrays of the reducer, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and
-    the first lobe, `ring` the pose of the ring, `address` that of the working memory. `q` and `v` are positions and
-    speeds of all unknowns, `half_step` is half of the time step [s].
+    the first lobe, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v` are
+    positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
@@ -378,8 +378,8 @@ def _find_seat_contacts(
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
     `system` has the arrays of the reducer. `pair` is the index of the first pin's pair, `plane` that of the disc in
-    whose plane the contacts are, `ring` the pose of the ring, `address` that of the working memory. `q` and `v` are
-    positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    whose plane the contacts are, `ring` the pose of the ring, `address` the memory address of the working memory. `q`
+    and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for seat in range(len(system.ring_centres)):

@@ -533,7 +533,7 @@ def _condense_pins(system: System, equations: Equations) -> None:
     coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for pin in range(len(coupled)):
         pin_row, column_row = 3 * pin, size * pin
-        inverse = _invert(pins, pin_row)
+        inverse = _invert_block(pins, pin_row)
         x, y, z = _multiply(inverse, pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2])
         pin_rhs[pin_row], pin_rhs[pin_row + 1], pin_rhs[pin_row + 2] = x, y, z
         if not coupled[pin]:
@@ -618,7 +618,7 @@ def _multiply(matrix: Nine, x: float, y: float, z: float) -> tuple[float, float,
 
 
 @njit
-def _invert(matrix: Array, row: int) -> Nine:
+def _invert_block(matrix: Array, row: int) -> Nine:
     """Return the inverse of a (3, 3) matrix, row by row, by cofactors.
 
     The matrix that is inverted consists of the three rows of `matrix` (..., 3) from `row` on.

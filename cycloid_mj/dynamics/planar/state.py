@@ -27,8 +27,11 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
     else:
         joint_names, cranks = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
     positions, speeds = (
-        [*(joints.get(joint, 0.0) for joint in joint_names), *[float(reducer.member.crank_angle(driven))] * cranks]
-        for joints, driven in ((position, crank), (velocity, speed))
+        [
+            *(joints.get(joint, 0.0) for joint in joint_names),
+            *[float(reducer.member.crank_angle(driven_value))] * cranks,
+        ]
+        for joints, driven_value in ((position, crank), (velocity, speed))
     )
     ring_angle, ring_speed = (
         float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)

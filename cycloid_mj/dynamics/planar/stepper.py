@@ -175,7 +175,7 @@ def _compile_steps() -> Any:
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         row, max_iterations, unconverged = 0, 0, 0
         for step in range(len(commands)):
-            _extrapolate(motion, size, predicted)
+            _extrapolate_speeds(motion, size, predicted)
             count, iterations = 0, 0
             for search in range(CONTACT_SEARCH.max_searches):
                 _integrate(motion.q, half, predicted, q)
@@ -207,7 +207,7 @@ def _compile_steps() -> Any:
 
 
 @njit
-def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
+def _extrapolate_speeds(motion: Motion, size: int, predicted: Array) -> None:
     """Write the expected midpoint speeds of the next step to `predicted`, from those of the last two steps in `motion`.
 
     The first `size` unknowns are extrapolated linearly. The others are those of pins; they keep their speeds.
