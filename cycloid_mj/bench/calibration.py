@@ -376,7 +376,7 @@ class Calibration(Presented):
             "measure_next": list(self.measure_next),
             "loops": [_loop_json(self.fitted, number) for number in range(len(self.fitted.loops))],
             "torque_offset": {"fitted": self.fitted.torque_offset, "bic_gain": self.fitted.offset_gain},
-            "models": [_variant_json(item) for item in self.candidates],
+            "models": [_model_fit_json(item) for item in self.candidates],
             "preferred_model": self.preferred.key if self.preferred else None,
             "misses": [
                 {
@@ -389,7 +389,7 @@ class Calibration(Presented):
                 }
                 for item in self.stretches
             ],
-            "losses": [_variant_json(item) for item in self.variants],
+            "losses": [_model_fit_json(item) for item in self.variants],
             "unexplained": list(self.unexplained),
             "notes": list(self.notes),
         }
@@ -699,7 +699,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
     return Table(title, header, rows)
 
 
-def _variant_json(fit: model_selection.ModelFit) -> dict[str, Any]:
+def _model_fit_json(fit: model_selection.ModelFit) -> dict[str, Any]:
     """Convert the fit `fit` of one of several compared models to JSON values.
 
     ``residual_shares`` are the rms deviations from the loops over their heights, ``bic`` and ``aic`` the Bayesian and

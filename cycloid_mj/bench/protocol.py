@@ -77,21 +77,23 @@ class StatedLine(NamedTuple):
     source: str
 
 
-RV = "Nabtesco, RV catalogues, torsional rigidity; Spinea, TwinSpin catalogue; GB/T 40731-2021"
+RV_SOURCE = "Nabtesco, RV catalogues, torsional rigidity; Spinea, TwinSpin catalogue; GB/T 40731-2021"
 HARMONIC = "Harmonic Drive, engineering data, glossary"
-MIDDLES = "rotation between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank locked"
+LOST_MOTION_DEFINITION = (
+    "rotation between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank locked"
+)
 STARTING = "torque on the crank at which it begins to turn, without a load on the output"
 RUNNING = "mean torque on the crank that keeps its speed, without a load on the output"
 BACK_DRIVING = "torque on the output at which the crank begins to turn, without a torque on the crank"
 
 LINES: Mapping[str, StatedLine] = {
-    "lost_motion_arcmin": StatedLine("lost motion", "arcmin", MIDDLES, RV),
+    "lost_motion_arcmin": StatedLine("lost motion", "arcmin", LOST_MOTION_DEFINITION, RV_SOURCE),
     "hysteresis_loss_arcmin": StatedLine(
         "hysteresis loss",
         "arcmin",
         "rotation between the loop's branches at zero torque, each unloaded from the rated torque of its side; "
         "Nabtesco calls it backlash",
-        f"{HARMONIC}; {RV}",
+        f"{HARMONIC}; {RV_SOURCE}",
     ),
     **{
         f"stiffness_{part}_nm_per_arcmin": StatedLine(

@@ -19,7 +19,7 @@ from cycloid_mj.base.overwrite_guard import command_scope
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.completion import CompletingApp
-from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
+from cycloid_mj.cli.contents import GROUPS, INSTALLATION_GROUP, PAPER_AND_LOG
 from cycloid_mj.cli.terminal import collect_warnings, log_to_stderr, tell, tell_error
 from cycloid_mj.cli.validation_errors import correct_case, describe_error
 
@@ -48,7 +48,7 @@ ABOUT_COMPLETION = "Install completion of commands, flags and files for this she
 
 REPRODUCE, COMPLETION = "reproduce", "--install-completion"
 RENAMED = {"--jobs": "--workers"}
-FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
+MOVED_COMMANDS = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
 """Commands of groups that scripts call by their name alone."""
 
 
@@ -119,9 +119,9 @@ def application(names: Collection[str] | None = None) -> App:
         if title == PAPER_AND_LOG:
             _add_papers(app, group, has_all_commands or REPRODUCE in (names or ()))
         for position, (name, command) in enumerate(commands.items(), start=1):
-            add = command.add_to if has_all_commands or name in (names or ()) else command.list_in
-            add(app, name, group, position)
-        if title == HERE:
+            register = command.add_to if has_all_commands or name in (names or ()) else command.list_in
+            register(app, name, group, position)
+        if title == INSTALLATION_GROUP:
             for flag in (*app.help_flags, *app.version_flags):
                 app[flag].group = group
             app.register_install_completion_command(help=ABOUT_COMPLETION, group=group)
@@ -195,7 +195,7 @@ def _replace_old_command(words: list[str]) -> list[str]:
 
     `words` are returned unchanged if they do not start with such a name.
     """
-    if not words or (group := FOLDED.get(words[0])) is None:
+    if not words or (group := MOVED_COMMANDS.get(words[0])) is None:
         return words
     tell(
         f"warning: the command `{words[0]}` is deprecated: use `{' '.join(group)}`; the old name will be removed in "

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
 """Ends of the names of the files of a calibration, after the name of the design."""
-UNTRIED = "the calibrated design was not tested by its checks, statics and reduce"
+UNTESTED = "the calibrated design was not tested by its checks, statics and reduce"
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
 
 LoopFlag = Annotated[
@@ -121,8 +121,8 @@ def calibrate(
 ) -> int:
     """Fit clearances, stiffness and friction to measured loops.
 
-    The model is quasi-static: contacts with clearances, a compliant structure, and friction with hysteresis that
-    develops over a travel. With --fit friction, friction acts at teeth, holes and cam and grows with the load. With
+    The model is quasi-static: contacts with clearances, a compliant structure, and friction that builds
+    up over a rotation. With --fit friction, friction acts at teeth, holes and cam and grows with the load. With --fit
     material_loss, the material dissipates energy, too. Each loop has its own offset of torque and deflection.
 
     The command writes the calibrated design, a JSON file, a table of residuals, a figure and a page. They show play,
@@ -336,7 +336,7 @@ def _calibration_outcome(
         result=calibration.as_json()
         | {"unusable": None if unusable is None else list(unusable), "figures": values_json(figures)}
         | {"files": [*destination.paths(names), str(destination.page)]},
-        page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTRIED,) if unusable is None else unusable),
+        page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTESTED,) if unusable is None else unusable),
         code=1 if unusable else 0,
     )
 

@@ -45,12 +45,12 @@ class Listed(NamedTuple):
         app.command(f"cycloid_mj.cli.{self.function}", name=name, group=group, sort_key=position, help=self.line)
 
 
-BEGIN = "Start with"
+START_GROUP = "Start with"
 PAPER_AND_LOG = "Paper and logs"
-HERE = "Installation"
+INSTALLATION_GROUP = "Installation"
 
 GROUPS: Mapping[str, Mapping[str, Listed]] = {
-    BEGIN: {
+    START_GROUP: {
         "design": Listed("Create, print and check design files.", "design:commands"),
         "statics": Listed(
             "Compute data-sheet figures without a simulation, in a second.",
@@ -103,7 +103,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     PAPER_AND_LOG: {
         "log": Listed("Inspect, convert and repair logs.", "log:commands"),
     },
-    HERE: {"doctor": Listed("Check the installation and report missing components.", "doctor:doctor")},
+    INSTALLATION_GROUP: {"doctor": Listed("Check the installation and report missing components.", "doctor:doctor")},
 }
 """Group -> name -> command, in the order of the list; the paper's own command comes first in its group."""
 

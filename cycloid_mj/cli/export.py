@@ -489,9 +489,9 @@ def _make_print_plates(reducer: Reducer, casing: "Casing | None", settings: "Pri
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
         Table("bill of materials", columns, rows, words=(2, 3, 4, 5)),
     )
-    entries = {"bom": [asdict(item) for item in result.bill], "consumables": list(result.consumables)}
+    json_entries = {"bom": [asdict(item) for item in result.bill], "consumables": list(result.consumables)}
     plate_by_file = {f"{stem}.stl": plate for stem, plate in result.plates.items()}
-    return _Plates(plate_by_file, dict(result.files), list(result.notes), tables, entries)
+    return _Plates(plate_by_file, dict(result.files), list(result.notes), tables, json_entries)
 
 
 def _find_casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":

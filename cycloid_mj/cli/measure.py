@@ -33,7 +33,7 @@ EXAMPLES = """Examples:
 OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
 TORQUE = flags.DesignValue("drive", "torque")
-AT_RATED = f". Default: the {flags.RATED}."
+RATED_DEFAULT = f". Default: the {flags.RATED}."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +101,7 @@ def positive_values_flag(name: str, quantity: flags.DesignValue, text: str, defa
     )
 
 
-LoadedFlag = Annotated[float | None, flags.LOAD.flag("Torque of the loaded runs", AT_RATED)]
+LoadedFlag = Annotated[float | None, flags.LOAD.flag("Torque of the loaded runs", RATED_DEFAULT)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
     positive_values_flag(
@@ -185,7 +185,7 @@ class LostMotionOptions(MeasureOptions):
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --out fixed --json"""
 
     load_nm: Annotated[
-        float | None, flags.LOADED.flag("Largest torque of the loop; lost motion is read at 3 % of it", AT_RATED)
+        float | None, flags.LOADED.flag("Largest torque of the loop; lost motion is read at 3 % of it", RATED_DEFAULT)
     ] = None
     quick: Annotated[bool, Parameter(help="Use 2 crank angles instead of 6.")] = False
 
@@ -204,7 +204,7 @@ class LoadsOptions(MeasureOptions):
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-    load_nm: Annotated[float | None, flags.LOADED.flag("Torque on the output", AT_RATED)] = None
+    load_nm: Annotated[float | None, flags.LOADED.flag("Torque on the output", RATED_DEFAULT)] = None
     quick: Annotated[bool, Parameter(help="Run two mesh periods instead of a full crank turn.")] = False
 
 

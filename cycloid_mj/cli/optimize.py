@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 OUT = "runs/optimize"
 STEM, FIGURE = "optimize", "tradeoff.png"
-SEARCHED = "Evaluated points: the objective over the evaluations or over the second objective; below, over each key."
+FIGURE_CAPTION = (
+    "Evaluated points: the objective over the evaluations or over the second objective; below, over each key."
+)
 
 VaryFlag = Annotated[
     tuple[str, ...],
@@ -186,7 +188,7 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
         notes=optimum.notes,
         pictures={picture: partial(encode_figure, tradeoff_figure(optimum))},
         formats=("png",),
-        captions={picture: SEARCHED},
+        captions={picture: FIGURE_CAPTION},
         result={**optimum.as_json(), "design": str(best)},
         filed=False,
     )

@@ -14,7 +14,7 @@ NARROWEST, WIDEST = 60, 80
 FLAGS = Parameter(negative=(), show_default=False)
 """Settings of all flags: no ``--no-...`` or ``--empty-...``, and the default is stated in the help text."""
 
-FOLD = " \\"
+LINE_CONTINUATION = " \\"
 """Continuation of a shell command on the next line."""
 
 
@@ -47,11 +47,11 @@ def fold_line(line: str) -> str:
     command, *flags = re.split(r" (?=--|&& )", line)
     lines = [command]
     for flag in flags:
-        if len(lines[-1]) + len(flag) + len(FOLD) < WIDEST:
+        if len(lines[-1]) + len(flag) + len(LINE_CONTINUATION) < WIDEST:
             lines[-1] += f" {flag}"
         else:
             lines.append(f"      {flag}")
-    return f"{FOLD}\n".join(lines)
+    return f"{LINE_CONTINUATION}\n".join(lines)
 
 
 def commands(app: App) -> list[str]:

@@ -14,7 +14,7 @@ from typing import TextIO
 from cycloid_mj.base.interrupt import end_on_signals, exit_code, raise_on_signals, signal_name
 from cycloid_mj.base.memory import collect_rarely, freeze_objects
 
-SUBSTITUTING = "cycloid_mj.substitute"
+ERROR_HANDLER = "cycloid_mj.substitute"
 """Name of the handler of characters that a stream cannot encode."""
 
 SUBSTITUTES = {
@@ -42,10 +42,10 @@ SUBSTITUTES = {
 }
 """Character -> what is written where the encoding of a stream lacks it."""
 
-LOADED = Path(__file__).parents[1] / "design" / "model.py"
+SAMPLE_MODULE = Path(__file__).parents[1] / "design" / "model.py"
 """A module that every command loads."""
 
-SILENT = {"--quiet", "--help", "-h", "--version"}
+SILENT_FLAGS = {"--quiet", "--help", "-h", "--version"}
 """Words of a command line that asks for no messages, or loads little."""
 
 BLAS_THREADS = {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}
@@ -61,9 +61,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def first_start(words: Sequence[str]) -> bool:
     """Return whether Python has to compile the modules of a command first: an installation can lack bytecode."""
-    if sys.dont_write_bytecode or not words or SILENT & set(words):
+    if sys.dont_write_bytecode or not words or SILENT_FLAGS & set(words):
         return False
-    return not Path(cache_from_source(str(LOADED))).exists()
+    return not Path(cache_from_source(str(SAMPLE_MODULE))).exists()
 
 
 def replace_unencodable(*streams: TextIO) -> None:
@@ -71,10 +71,10 @@ def replace_unencodable(*streams: TextIO) -> None:
 
     Without this, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
     """
-    codecs.register_error(SUBSTITUTING, substitutes)
+    codecs.register_error(ERROR_HANDLER, substitutes)
     for stream in streams:
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors=SUBSTITUTING)
+            stream.reconfigure(errors=ERROR_HANDLER)
 
 
 def substitutes(error: UnicodeError) -> tuple[str, int]:

@@ -55,7 +55,7 @@ class Progress:
     def __init__(self, end: float, quiet: bool = False) -> None:
         self._end = end
         self._quiet = quiet
-        self._told = monotonic()
+        self._last_print = monotonic()
         self._first: tuple[float, float] | None = None
         self._bar: Any = None
         self._waiting = ExitStack()
@@ -87,8 +87,8 @@ class Progress:
         if sys.stderr.isatty():
             self._bar = self._bar or _start_bar(self._end)
             self._bar.update(self._bar.task_ids[0], completed=simulated_time)
-        elif monotonic() - self._told > SECONDS_BETWEEN_LINES:
-            self._told = monotonic()
+        elif monotonic() - self._last_print > SECONDS_BETWEEN_LINES:
+            self._last_print = monotonic()
             tell(self._progress_text(simulated_time))
 
     def judging(self) -> None:

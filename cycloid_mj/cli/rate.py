@@ -102,16 +102,16 @@ def _outcome(rating: "Rating", destination: Destination) -> Outcome:
     """
     from cycloid_mj.report.rating import rating_page
 
-    weakest, failing = rating.weakest, rating.failing
+    weakest, failing_items = rating.weakest, rating.failing
     return Outcome(
         title=f"rating: {rating.design}",
         condition=f"{rating.duty}, for {rating.life:g} h, parts {rating.parts}",
         headline={
             "weakest item": weakest.name,
             "its life" if weakest.safety is None else "its safety": weakest.verdict,
-            "items that do not meet the requirement": f"{len(failing)} of {len(rating.items)}",
+            "items that do not meet the requirement": f"{len(failing_items)} of {len(rating.items)}",
         },
-        failures=[rating.line_of(item) for item in failing],
+        failures=[rating.line_of(item) for item in failing_items],
         warnings=[rating.line_of(item) for item in rating.warnings],
         summary=[f"weakest: {rating.weakest_line()}", *([str(destination.page)] if destination.page else [])],
         tables=[rating.table(), *([rating.cam_compliance.table()] if rating.cam_compliance else [])],

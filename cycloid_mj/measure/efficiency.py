@@ -115,14 +115,14 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
     Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
     `efficiency_map` has the simulated operating points.
     """
-    rated = efficiency_map.rated.powers
+    rated_powers = efficiency_map.rated.powers
     return {
         "losses_by_pair": [
             {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
             for point in efficiency_map.grid
         ],
-        **loss_breakdown.as_json(rated, published),
-        **spread.as_json(rated.efficiency, efficiency_map.by_input),
+        **loss_breakdown.as_json(rated_powers, published),
+        **spread.as_json(rated_powers.efficiency, efficiency_map.by_input),
         **efficiency_map.rest.as_json(),
     }
 

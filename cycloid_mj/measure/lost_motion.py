@@ -65,7 +65,7 @@ def lost_motion(
     reducer = reducer.working_at(rated_torque)
     period = hysteresis.quasi_static_period(reducer, rated_torque)
     loops = _run_loops(reducer, rated_torque, period, angles, solver, progress)
-    loop = {"nominal_torque_nm": rated_torque, "rated_torque_nm": rated_torque, "period_s": period}
+    loop_details = {"nominal_torque_nm": rated_torque, "rated_torque_nm": rated_torque, "period_s": period}
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
@@ -77,7 +77,7 @@ def lost_motion(
         curves=curves(loops),
         assumptions=_assumptions(loops, period, solver),
         runs={"loop": loops.service[0].run, "loop-ideal": loops.ideal[0].run},
-        details={**loop, "angles": angle_rows(loops)},
+        details={**loop_details, "angles": angle_rows(loops)},
     )
 
 

@@ -31,7 +31,7 @@ class FrictionTableSettings:
 
 FRICTION_TABLE = FrictionTableSettings()
 
-EVERY, OWN, NONE = "all sliding", "as designed", "none"
+ALL_PAIRS, AS_DESIGNED, NO_PINS = "all sliding", "as designed", "none"
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ class FrictionVariant:
     @property
     def name(self) -> str:
         """Return the name of the run with this friction: as designed, or the changed pair and its coefficient."""
-        support_text = "" if self.pins == NONE else f", {self.pins} pins"
+        support_text = "" if self.pins == NO_PINS else f", {self.pins} pins"
         return (
             f"friction as designed{support_text}"
-            if self.pair == OWN
+            if self.pair == AS_DESIGNED
             else f"friction {self.friction:g} of {self.pair}{support_text}"
         )
 
@@ -57,10 +57,10 @@ class FrictionVariant:
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
     """Return variants of the design for the friction table: other friction, support of the ring's pins, bearings.
 
-    For each support there are the design's friction, the friction of one kind of sliding pair changed at a time, and
-    equal friction of all kinds. For the design's support, there are also variants with another bearing of cam or
-    output. `quick` omits other supports, single kinds and bearings. With the friction law ``film``, single kinds and
-    bearings are omitted.
+    The supports of pins are free, fixed and sleeved. For each there are the design's friction, the friction of one kind
+    of sliding pair changed at a time, and equal friction of all kinds. For the design's support, there are also
+    variants with another bearing of cam or output. `quick` omits other supports, single kinds and bearings. With the
+    friction law ``film``, single kinds and bearings are omitted.
     """
     ring_variants = [steady_design(ring_variant) for ring_variant in ring_kinds(reducer)[: 1 if quick else None]]
     variants = [variant for ring_variant in ring_variants for variant in _sliding_variants(ring_variant, quick)]
@@ -76,8 +76,8 @@ def ring_kinds(reducer: Reducer) -> list[Reducer]:
 
 
 def pins_of(reducer: Reducer) -> str:
-    """Return the support of the ring's pins: free, fixed, sleeved, or `NONE` for an internal gear."""
-    return NONE if reducer.design.ring.kind == "nonpin" else f"{reducer.design.ring.pins}"
+    """Return the support of the ring's pins: free, fixed, sleeved, or `NO_PINS` for an internal gear."""
+    return NO_PINS if reducer.design.ring.kind == "nonpin" else f"{reducer.design.ring.pins}"
 
 
 def sliding_pairs(reducer: Reducer) -> list[str]:
@@ -134,7 +134,7 @@ def slope(rates: Mapping[float, float]) -> float:
 
 def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
     """Map the common friction to the rate, for one support of the pins."""
-    return {row.friction: rate for row, rate in rate_by_variant.items() if row.pair == EVERY and row.pins == pins}
+    return {row.friction: rate for row, rate in rate_by_variant.items() if row.pair == ALL_PAIRS and row.pins == pins}
 
 
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
@@ -144,11 +144,11 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
     percentage points, is relative to the design's friction with the same support of the ring's pins.
     """
     rated_torque = reducer.design.rated_torque
-    design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
+    design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == AS_DESIGNED}
     header = ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]")
     rows: list[tuple[str | float, ...]] = []
     for row, rate in rate_by_variant.items():
-        friction = "" if row.pair == OWN else row.friction
+        friction = "" if row.pair == AS_DESIGNED else row.friction
         rows.append(
             (row.pins, row.pair, friction, rated_torque * rate, 1e2 * rate, 1e2 * (rate - design_rate[row.pins]))
         )
@@ -166,7 +166,7 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
     for pins in dict.fromkeys(row.pins for row in rate_by_variant):
         rates = common_rates(rate_by_variant, pins)
         coefficients = np.array(sorted(rates))
-        name = "internal gear" if pins == NONE else f"{pins} pins"
+        name = "internal gear" if pins == NO_PINS else f"{pins} pins"
         result.append(Curve(panel, name, coefficients, 1e2 * np.array([rates[value] for value in coefficients]), x, y))
     for paper in (paper for paper in published if math.isfinite(paper.friction)):
         position = (np.array([paper.friction]), np.array([1e2 * paper.rate]))
@@ -182,7 +182,7 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     """
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
-    variants = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
+    variants = [FrictionVariant(pins, AS_DESIGNED, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick and not design.has_film:
         pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
         variants += [
@@ -190,7 +190,7 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
             for pair_value in pair_values
         ]
     return variants + [
-        FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design)
+        FrictionVariant(pins, ALL_PAIRS, value, with_common_friction(reducer, value).design)
         for value in FRICTION_TABLE.common
     ]
 

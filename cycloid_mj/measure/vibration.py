@@ -27,7 +27,7 @@ from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 SPEED_FRACTIONS = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Speeds of the sweep relative to the design's (heuristic)."""
-SHOWN = ("gear_centre", "output", "housing")
+SPECTRUM_SIGNALS = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
 _HZ = "frequency [Hz]"
 _NOTE = "sum of all contact forces; m a does not include the inertia of free pins and sleeves"
@@ -144,7 +144,7 @@ def _signals(reducer: Reducer) -> dict[str, tuple[str, str]]:
 def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
     """List the keys of the signals whose spectra are drawn."""
     _, plane_signals = _LAYOUT_SIGNALS[reducer.LAYOUT]
-    return (*SHOWN, *(plane_signals if reducer.design.gear.discs > 1 else ()))
+    return (*SPECTRUM_SIGNALS, *(plane_signals if reducer.design.gear.discs > 1 else ()))
 
 
 def _level_quantities(
@@ -210,8 +210,8 @@ def _unbalance_quantities(
     unbalanced_text, balanced_text = (
         (", without counterweight", ", with counterweight") if has_counterweight else ("", "")
     )
-    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if has_counterweight else []
-    for key, condition, closed_form in (*without_weight, ("housing", balanced_text, unbalances.balanced)):
+    without_counterweight = [("housing_bare", unbalanced_text, unbalances.bare)] if has_counterweight else []
+    for key, condition, closed_form in (*without_counterweight, ("housing", balanced_text, unbalances.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
             name=f"force that rotates with the crank{condition}",

@@ -113,7 +113,7 @@ def exploded_groups(components: Sequence[PlacedPart]) -> tuple[tuple[PlacedPart,
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
     """Draw the section of a part with a plane through the reducer's axis, in mm; the axis points to the right.
 
-    A part beside the axis is rotated about it into the plane, so that its centre is above the axis. A cycloid disc is
+    A part off the axis is rotated about it into the plane, so that its centre is above the axis. A cycloid disc is
     not rotated: it is cut at the y coordinate of its centre. Return the height of the section above the axis [m].
 
     Parameters

@@ -52,9 +52,9 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     CycloidError
         A file cannot be written; existing files are unchanged.
     """
-    unknown = [name for name in formats if name not in METADATA]
-    if unknown:
-        raise UsageError(f"unknown figure format {unknown[0]!r}: choose one of {', '.join(METADATA)}")
+    unknown_formats = [name for name in formats if name not in METADATA]
+    if unknown_formats:
+        raise UsageError(f"unknown figure format {unknown_formats[0]!r}: choose one of {', '.join(METADATA)}")
     folder = Path(folder)
     try:
         make_folder(folder)

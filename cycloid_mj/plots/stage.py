@@ -250,10 +250,10 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing | RvDrawing) -> dic
 
 
 def _draw_central_parts(axes: Axes, reducer: Reducer, radii: Radii, disc: int) -> dict[str, list[Any]]:
-    """Draw the output pins and the crank of a reducer with a central crank on the axes of a mechanism's view.
+    """Draw output pins and crank of a reducer with a central crank, each in its own coordinates; return the artists.
 
-    `radii` are those with which parts are drawn, and `disc` is the index of the visible disc. Returns the drawn
-    elements by kind of part, a list for each part.
+    `radii` are those with which parts are drawn, and `disc` is the index of the visible disc. The result has a list for
+    each kind of part: for every copy of the part, the list of the artists that move together.
     """
     design = reducer.design
     output, gear = design.output, design.gear
@@ -285,7 +285,7 @@ def _disc_prism(reducer: Reducer, disc: int) -> Prism:
 
 
 def _rotation_dot(reducer: Reducer) -> tuple[float, float]:
-    """Return the place of the dot that marks the rotation of a disc: its distance from the centre, and its radius [m].
+    """Return distance from the centre and radius [m] of the dot that marks the rotation of a disc.
 
     The dot is on +y, between a hole or crank bore and a valley of the teeth.
     """

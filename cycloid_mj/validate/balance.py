@@ -119,7 +119,7 @@ def state_rows(layout: str) -> list[ValidationRow]:
     unknowns = springs.slope.shape[2]
     pose, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
     springs_state = state(springs, 0, load, pose)
-    energy, force = reference.energy(pose) - load @ pose, load + reference.push(pose)
+    energy, force = reference.energy(pose) - load @ pose, load + reference.generalised_force(pose)
     energies = np.array([1e3 * springs_state.energy]), np.array([1e3 * energy])
     return [
         deviation_row(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
@@ -145,7 +145,7 @@ def equilibrium_rows(layout: str, *changes: str) -> list[ValidationRow]:
     contact_forces = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
     name = ", ".join((layout, *changes))
     return [
-        deviation_row(f"forces in balance, {name}", reference.push(pose), -load, "N", SOURCE, 0.1),
+        deviation_row(f"forces in balance, {name}", reference.generalised_force(pose), -load, "N", SOURCE, 0.1),
         deviation_row(
             f"forces of contacts, {name}",
             contact_forces,
@@ -211,7 +211,7 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
         The contact springs of the static model, reference springs with gaps from the exact curves, and the friction
         elements.
     """
-    friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
+    friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.PAIR_KINDS)
     design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
     reducer = Reducer(design)
     springs, reference = springs_and_reference(reducer)

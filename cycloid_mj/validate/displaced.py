@@ -237,7 +237,7 @@ class DisplacedSprings:
         gaps = self.gaps(z)
         return float(-0.5 * self._contact_forces(gaps) @ gaps)
 
-    def push(self, z: Array) -> Array:
+    def generalised_force(self, z: Array) -> Array:
         """Compute the forces of all springs along the u unknown displacements `z` [N], shape (u,)."""
         gaps, slopes = self.contacts(z)
         return np.asarray(slopes.T @ self._contact_forces(gaps))
@@ -255,17 +255,17 @@ class DisplacedSprings:
         RunError
             The steps do not converge.
         """
-        pose, start_force = start, self.push(start)
+        pose, start_force = start, self.generalised_force(start)
         stiffness_matrix = np.stack(
             [
-                (start_force - self.push(start + shift)) / _DIFFERENCE_STEP
+                (start_force - self.generalised_force(start + shift)) / _DIFFERENCE_STEP
                 for shift in _DIFFERENCE_STEP * np.eye(pose.size)
             ],
             axis=1,
         )
         tolerance = 1e-6 * np.abs(load).max()
         for _ in range(30):
-            residual = load + self.push(pose)
+            residual = load + self.generalised_force(pose)
             if np.abs(residual).max() < tolerance:
                 return pose
             pose = pose + np.linalg.solve(stiffness_matrix, residual)

@@ -63,7 +63,7 @@ FAR_POSE = np.array([20e-6, -12e-6, 100e-6, -80e-6])
 PIN_SHIFT = np.array([2e-6, 1e-6])
 """Displacement of the pins [m]."""
 
-SEARCH = "static solution by scipy"
+SCIPY_SOURCE = "static solution by scipy"
 
 
 def design_with_errors(kind: str, *changes: str) -> Design:
@@ -191,17 +191,19 @@ def equilibrium_rows(kind: str, crank_angles: Sequence[float]) -> list[Validatio
     if kind != NONPIN:
         exact_forces = np.array([rig.vector_lengths(solution.ring_forces) for solution in equilibria]).ravel()
         tooth_rows = [
-            deviation_row(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact_forces, "N", SEARCH, 0.08)
+            deviation_row(
+                f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact_forces, "N", SCIPY_SOURCE, 0.08
+            )
         ]
     return [
         *tooth_rows,
-        deviation_row(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam_forces, "N", SEARCH, bounds[0]),
+        deviation_row(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam_forces, "N", SCIPY_SOURCE, bounds[0]),
         deviation_row(
             f"turn of the output, {kind}",
             1e6 * contact_loads.output_turn,
             1e6 * output_turns,
             "urad",
-            SEARCH,
+            SCIPY_SOURCE,
             bounds[1],
         ),
     ]
@@ -213,7 +215,7 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     The design has fixed pins, friction and no gravity. `changes` are further settings of the form ``key=value``, and
     `name` names the changed design in the row.
     """
-    frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
+    frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.PAIR_KINDS, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
     design = design_of_kind(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     reducer = Reducer(design)
@@ -292,7 +294,7 @@ def stop_rows(kind: str) -> list[ValidationRow]:
     loaded_angles = 1e6 * np.array(
         [equilibrium.solve(loaded_reducer, stiffness, BALANCE.crank).output_turn for loaded_reducer in loaded_reducers]
     )
-    return [deviation_row(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
+    return [deviation_row(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SCIPY_SOURCE, 0.35)]
 
 
 WITH_FRICTION: tuple[Callable[[], list[ValidationRow]], ...] = (

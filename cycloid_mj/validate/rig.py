@@ -25,7 +25,7 @@ SETTLED = 0.01
 PERIODS = 36
 """Mesh periods per turn of the crank: ring teeth of the paper's designs."""
 
-MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
+PAIR_KINDS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 _RING = {f"{kind} pins": ("pin", f'ring.pins="{kind}"') for kind in ("fixed", "free", "sleeved")}
 _RING |= {NONPIN: ("nonpin", "ring.teeth=36")}
 
@@ -43,7 +43,10 @@ def with_changes(reducer: Reducer, *changes: str) -> Reducer:
 
 def without_friction() -> list[str]:
     """List the changes that switch friction off."""
-    return ["friction.law=coulomb", *(f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling"))]
+    return [
+        "friction.law=coulomb",
+        *(f"friction.{kind}=0.0" for kind in (*PAIR_KINDS, "cam_rolling", "output_rolling")),
+    ]
 
 
 def without_gravity() -> list[str]:
@@ -53,7 +56,7 @@ def without_gravity() -> list[str]:
 
 def clearances(value_um: float) -> list[str]:
     """List the changes that make every clearance the same [um]."""
-    return [f"clearance.{kind}_um={value_um!r}" for kind in MATING]
+    return [f"clearance.{kind}_um={value_um!r}" for kind in PAIR_KINDS]
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:

@@ -104,10 +104,10 @@ def _static_rows(reducer: RvReducer) -> list[ValidationRow]:
 def _compare_run_with_statics(reducer: RvReducer, solver: Solver, settled: float, hold: float) -> list[ValidationRow]:
     """Compare ratio, wind-up, crank bearing forces and efficiency of a run with statics at its crank angles.
 
-    The ratio is the quotient of the angles by which sun and output turn. Its bound is 0.01 %: in the 6 ms of a run in
-    MuJoCo the output turns by 1940 arcsec, of which 0.2 arcsec are 0.01 %. The wind-up changes by up to 0.1 arcsec in
-    this time, the transmission error of ideal parts at full speed. The run lasts for the time `hold` [s] at constant
-    speed; samples up to the time `settled` [s] are left out. `solver` is the solver of the run.
+    The ratio is the quotient of the angles by which sun and output turn. Its bound, 0.01 %, is 0.2 arcsec of
+    the output in the 6 ms of a run in MuJoCo, twice the transmission error of ideal parts at full speed. The run lasts
+    for the time `hold` [s] at constant speed; samples up to the time `settled` [s] are left out. `solver` is the solver
+    of the run.
     """
     drive, load = {"ramp": 0.0, "hold": hold}, {"rise": CONDITIONS.rise} if solver == "mujoco" else {}
     reducer = RvReducer(reducer.design.but(drive=drive, load=load))

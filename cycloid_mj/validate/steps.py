@@ -86,9 +86,11 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 
     The compared values are those of `StepFigures`, and their bounds are `LIGHT_LOAD_BOUNDS`.
     """
-    load = f"load.torque_nm={LIGHT_LOAD}"
-    step = 1e6 * timestep(Reducer(rated_design(kind, load)))
-    figures, finer = (_run_quantities(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
+    load_change = f"load.torque_nm={LIGHT_LOAD}"
+    step = 1e6 * timestep(Reducer(rated_design(kind, load_change)))
+    figures, finer = (
+        _run_quantities(kind, 6, load_change, f"settings.timestep_us={factor * step!r}") for factor in (1.0, 0.5)
+    )
     return _compare_quantities(
         kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
     )
