@@ -120,15 +120,15 @@ def _complete_change(
     return None
 
 
-def _is_worse(after: Check, before: Check | None, target_name: str) -> bool:
-    """Return whether a check of a design is more serious `after` a change than `before` it.
+def _is_worse(check_after: Check, check_before: Check | None, target_name: str) -> bool:
+    """Return whether a check of a design is more serious `check_after` a change than `check_before` it.
 
     The check with the `target_name`, for which the change is made, must pass. A check that did not exist before must
     not fail.
     """
-    if after.name == target_name:
-        return not after.passed
-    return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
+    if check_after.name == target_name:
+        return not check_after.passed
+    return RANKS[check_after.judgement] > (RANKS[check_before.judgement] if check_before else RANKS[Judgement.WARNING])
 
 
 def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:

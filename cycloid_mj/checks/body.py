@@ -68,7 +68,7 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
 
 
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
-    """Return the rules that the counterweight balances the disc and that the bearings have room beside it.
+    """Return the rules that the counterweight balances the disc and that the bearings have room next to it.
 
     The disc must be feasible. Several discs balance each other and have no rule for a counterweight. The rule for the
     bearings is left out if the rule for the counterweight is not met.

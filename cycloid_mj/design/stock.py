@@ -722,10 +722,8 @@ def thin_ball_bearings() -> tuple[StockBearing, ...]:
 @cache
 def angular_contact_bearings() -> tuple[StockBearing, ...]:
     """List the thin angular contact ball bearings (series 718) in stock, the smallest first, with estimated ratings."""
-    angle, ball_ratio = (
-        ANGULAR_CONTACT.angle,
-        ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE,
-    )  # relative number
+    angle = ANGULAR_CONTACT.angle
+    ball_ratio = ANGULAR_CONTACT.filled_angle / DEEP_GROOVE_FILLED_ANGLE
     dynamic_factor = ball_ratio ** (2.0 / 3.0) * math.cos(angle) ** 0.7
     static_factor = ball_ratio * math.cos(angle)
     return tuple(

@@ -62,10 +62,10 @@ def as_design_error(error: ValidationError, root: type[BaseModel], source: str) 
     sentences = [_describe_error(details, root) for details in error.errors()[: LISTING.errors]]
     if len(sentences) == 1:
         return DesignError(f"{source}: {sentences[0]}")
-    count, unlisted = error.error_count(), error.error_count() - len(sentences)
+    count, unlisted_count = error.error_count(), error.error_count() - len(sentences)
     return DesignError(
         f"{source} has {count:,} wrong values. Correct them as follows:",
-        [*sentences, f"and {unlisted:,} more"] if unlisted else sentences,
+        [*sentences, f"and {unlisted_count:,} more"] if unlisted_count else sentences,
     )
 
 

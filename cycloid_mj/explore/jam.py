@@ -58,12 +58,12 @@ def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}
-    counts = {
+    shares = {
         PRELOADED_PARTS[preload_key]: float(np.mean(figures[preload_key] > JAM.preload_share * figures[loaded_key]))
         for preload_key, loaded_key in PRELOADS.items()
     }
     failed_share = float(np.mean(~np.isfinite(figures["preload_n"])))
-    return {pair: share for pair, share in {**counts, "no balance": failed_share}.items() if share}
+    return {pair: fraction for pair, fraction in {**shares, "no balance": failed_share}.items() if fraction}
 
 
 def stops_study(jams: Mask) -> bool:

@@ -146,11 +146,11 @@ def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iter
     neither varied nor linked by `requested`.
     """
     varied_keys = set(varied_keys)
-    excluded = varied_keys | {link.key for link in requested}
+    excluded_keys = varied_keys | {link.key for link in requested}
     return tuple(
         Link(key)
         for key, rule in RULES.items()
-        if reducer.LAYOUT in rule.layouts and rule.leaders & varied_keys and key not in excluded
+        if reducer.LAYOUT in rule.layouts and rule.leaders & varied_keys and key not in excluded_keys
     )
 
 

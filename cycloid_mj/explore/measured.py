@@ -133,10 +133,10 @@ def _flatten_results(results: Mapping[str, Any], prefix: str = "") -> Iterator[t
         elif isinstance(value, (bool, int, float)):
             yield f"{prefix}{key}", value
         elif isinstance(value, (list, tuple)):
-            for entry in value:
-                if isinstance(entry, Mapping) and "pair" in entry:
-                    numbers = {name: number for name, number in entry.items() if name != "pair"}
-                    yield from _flatten_results(numbers, f"{entry['pair']}_")
+            for table_row in value:
+                if isinstance(table_row, Mapping) and "pair" in table_row:
+                    numbers = {name: number for name, number in table_row.items() if name != "pair"}
+                    yield from _flatten_results(numbers, f"{table_row['pair']}_")
 
 
 def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
@@ -259,10 +259,10 @@ def _require_measure(reducer: Reducer, name: str) -> None:
     design = reducer.design
     if name in MEASURED:
         if reducer.LAYOUT not in MEASURE_LAYOUTS[name]:
-            supported = (measure for measure, layouts in MEASURE_LAYOUTS.items() if reducer.LAYOUT in layouts)
+            supported_measures = (measure for measure, layouts in MEASURE_LAYOUTS.items() if reducer.LAYOUT in layouts)
             raise UsageError(
                 f'the measure {name!r} does not support layout = "{design.layout}" ({design.name}): choose one of '
-                f"{', '.join(supported)}, or a quantity listed by `cycloid-mj figures`"
+                f"{', '.join(supported_measures)}, or a quantity listed by `cycloid-mj figures`"
             )
         return
     try:

@@ -165,8 +165,8 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar") -> Optimum:
     """Return a copy of the result of an optimisation with further evaluations of its best design.
 
-    `optimum` is the result. These are the static data sheet, a run in full dynamics with `solver`, and a tolerance
-    study if the design has tolerances.
+    The evaluations are the static data sheets of the best design and of the start, a run in full dynamics with
+    `solver`, and a tolerance study if the design has tolerances.
     """
     best_reducer = reducer_of(optimum.design())
     try:
@@ -241,9 +241,11 @@ def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -
     ranges = [abs(front_ends[1 - i][i] - ideal_point[i]) or abs(ideal_point[i]) or 1.0 for i in (0, 1)]
 
     def scalarized_cost(row: PointResult) -> float:
-        normalized = [(cost - ideal_point[i]) / ranges[i] for i, cost in enumerate(task.costs(row))]
-        weighted = [weight * normalized[0], (1.0 - weight) * normalized[1]]
-        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + OPTIMIZER.sum_weight * sum(normalized)
+        normalized_costs = [(cost - ideal_point[i]) / ranges[i] for i, cost in enumerate(task.costs(row))]
+        weighted_costs = [weight * normalized_costs[0], (1.0 - weight) * normalized_costs[1]]
+        return (max(weighted_costs) if 0.0 < weight < 1.0 else sum(weighted_costs)) + OPTIMIZER.sum_weight * sum(
+            normalized_costs
+        )
 
     return scalarized_cost
 
@@ -279,22 +281,22 @@ class _PointEvaluator:
         """
         first_index = self._count
         self._count += len(points)
-        missing = [
+        missing_indices = [
             index for index in range(first_index, self._count) if not self._is_known(index, points[index - first_index])
         ]
         engine = self._engine if self._slow else Engine(1)
-        remaining = [points[index - first_index] for index in missing]
+        missing_points = [points[index - first_index] for index in missing_indices]
 
         def raise_lost(position: int, cause: str) -> PointResult:
-            pairs = zip(self._task.keys, remaining[position], strict=True)
+            pairs = zip(self._task.keys, missing_points[position], strict=True)
             values = ", ".join(f"{key} = {value}" for key, value in pairs)
             raise RunError(
-                f"point {missing[position] + 1} of the search ({values}) could not be evaluated: {cause}. Run the same "
-                "command again with fewer processes, such as --workers 1, to resume"
+                f"point {missing_indices[position] + 1} of the search ({values}) could not be evaluated: {cause}. "
+                "Run the same command again with fewer processes, such as --workers 1, to resume"
             )
 
-        for position, row in engine.stream(partial(evaluate_point, self._task), remaining, raise_lost):
-            self._rows.add(missing[position], row)
+        for position, row in engine.stream(partial(evaluate_point, self._task), missing_points, raise_lost):
+            self._rows.add(missing_indices[position], row)
             if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
                 self._progress(len(self._rows.by_index), self._total)
         rows = [self._rows.by_index[index] for index in range(first_index, self._count)]

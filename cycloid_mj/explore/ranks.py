@@ -62,20 +62,23 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
         There is no such quantity, or it is not a number.
     """
     number_columns = sweep.frame.numbers
-    available = [name for name in sweep.quantities if name in number_columns]
-    requested = tuple(name if name in available else _catalogue_key(name) for name in requested)
-    if unknown := [name for name in requested if name not in available]:
+    available_names = [name for name in sweep.quantities if name in number_columns]
+    requested = tuple(name if name in available_names else _catalogue_key(name) for name in requested)
+    if unknown := [name for name in requested if name not in available_names]:
         raise UsageError(
             f"--show {unknown[0]}: unknown quantity. Choose from "
-            f"{', '.join(available) or 'none (the sweep has no numeric results)'}"
+            f"{', '.join(available_names) or 'none (the sweep has no numeric results)'}"
         )
     if requested:
         return requested
-    finite_columns = {name: values for name in available if (values := _finite(number_columns[name])).size}
-    varying = [name for name, values in finite_columns.items() if np.ptp(values) > CONSTANT_RTOL * np.abs(values).max()]
+    finite_columns = {name: values for name in available_names if (values := _finite(number_columns[name])).size}
+    varying_names = [
+        name for name, values in finite_columns.items() if np.ptp(values) > CONSTANT_RTOL * np.abs(values).max()
+    ]
     headline_order = {name: position for position, name in enumerate(HEADLINES)}
     sorted_names = sorted(
-        varying or available, key=lambda name: headline_order.get(name.rpartition(".")[2], len(headline_order))
+        varying_names or available_names,
+        key=lambda name: headline_order.get(name.rpartition(".")[2], len(headline_order)),
     )
     return tuple(sorted_names[:MAX_SHOWN])
 

@@ -270,14 +270,14 @@ def _evaluate_missing(
     `task` has the design, the keys and the measures; `engine` runs the computations in parallel. `rows` are existing
     results. `report` is called with the numbers of finished and of missing points.
     """
-    missing = [index for index in range(len(points)) if index not in rows]
+    missing_indices = [index for index in range(len(points)) if index not in rows]
     evaluate = partial(evaluate_row, task)
     stream = engine.stream(
-        evaluate, [points.rows[index] for index in missing], lambda _, cause: PointResult(error=cause)
+        evaluate, [points.rows[index] for index in missing_indices], lambda _, cause: PointResult(error=cause)
     )
     for count, (position, row) in enumerate(stream, 1):
-        record(missing[position], row)
-        report(count, len(missing))
+        record(missing_indices[position], row)
+        report(count, len(missing_indices))
 
 
 def write_tables(sweep: Sweep, folder: Path) -> None:

@@ -228,10 +228,10 @@ class Tolerances(Tabular):
         """Return a sentence if there is no error budget, or if its intervals are wide; otherwise an empty list."""
         if self.no_budget:
             return [f"no error budget: {self.no_budget}"]
-        widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
-        if widest > MAX_INTERVAL_WIDTH and self.samples < SOBOL.max_samples:
+        widest_interval = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
+        if widest_interval > MAX_INTERVAL_WIDTH and self.samples < SOBOL.max_samples:
             return [
-                f"the error budget is uncertain (95 % intervals up to {widest:.2f} wide): draw more samples, "
+                f"the error budget is uncertain (95 % intervals up to {widest_interval:.2f} wide): draw more samples, "
                 f"--samples {SOBOL.max_samples}"
             ]
         return []
@@ -392,7 +392,7 @@ def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerance
 
 
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
-    """Return the tolerance study of an RV reducer of its transmission error; no sample jams.
+    """Return the tolerance study of the transmission error of an RV reducer; no sample jams.
 
     `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities.
 
@@ -486,10 +486,10 @@ def _verify_worst(tolerances: Tolerances, count: int, solver: Solver, engine: En
         checks.update(engine.stream(partial(verify_design, solver=solver), worst_reducers))
     except KeyboardInterrupt as interrupt:
         interruption = interrupt
-    verified = replace(tolerances, verified=tuple(check for _, check in sorted(checks.items())))
+    verified_study = replace(tolerances, verified=tuple(check for _, check in sorted(checks.items())))
     if interruption:
-        raise StudyInterrupted(interruption, verified) from interruption
-    return verified
+        raise StudyInterrupted(interruption, verified_study) from interruption
+    return verified_study
 
 
 @dataclass(frozen=True)

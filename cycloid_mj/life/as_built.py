@@ -130,8 +130,8 @@ def _rank(count: int) -> int:
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
     """Draw random designs within the tolerances, and select those at the 95 % percentile of their largest forces.
 
-    The forces on tooth, output pin and cam count, or on tooth, crank bearing and planet in an RV reducer. For each kind
-    of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has
+    The forces are those on tooth, output pin and cam, or on tooth, crank bearing and planet in an RV reducer. For each
+    kind of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has
     these designs; for all samples, it has whether they jam, and their backlash [arcmin] (NaN for RV reducers).
 
     Raises

@@ -384,7 +384,7 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return the data-sheet rows of efficiency, back-driving, no-load and starting torques, and thermal limits.
+    """Return the data-sheet rows of efficiency, back-driving, no-load and starting torques, and temperature limits.
 
     `static` is the data sheet computed by statics at the nominal torque.
     """

@@ -191,8 +191,10 @@ class _Loads:
             1.0 / (1.0 / line + 1.0 / np.maximum(bending, 1.0)),
             design.clearance.output,
         )
-        torsional = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]
-        lead_torque = CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional[0] + 1.0 / torsional[1])
+        torsional_stiffness = [share_torque(*springs, torque / discs)[1] for springs in (tooth_springs, pin_springs)]
+        lead_torque = (
+            CRITICAL * deviation / arm.max(axis=1) / (1.0 / torsional_stiffness[0] + 1.0 / torsional_stiffness[1])
+        )
         disc_share = np.minimum(1.0 / discs + (1.0 - 1.0 / discs) * lead_torque / torque, 1.0)
         error = math.sqrt(5.0 if design.ring.has_sockets else 2.0) * deviation  # a thicker pin closes both its gaps
         force, pin_force = (share_torque(*springs, disc_share * torque)[0] for springs in (tooth_springs, pin_springs))
@@ -200,8 +202,8 @@ class _Loads:
         peak_pin_force = protruding_forces(*pin_springs, disc_share * torque, CRITICAL * deviation)
         path_radius = circle * distance**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
         curvature = np.maximum(1.0 / pin_radius + 1.0 / (path_radius - pin_radius), 1e-3)
-        tangential = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
-        radial = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
+        tangential_force = weights[0] * (force * np.sin(angle) / distance).sum(axis=1)
+        radial_force = weights[0] * (force * (np.cos(angle) - k1) / distance).sum(axis=1)
         pin_sum = weights[1] * pin_force.sum(axis=1)
         speed = design.drive.speed / design.lobes
         return cls(
@@ -211,7 +213,7 @@ class _Loads:
             np.sqrt((peak_force * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
             peak_pin_force.max(axis=1),
             pin_sum,
-            np.hypot(tangential, np.abs(radial) + pin_sum),
+            np.hypot(tangential_force, np.abs(radial_force) + pin_sum),
             weights[0] * (force * np.abs(circle * distance - pin_radius)).sum(axis=1) * speed / disc_share,
             np.min(np.where(path_radius > 0.0, path_radius - pin_radius - play, np.inf), axis=1) > 0.0,
             play,

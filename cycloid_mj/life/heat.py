@@ -95,14 +95,14 @@ def rate_housing_temperature(reducer: Reducer, temperature: float, source: str, 
     `source` is the formula of the temperature. `note` states its conditions, to which all limits are added.
     """
     limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
-    lowest, ambient = limits[0], reducer.design.service.ambient_temperature
+    lowest_limit, ambient = limits[0], reducer.design.service.ambient_temperature
     return RatedItem(
         "temperature",
-        f"housing temperature, {lowest.name}",
+        f"housing temperature, {lowest_limit.name}",
         temperature,
-        lowest.temperature,
+        lowest_limit.temperature,
         "°C",
-        (lowest.temperature - ambient) / (temperature - ambient) if temperature > ambient else math.inf,
+        (lowest_limit.temperature - ambient) / (temperature - ambient) if temperature > ambient else math.inf,
         None,
         f"{source}; safety factor of the temperature rise",
         f"{note}; limits: {', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
@@ -182,11 +182,11 @@ def housing_temperature(reducer: Reducer, power_lost: float) -> float:
         return ambient + power_lost / (reducer.design.service.film_coefficient * area)
     from scipy.optimize import brentq
 
-    hottest = ambient + power_lost / (
+    max_temperature = ambient + power_lost / (
         still_air_coefficient(1.0, ambient, ambient, reducer.design.thermal.emissivity) * area
     )
     excess_power = lambda wall: heat_transfer_coefficient(reducer, wall) * area * (wall - ambient) - power_lost  # noqa: E731
-    return float(brentq(excess_power, ambient, hottest + 1.0))
+    return float(brentq(excess_power, ambient, max_temperature + 1.0))
 
 
 def cooling_area(reducer: Reducer) -> float:

@@ -146,8 +146,8 @@ def _rating_rows(reducer: RvReducer, life: float, limits: RvTorqueLimits) -> Ite
 def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     """Yield the data-sheet rows of backlash, lost motion, stiffness and transmission errors of an RV reducer.
 
-    The transmission errors are those by load, by deviations and by tolerances. `static` is the data sheet computed by
-    statics at the nominal torque.
+    The transmission errors are that under load, and that by the errors of the parts if the design has any. `static` is
+    the data sheet computed by statics at the nominal torque.
     """
     quantities, torque_text = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error_row = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -212,12 +212,12 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     temperatures = state.temperatures
     cooling_text = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling_text}"
-    rise = temperatures["housing"] - reducer.design.service.ambient_temperature
+    housing_rise = temperatures["housing"] - reducer.design.service.ambient_temperature
     hottest = max(temperatures, key=lambda part: temperatures[part])
     yield Quantity(
         "temperature_rise",
         "Temperature rise",
-        rise,
+        housing_rise,
         "K",
         note=f"housing; {hottest} {temperatures[hottest] - temperatures['housing']:.3g} K warmer; {condition}",
     )

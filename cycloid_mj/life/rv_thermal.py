@@ -117,8 +117,8 @@ def _row_conductance(
     `forces` [N] have the shape (m, ...), where the further axes number the bearings. A bearing has `rollers` rollers
     with a `radius` and `length` [m]; `partners` are the materials of rollers and rings.
     """
-    means = np.mean(forces.reshape(len(forces), -1), axis=0)
-    return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in means)
+    mean_forces = np.mean(forces.reshape(len(forces), -1), axis=0)
+    return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in mean_forces)
 
 
 def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:

@@ -112,21 +112,21 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
     largest Hertz pressure over the duty [Pa], which is only reported.
     """
     allowed_pressure, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    damage, least_damage, hourly, pin_cycles = 0.0, 0.0, 0.0, 0.0
+    damage, least_damage, hourly_loads, pin_cycles = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
         loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
-        hourly += loads
+        hourly_loads += loads
         pin_cycles += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
         damage += loads / pitting_cycles(loading.pressures[kind], allowed_pressure)
         least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed_pressure)
     life = 1.0 / damage
     note = (
-        f"{hourly:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), {pin_cycles:.0f} "
-        f"on each tooth of the ring; {source}"
+        f"{hourly_loads:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), "
+        f"{pin_cycles:.0f} on each tooth of the ring; {source}"
     )
     if damage > least_damage:
         note += f"; {format_number(1.0 / least_damage)} h by the upper branch of Z_N above 10^7 loads (general use)"
-    if life * hourly < AGMA_2001.min_cycles:
+    if life * hourly_loads < AGMA_2001.min_cycles:
         note += "; outside of AGMA's curve, which begins at 10^4 loads: the life is extrapolated"
     return RatedItem(
         f"{kind}_pitting",

@@ -416,16 +416,19 @@ def _loss_growth(
     nominal_ratio = reducer.design.rated_torque / max(abs(point.torque) for point in points)
     factors = [settings.light_load] if 0.5 <= nominal_ratio <= 2.0 else [nominal_ratio, settings.light_load]
     for factor in factors:
-        scaled = [replace(point, torque=factor * point.torque) for point in points]
+        scaled_points = [replace(point, torque=factor * point.torque) for point in points]
         try:
-            point_losses, _ = _solve_losses(reducer, scaled, temperatures, steady_state.network.capacities, settings)
+            point_losses, _ = _solve_losses(
+                reducer, scaled_points, temperatures, steady_state.network.capacities, settings
+            )
         except RunError:
             if factor == factors[-1]:
                 raise
             continue  # no equilibrium at the nominal torque
         break
     return {
-        source: (changed - losses[source]) / (factor - 1.0) for source, changed in _mean(points, point_losses).items()
+        source: (changed_loss - losses[source]) / (factor - 1.0)
+        for source, changed_loss in _mean(points, point_losses).items()
     }
 
 

@@ -113,7 +113,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures and their differences, warm clearances, losses and thermal limits of a drive, by key."""
+        """Return temperatures [°C], differences [K], warm tooth play, losses and thermal limits of a drive, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")

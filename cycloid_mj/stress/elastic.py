@@ -86,16 +86,18 @@ def assemble_body(
     motions = rigid_motions(grid.points)
     if loose is None:
         loose = () if len(grid.fixed_nodes) or springs is not None else tuple(range(motions.shape[1]))
-    fixed = np.union1d(unknowns(grid.fixed_nodes, grid.dimension), _auxiliary_supports(motions, loose))
-    _require_supports(grid, motions, fixed, springs)
-    free_unknowns = np.setdiff1d(np.arange(grid.unknowns), fixed)
+    fixed_unknowns = np.union1d(unknowns(grid.fixed_nodes, grid.dimension), _auxiliary_supports(motions, loose))
+    _require_supports(grid, motions, fixed_unknowns, springs)
+    free_unknowns = np.setdiff1d(np.arange(grid.unknowns), fixed_unknowns)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
-    factorised_system, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free_unknowns)
+    factorised_system, lower = _split(
+        assemble_stiffness(grid, material, assembler), springs, fixed_unknowns, free_unknowns
+    )
     del assembler  # some hundred bytes an unknown, which the factor needs
     return ElasticBody(
         hold=factorised_system,
-        fixed=fixed,
+        fixed=fixed_unknowns,
         free=free_unknowns,
         motions=motions,
         mass=mass,
@@ -316,22 +318,22 @@ def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
     unknown for each loose motion. In each step, it is the unknown that moves most in the motions that the previous
     unknowns leave free.
     """
-    remaining = motions[:, list(loose)]
-    remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
+    remaining_motions = motions[:, list(loose)]
+    remaining_motions = remaining_motions / np.abs(remaining_motions).max(axis=0, initial=np.finfo(float).tiny)
     chosen_unknowns = []
     for _ in loose:
-        unknown = int(np.argmax(np.linalg.norm(remaining, axis=1)))
+        unknown = int(np.argmax(np.linalg.norm(remaining_motions, axis=1)))
         chosen_unknowns.append(unknown)
-        direction = remaining[unknown] / np.linalg.norm(remaining[unknown])
-        remaining = remaining - np.outer(remaining @ direction, direction)
+        direction = remaining_motions[unknown] / np.linalg.norm(remaining_motions[unknown])
+        remaining_motions = remaining_motions - np.outer(remaining_motions @ direction, direction)
     return np.array(chosen_unknowns, np.int64)
 
 
-def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
+def _require_supports(grid: Grid, motions: Array, fixed_unknowns: Integers, springs: Any) -> None:
     """Raise CycloidError unless the grid of a part is in one piece and its supports prevent all rigid motions.
 
-    `motions` are the displacements of `rigid_motions`, `fixed` the indices of the fixed unknowns, and `springs` the
-    stiffness of elastic supports.
+    `motions` are the displacements of `rigid_motions`, `fixed_unknowns` the indices of the fixed unknowns, and
+    `springs` the stiffness of elastic supports.
     """
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
@@ -344,7 +346,7 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
             "move them"
         )
     scaled_motions = motions / np.linalg.norm(motions, axis=0)
-    support_matrix = scaled_motions[fixed].T @ scaled_motions[fixed]
+    support_matrix = scaled_motions[fixed_unknowns].T @ scaled_motions[fixed_unknowns]
     if springs is not None:
         support_stiffness = scaled_motions.T @ (springs @ scaled_motions)
         support_matrix = support_matrix + support_stiffness / max(

@@ -79,7 +79,7 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
     planes = np.array(reducer.design.gear.disc_planes)
     near_share = (planes - far_seat) / (near_seat - far_seat)
-    compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
+    compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - start)) for start, end in seats]
     seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - near_share, near_share)]
     return np.asarray(
         sum(

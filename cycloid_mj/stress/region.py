@@ -91,8 +91,10 @@ def part_region(reducer: Reducer, part: str) -> Region:
             return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", contact="line"),), width)
         case "output":
             return _output_region(reducer, solids["output"].prisms[0].outline)
-    available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
-    raise UsageError(f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available)}")
+    available_parts = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
+    raise UsageError(
+        f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available_parts)}"
+    )
 
 
 def _hole_contacts(reducer: Reducer, holes: int) -> Iterator[ContactWidth]:

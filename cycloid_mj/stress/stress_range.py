@@ -57,8 +57,10 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
         for angle, state in states.items()
     ]
     amplitude, mean, candidates = worst_nodes(np.stack(bulk_states))
-    critical = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
-    return StressRange(float(amplitude[critical]), float(mean[critical]), part.grid.points[candidates[critical]])
+    critical_index = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
+    return StressRange(
+        float(amplitude[critical_index]), float(mean[critical_index]), part.grid.points[candidates[critical_index]]
+    )
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
@@ -106,8 +108,12 @@ def rank_by_range(states: Array) -> Array:
     It is sqrt(3) times the norm of the ranges of the stress components, plus half the norm of their largest magnitudes.
     `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.
     """
-    largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
-    largest_magnitude = np.maximum(np.abs(largest), np.abs(smallest))
+    max_components, min_components = (
+        np.fmax.reduce(states, axis=0),
+        np.fmin.reduce(states, axis=0),
+    )  # no numbers are passed over
+    largest_magnitude = np.maximum(np.abs(max_components), np.abs(min_components))
     return np.asarray(
-        np.sqrt(3.0) * np.linalg.norm(largest - smallest, axis=0) + 0.5 * np.linalg.norm(largest_magnitude, axis=0)
+        np.sqrt(3.0) * np.linalg.norm(max_components - min_components, axis=0)
+        + 0.5 * np.linalg.norm(largest_magnitude, axis=0)
     )

@@ -343,8 +343,8 @@ def _compare_with_finer_grid(
     `loads` on the mesh `grid`; its largest bulk stress occurs at the first of the angles.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
-    finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    finer_stress = solve(reducer.design, finer, select_angles(loads, rows), distance=stress.bulk_distance)
+    finer_grid = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
+    finer_stress = solve(reducer.design, finer_grid, select_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
         unknowns=(stress.unknowns, finer_stress.unknowns),
         angle=loads.angle[rows],
@@ -394,13 +394,13 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
     `stress` is the solution for a part under `loads`.
     """
     row = int(np.argmax(stress.bulk_stress))
-    largest = float(stress.bulk_stress[row])
+    largest_stress = float(stress.bulk_stress[row])
     return Peak(
-        largest,
+        largest_stress,
         float(loads.angle[row]),
         stress.bulk_place[row],
         "",
-        _safety(largest, material_of(reducer, loads.part).yield_strength),
+        _safety(largest_stress, material_of(reducer, loads.part).yield_strength),
     )
 
 
@@ -437,14 +437,14 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
     """
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
-    largest = float(lines.von_mises[row, contact])
+    largest_stress = float(lines.von_mises[row, contact])
     position = loads.position[row, contact]
     return Peak(
-        largest,
+        largest_stress,
         float(loads.angle[row]),
         position,
         loads.labels[contact],
-        _safety(largest, material_of(reducer, loads.part).yield_strength),
+        _safety(largest_stress, material_of(reducer, loads.part).yield_strength),
     )
 
 
