@@ -91,10 +91,10 @@ def rotate_clockwise(points: Array, angle: float) -> Array:
 
 def within(points: Array, loop: Array) -> Mask:
     """Return a mask of n points (n, 2): true inside a closed polygon, the `loop` of m points (m, 2), by ray casting."""
-    (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
+    (start_x, start_y), (end_x, end_y) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
-    crosses_level = (ay > y) != (by > y)
-    crossing_x = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
+    crosses_level = (start_y > y) != (end_y > y)
+    crossing_x = start_x + (y - start_y) * (end_x - start_x) / np.where(end_y == start_y, 1.0, end_y - start_y)
     is_inside: Mask = (crosses_level & (x < crossing_x)).sum(axis=1) % 2 == 1
     return is_inside
 

@@ -285,26 +285,37 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
-    qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
-    qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
-    qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
-    qo, po = springs.slope[k, i, output_dof], springs.shift_slope[k, i, output_dof]
+    # derivatives of q and p by x, y and rotation t of the disc, and by the rotation o of the output
+    q_x, p_x = springs.slope[k, i, x], springs.shift_slope[k, i, x]
+    q_y, p_y = springs.slope[k, i, y], springs.shift_slope[k, i, y]
+    q_t, p_t = springs.slope[k, i, t], springs.shift_slope[k, i, t]
+    q_o, p_o = springs.slope[k, i, output_dof], springs.shift_slope[k, i, output_dof]
     curvature, curvature_rate, clearance = springs.curvature[k, i], springs.curvature_rate[k, i], springs.clearance[i]
     phase, trochoid = springs.phase[k, i], springs.trochoid
     arm_q, arm_p = offset.arm_q / springs.radius, offset.arm_p / springs.radius
     if rotates:
         # the rate of w + i phi (w - v phi/2), with w, the arm, linear in the turn phi at the rate v, is v + i w
-        qt, pt = qt - arm_p, pt + arm_q
-        qx, px, qy, py = qx - phi * px, px + phi * qx, qy - phi * py, py + phi * qy
+        q_t, p_t = q_t - arm_p, p_t + arm_q
+        q_x, p_x, q_y, p_y = q_x - phi * p_x, p_x + phi * q_x, q_y - phi * p_y, p_y + phi * q_y
     else:
-        qt, pt = qt + arm_p + phi * pt, pt - arm_q - phi * qt
-        qo, po = qo + psi * po, po - psi * qo
+        q_t, p_t = q_t + arm_p + phi * p_t, p_t - arm_q - phi * q_t
+        q_o, p_o = q_o + psi * p_o, p_o - psi * q_o
     q, p = offset.q, offset.p
     width, cosine, sine, rate = _curve_distance(
         trochoid, phase, curvature, curvature_rate, q, p, rotates, use_foot_point
     )
-    normal = (cosine * qx + sine * px, cosine * qy + sine * py, cosine * qt + sine * pt, cosine * qo + sine * po)
-    tangential = (cosine * px - sine * qx, cosine * py - sine * qy, cosine * pt - sine * qt, cosine * po - sine * qo)
+    normal = (
+        cosine * q_x + sine * p_x,
+        cosine * q_y + sine * p_y,
+        cosine * q_t + sine * p_t,
+        cosine * q_o + sine * p_o,
+    )
+    tangential = (
+        cosine * p_x - sine * q_x,
+        cosine * p_y - sine * q_y,
+        cosine * p_t - sine * q_t,
+        cosine * p_o - sine * q_o,
+    )
     return Gap(clearance + width, normal, tangential, rate)
 
 
@@ -412,38 +423,38 @@ def _find_foot_point(
     [m], cosine and sine of the angle by which the normal rotates, and rate of this angle by p [1/m].
     """
     E, c, N = trochoid
-    # s, c: sine and cosine of the angles a of the velocity, b = a + phase, t, and w = N t
+    # angles: a of the velocity, b = a + phase, t, and w = N t
     sine, cosine = math.sin(phase), math.cos(phase)
-    sa, ca = c * N * sine, E - c * N * cosine
-    rate = math.sqrt(sa * sa + ca * ca)
-    sa, ca = sa / rate, ca / rate
-    sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
+    sin_a, cos_a = c * N * sine, E - c * N * cosine
+    rate = math.sqrt(sin_a * sin_a + cos_a * cos_a)
+    sin_a, cos_a = sin_a / rate, cos_a / rate
+    sin_b, cos_b = sine * cos_a + cosine * sin_a, cosine * cos_a - sine * sin_a
     # first and second order of the arc by t
     t = p / (rate * max(normal_component, 0.5))
     t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
     t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
     lower, upper, converged = -math.inf, math.inf, FALSE
     for _ in range(_FOOT_POINT.max_iterations):
-        # sine, and cosine less 1, of t and N t, whose halves are less than a right angle
+        # cos_t and cos_w are cosines less 1; the halves of t and N t are less than a right angle
         sine_half, sine_half_teeth = math.sin(0.5 * t), math.sin(0.5 * N * t)
-        st, ct = 2.0 * sine_half * math.sqrt(1.0 - sine_half * sine_half), -2.0 * sine_half * sine_half
-        sw, cw = (
+        sin_t, cos_t = 2.0 * sine_half * math.sqrt(1.0 - sine_half * sine_half), -2.0 * sine_half * sine_half
+        sin_w, cos_w = (
             2.0 * sine_half_teeth * math.sqrt(1.0 - sine_half_teeth * sine_half_teeth),
             -2.0 * sine_half_teeth * sine_half_teeth,
         )
-        # position relative to the start, first and second derivative by t; each along normal (q) and tangent (p)
-        uq, up = E * (ca * ct - sa * st), E * (sa * ct + ca * st)
-        wq, wp = c * (cb * cw - sb * sw), c * (sb * cw + cb * sw)
-        xq, xp = uq - wq, up - wp
-        vq, vp = -up - E * sa + N * (wp + c * sb), uq + E * ca - N * (wq + c * cb)
-        aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
-        square = vq * vq + vp * vp
-        residual = (q - xq) * vq + (p - xp) * vp
+        # position x = u - w relative to the start, first (v) and second (a) derivative by t, along normal and tangent
+        u_q, u_p = E * (cos_a * cos_t - sin_a * sin_t), E * (sin_a * cos_t + cos_a * sin_t)
+        w_q, w_p = c * (cos_b * cos_w - sin_b * sin_w), c * (sin_b * cos_w + cos_b * sin_w)
+        x_q, x_p = u_q - w_q, u_p - w_p
+        v_q, v_p = -u_p - E * sin_a + N * (w_p + c * sin_b), u_q + E * cos_a - N * (w_q + c * cos_b)
+        a_q, a_p = -u_q - E * cos_a + N * N * (w_q + c * cos_b), -u_p - E * sin_a + N * N * (w_p + c * sin_b)
+        square = v_q * v_q + v_p * v_p
+        residual = (q - x_q) * v_q + (p - x_p) * v_p
         if residual > 0.0:
             lower = t
         else:
             upper = t
-        derivative = square - (q - xq) * aq - (p - xp) * ap
+        derivative = square - (q - x_q) * a_q - (p - x_p) * a_p
         step = residual / max(derivative, 0.1 * square)
         step = min(max(step, -_FOOT_POINT.max_step / N), _FOOT_POINT.max_step / N)
         by_newton = derivative > 0.1 * square and lower <= t + step <= upper
@@ -454,14 +465,14 @@ def _find_foot_point(
             break
         t += step
     # the last step is so short that its Taylor expansion is exact to rounding
-    xq, xp = xq + step * (vq + 0.5 * step * aq), xp + step * (vp + 0.5 * step * ap)
-    vq, vp = vq + step * aq, vp + step * ap
-    square = vq * vq + vp * vp
+    x_q, x_p = x_q + step * (v_q + 0.5 * step * a_q), x_p + step * (v_p + 0.5 * step * a_p)
+    v_q, v_p = v_q + step * a_q, v_p + step * a_p
+    square = v_q * v_q + v_p * v_p
     speed = math.sqrt(square)
-    nq, np_ = vp / speed, -vq / speed
-    distance, curvature = (q - xq) * nq + (p - xp) * np_, -(aq * nq + ap * np_) / square
+    n_q, n_p = v_p / speed, -v_q / speed
+    distance, curvature = (q - x_q) * n_q + (p - x_p) * n_p, -(a_q * n_q + a_p * n_p) / square
     curvature_factor = 1.0 + curvature * distance
-    return converged and curvature_factor > 0.0, distance, nq, np_, curvature / curvature_factor
+    return converged and curvature_factor > 0.0, distance, n_q, n_p, curvature / curvature_factor
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

@@ -562,21 +562,21 @@ def _add_geometric_stiffness(
     at index `x`; `rotates` is whether the profile rotates with the disc.
     """
     y, t, output_dof = x + 1, x + 2, len(tangent) - 1
-    # b: gradient by x, y and rotation t of the disc, and by the rotation o of the output
-    (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate
+    # p: gradient along the tangent by x, y and rotation t of the disc, and by the rotation o of the output
+    (p_x, p_y, p_t, p_o), normal_rotation = gap.tangential, -force * gap.rate
     disc_coupling = rotation_stiffness if rotates else 0.0
     rotation_term = disc_coupling if rotates else -rotation_stiffness
-    tangent[x, x] += normal_rotation * bx * bx
-    tangent[y, y] += normal_rotation * by * by
-    tangent[t, t] += normal_rotation * bt * bt + rotation_term * bt
-    tangent[output_dof, output_dof] += normal_rotation * bo * bo + rotation_term * bo
+    tangent[x, x] += normal_rotation * p_x * p_x
+    tangent[y, y] += normal_rotation * p_y * p_y
+    tangent[t, t] += normal_rotation * p_t * p_t + rotation_term * p_t
+    tangent[output_dof, output_dof] += normal_rotation * p_o * p_o + rotation_term * p_o
     for row, column, rate in (
-        (x, y, normal_rotation * bx * by),
-        (x, t, normal_rotation * bx * bt + disc_coupling * bx),
-        (y, t, normal_rotation * by * bt + disc_coupling * by),
-        (x, output_dof, normal_rotation * bx * bo),
-        (y, output_dof, normal_rotation * by * bo),
-        (t, output_dof, normal_rotation * bt * bo),
+        (x, y, normal_rotation * p_x * p_y),
+        (x, t, normal_rotation * p_x * p_t + disc_coupling * p_x),
+        (y, t, normal_rotation * p_y * p_t + disc_coupling * p_y),
+        (x, output_dof, normal_rotation * p_x * p_o),
+        (y, output_dof, normal_rotation * p_y * p_o),
+        (t, output_dof, normal_rotation * p_t * p_o),
     ):
         tangent[row, column] += rate
         tangent[column, row] += rate

@@ -94,23 +94,23 @@ class System(NamedTuple):
 class _DiscSums(NamedTuple):
     """Sums over the contacts of a disc, by its x, y and rotation t and the output's rotation o.
 
-    `rx` to `ro` are forces [N], the others the upper half of the tangent stiffness [N/m].
+    `force_x` to `force_o` are forces [N], `k_xx` to `k_oo` the upper half of the tangent stiffness [N/m].
     """
 
-    rx: float
-    ry: float
-    rt: float
-    ro: float
-    xx: float
-    xy: float
-    yy: float
-    xt: float
-    yt: float
-    tt: float
-    xo: float
-    yo: float
-    to: float
-    oo: float
+    force_x: float
+    force_y: float
+    force_t: float
+    force_o: float
+    k_xx: float
+    k_xy: float
+    k_yy: float
+    k_xt: float
+    k_yt: float
+    k_tt: float
+    k_xo: float
+    k_yo: float
+    k_to: float
+    k_oo: float
 
 
 class _Cam(NamedTuple):
@@ -322,26 +322,26 @@ def _add_contact(
         Geometric stiffness of the rotation of the parts [N/m]. It acts on the disc if the profile `rotates` with it,
         and on disc and output if not.
     """
-    # letters as in `_DiscSums`; the gradients are a along the normal and b along the tangent
-    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    # n, p: gradients along the normal and along the tangent, by the unknowns of `_DiscSums`
+    force_x, force_y, force_t, force_o, k_xx, k_xy, k_yy, k_xt, k_yt, k_tt, k_xo, k_yo, k_to, k_oo = sums
     normal_rotation, disc_coupling = -force * gap.rate, rotation_stiffness if rotates else 0.0
     rotation_term = disc_coupling if rotates else -rotation_stiffness
-    (ax, ay, at, ao), (bx, by, bt, bo) = gap.normal, gap.tangential
+    (n_x, n_y, n_t, n_o), (p_x, p_y, p_t, p_o) = gap.normal, gap.tangential
     return _DiscSums(
-        rx + force * ax,
-        ry + force * ay,
-        rt + force * at,
-        ro + force * ao,
-        xx + (stiffness * ax * ax + normal_rotation * bx * bx),
-        xy + (stiffness * ax * ay + normal_rotation * bx * by),
-        yy + (stiffness * ay * ay + normal_rotation * by * by),
-        xt + (stiffness * ax * at + normal_rotation * bx * bt + disc_coupling * bx),
-        yt + (stiffness * ay * at + normal_rotation * by * bt + disc_coupling * by),
-        tt + (stiffness * at * at + normal_rotation * bt * bt + rotation_term * bt),
-        xo + (stiffness * ax * ao + normal_rotation * bx * bo),
-        yo + (stiffness * ay * ao + normal_rotation * by * bo),
-        to + (stiffness * at * ao + normal_rotation * bt * bo),
-        oo + (stiffness * ao * ao + normal_rotation * bo * bo + rotation_term * bo),
+        force_x + force * n_x,
+        force_y + force * n_y,
+        force_t + force * n_t,
+        force_o + force * n_o,
+        k_xx + (stiffness * n_x * n_x + normal_rotation * p_x * p_x),
+        k_xy + (stiffness * n_x * n_y + normal_rotation * p_x * p_y),
+        k_yy + (stiffness * n_y * n_y + normal_rotation * p_y * p_y),
+        k_xt + (stiffness * n_x * n_t + normal_rotation * p_x * p_t + disc_coupling * p_x),
+        k_yt + (stiffness * n_y * n_t + normal_rotation * p_y * p_t + disc_coupling * p_y),
+        k_tt + (stiffness * n_t * n_t + normal_rotation * p_t * p_t + rotation_term * p_t),
+        k_xo + (stiffness * n_x * n_o + normal_rotation * p_x * p_o),
+        k_yo + (stiffness * n_y * n_o + normal_rotation * p_y * p_o),
+        k_to + (stiffness * n_t * n_o + normal_rotation * p_t * p_o),
+        k_oo + (stiffness * n_o * n_o + normal_rotation * p_o * p_o + rotation_term * p_o),
     )
 
 
@@ -368,7 +368,7 @@ def _add_cam(
     tuple
         The new sums, and `energy` plus the energy of the contact [J].
     """
-    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    force_x, force_y, force_t, force_o, k_xx, k_xy, k_yy, k_xt, k_yt, k_tt, k_xo, k_yo, k_to, k_oo = sums
     residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
     cam, i, cam_stiffness = (
         cam_at(springs, k, disc, z),
@@ -377,31 +377,33 @@ def _add_cam(
     )
     system.spring_forces[i] = cam_stiffness * cam.depth if cam.total_depth > 0.0 else 0.0
     if cam.total_depth > 0.0 or system.kept_closed[i]:
-        force, rate, u, v = cam_stiffness * cam.depth, cam_stiffness * cam.radial_rate, cam.u, cam.v
+        force, rate, direction_x, direction_y = cam_stiffness * cam.depth, cam_stiffness * cam.radial_rate, cam.u, cam.v
         energy += cam_stiffness * cam.energy
         if friction > 0.0:
             sliding = friction * springs.cam_friction_per_force * cam_stiffness
             residual[t] += sliding * (cam.total_depth if cam.total_depth > 0.0 else cam.depth)
             if cam.total_depth == cam.depth or cam.depth < 0.0:
-                tangent[t, x] -= sliding * u
-                tangent[t, y] -= sliding * v
+                tangent[t, x] -= sliding * direction_x
+                tangent[t, y] -= sliding * direction_y
         tangential_stiffness = (
             force / cam.depth * cam.lateral_rate if cam.depth > 0.0 else cam_stiffness * cam.lateral_rate
         )
         radial_excess = rate - tangential_stiffness
         if friction > 0.0:
             lateral = friction * springs.cam_lateral
-            residual[x] += lateral * force * v
-            residual[y] -= lateral * force * u
-            tangent[x, x] -= lateral * radial_excess * u * v
-            tangent[x, y] -= lateral * (tangential_stiffness + radial_excess * v * v)
-            tangent[y, x] += lateral * (tangential_stiffness + radial_excess * u * u)
-            tangent[y, y] += lateral * radial_excess * u * v
-        rx, ry = rx - force * u, ry - force * v
-        xx += tangential_stiffness + radial_excess * u * u
-        xy += radial_excess * u * v
-        yy += tangential_stiffness + radial_excess * v * v
-    return _DiscSums(rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo), energy
+            residual[x] += lateral * force * direction_y
+            residual[y] -= lateral * force * direction_x
+            tangent[x, x] -= lateral * radial_excess * direction_x * direction_y
+            tangent[x, y] -= lateral * (tangential_stiffness + radial_excess * direction_y * direction_y)
+            tangent[y, x] += lateral * (tangential_stiffness + radial_excess * direction_x * direction_x)
+            tangent[y, y] += lateral * radial_excess * direction_x * direction_y
+        force_x, force_y = force_x - force * direction_x, force_y - force * direction_y
+        k_xx += tangential_stiffness + radial_excess * direction_x * direction_x
+        k_xy += radial_excess * direction_x * direction_y
+        k_yy += tangential_stiffness + radial_excess * direction_y * direction_y
+    return _DiscSums(
+        force_x, force_y, force_t, force_o, k_xx, k_xy, k_yy, k_xt, k_yt, k_tt, k_xo, k_yo, k_to, k_oo
+    ), energy
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -411,18 +413,18 @@ def _add_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> No
     `disc` is the index of the disc. The residual has the shape (u,), the tangent (u, u), for u unknowns; both are
     changed.
     """
-    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    force_x, force_y, force_t, force_o, k_xx, k_xy, k_yy, k_xt, k_yt, k_tt, k_xo, k_yo, k_to, k_oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
-    residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
-    residual[output_dof] += ro
-    tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + xx, tangent[y, y] + yy, tangent[t, t] + tt
-    tangent[x, y], tangent[y, x] = tangent[x, y] + xy, tangent[y, x] + xy
-    tangent[x, t], tangent[t, x] = tangent[x, t] + xt, tangent[t, x] + xt
-    tangent[y, t], tangent[t, y] = tangent[y, t] + yt, tangent[t, y] + yt
-    tangent[x, output_dof], tangent[output_dof, x] = tangent[x, output_dof] + xo, tangent[output_dof, x] + xo
-    tangent[y, output_dof], tangent[output_dof, y] = tangent[y, output_dof] + yo, tangent[output_dof, y] + yo
-    tangent[t, output_dof], tangent[output_dof, t] = tangent[t, output_dof] + to, tangent[output_dof, t] + to
-    tangent[output_dof, output_dof] += oo
+    residual[x], residual[y], residual[t] = residual[x] + force_x, residual[y] + force_y, residual[t] + force_t
+    residual[output_dof] += force_o
+    tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + k_xx, tangent[y, y] + k_yy, tangent[t, t] + k_tt
+    tangent[x, y], tangent[y, x] = tangent[x, y] + k_xy, tangent[y, x] + k_xy
+    tangent[x, t], tangent[t, x] = tangent[x, t] + k_xt, tangent[t, x] + k_xt
+    tangent[y, t], tangent[t, y] = tangent[y, t] + k_yt, tangent[t, y] + k_yt
+    tangent[x, output_dof], tangent[output_dof, x] = tangent[x, output_dof] + k_xo, tangent[output_dof, x] + k_xo
+    tangent[y, output_dof], tangent[output_dof, y] = tangent[y, output_dof] + k_yo, tangent[output_dof, y] + k_yo
+    tangent[t, output_dof], tangent[output_dof, t] = tangent[t, output_dof] + k_to, tangent[output_dof, t] + k_to
+    tangent[output_dof, output_dof] += k_oo
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
