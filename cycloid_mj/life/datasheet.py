@@ -402,9 +402,7 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
             quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
         with_name(
-            quantities["back_driving_torque_rated"],
-            "Back-driving torque",
-            f"{contact_note}; against drive.torque_nm",
+            quantities["back_driving_torque_rated"], "Back-driving torque", f"{contact_note}; against drive.torque_nm"
         ),
         figure_row(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{contact_note}; slow"),
         figure_row(
@@ -415,11 +413,7 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         ),
         figure_row(reducer, "starting_torque_nm", "Starting torque", f"{contact_note}; on the crank"),
         Quantity(
-            "temperature_rise",
-            "Temperature rise",
-            housing.value - ambient,
-            "K",
-            note=f"{condition}, {cooling_text}",
+            "temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, {cooling_text}"
         ),
         *_thermal_rows(reducer),
     )

@@ -40,10 +40,8 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
     output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak_torque / torque
     shear_planes = 1 if output.support == "cantilever" else 2
-    shear_stress, shear_strength = (
-        force / (shear_planes * math.pi * radius**2),
-        material.yield_strength / math.sqrt(3.0),
-    )
+    shear_stress = force / (shear_planes * math.pi * radius**2)
+    shear_strength = material.yield_strength / math.sqrt(3.0)
     pin_shear = RatedItem(
         "peak_pin_shear",
         "emergency stop: shear of an output pin",

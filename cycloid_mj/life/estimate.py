@@ -398,14 +398,6 @@ def _estimate_mass(sizes: Sizes, design: Design, diameter: float) -> Array:
     cover_term = (
         (light_density if ring > 2.0 * light_density else ring) * radius**2 * (_length(sizes, design, diameter) - stack)
     )
-    bodies = (
-        ring * (sizes.outer**2 - inner_radius**2) * stack,
-        disc * (inner_radius**2 - sizes.bore**2) * stack,
-    )
-    terms = (
-        *bodies,
-        shaft * sizes.bore**2 * stack,
-        cover_term,
-        2.0 * output * sizes.circle_out**2 * sizes.disc,
-    )
+    bodies = (ring * (sizes.outer**2 - inner_radius**2) * stack, disc * (inner_radius**2 - sizes.bore**2) * stack)
+    terms = (*bodies, shaft * sizes.bore**2 * stack, cover_term, 2.0 * output * sizes.circle_out**2 * sizes.disc)
     return np.asarray(math.pi * (MASS @ np.stack(terms)))

@@ -268,8 +268,5 @@ def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)
     for material, names in parts.items():
-        entry, name = (
-            MATERIALS.get(material),
-            f"{' and '.join(names)}, {material or 'a material without a name'}",
-        )
+        entry, name = (MATERIALS.get(material), f"{' and '.join(names)}, {material or 'a material without a name'}")
         yield (HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, USUAL_LIMIT, "assumed"))

@@ -90,12 +90,10 @@ def rated_torque(
     """
     design = reducer.design
     torque, low, high = start_torque or design.rated_torque, 0.0, math.inf
-    is_considered = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
+    is_limit = limits_torque or (lambda key: not is_stop(reducer, key) and not key.endswith(WEAR))
     weakest: RatedItem | None = None
     while high > SEARCH.lowest * design.rated_torque:
-        limit, item = _extrapolate_torque_limit(
-            reducer, torque, speed, life, is_considered, crank_angles, with_stops, parts
-        )
+        limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, is_limit, crank_angles, with_stops, parts)
         if abs(limit / torque - 1.0) <= rtol and item:
             return limit, item
         if limit >= torque and item:

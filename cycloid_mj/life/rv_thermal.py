@@ -67,11 +67,7 @@ def solve_rv_losses(
     max_torque = max(abs(point.torque) for point in points)
     heated = warm_reducer(reducer, temperatures)
     loads = solve_running_equilibrium(heated, max_torque, crank_angles)
-    links = (
-        *_contact_links(heated, loads),
-        *_grease_links(reducer),
-        *_air_links(reducer, temperatures["housing"]),
-    )
+    links = (*_contact_links(heated, loads), *_grease_links(reducer), *_air_links(reducer, temperatures["housing"]))
     return tuple(losses), Network(links, capacities)
 
 

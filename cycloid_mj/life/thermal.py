@@ -216,11 +216,7 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
     for _ in range(settings.rounds):
         point_losses, network = _solve_losses(reducer, points, temperatures, capacities, settings)
-        losses, cold, previous = (
-            _mean(points, point_losses),
-            cold or point_losses,
-            temperatures,
-        )
+        losses, cold, previous = (_mean(points, point_losses), cold or point_losses, temperatures)
         rises = network.rises(heat_by_node(reducer, losses))
         temperatures = {part: ambient + rise for part, rise in rises.items()}
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
@@ -233,15 +229,7 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
         if step_size < settings.smallest_step:
             break
     final = {part: ambient + rise for part, rise in rises.items()}
-    return _Steady(
-        final,
-        losses,
-        network,
-        has_converged,
-        cold or point_losses,
-        point_losses,
-        previous["disc"],
-    )
+    return _Steady(final, losses, network, has_converged, cold or point_losses, point_losses, previous["disc"])
 
 
 def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
