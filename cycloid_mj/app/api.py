@@ -223,6 +223,6 @@ def create_job(content: Content) -> JobKind:
         "stress": ("stresses", part_stress.stress, (design,)),
     }
     if kind not in jobs:
-        known = "size", artifacts.WHOLE_DRIVE, *artifacts.FILES, *jobs
-        raise UsageError(f"unknown job {kind!r}: choose one of {', '.join(known)}")
+        job_kinds = "size", artifacts.WHOLE_DRIVE, *artifacts.FILES, *jobs
+        raise UsageError(f"unknown job {kind!r}: choose one of {', '.join(job_kinds)}")
     return JobKind("studies", *jobs[kind])

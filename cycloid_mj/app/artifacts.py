@@ -186,13 +186,13 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
     without_ramp = design.but(drive={"ramp": 0.0})
     settling_duration, crank_turn = settling_time(reducer_of(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
     # the report judges at least half of the time at constant speed
-    shortened = without_ramp.steady(settling_duration, max(MIN_CRANK_TURNS, settling_duration / crank_turn))
+    shortened_design = without_ramp.steady(settling_duration, max(MIN_CRANK_TURNS, settling_duration / crank_turn))
 
     def report_progress(done: int, total: int) -> None:
         on_progress({"doing": "simulating in MuJoCo", "share": done / total})
 
     on_progress({"doing": "building the model", "share": 0.0})
-    run = simulate(shortened, progress=report_progress)
+    run = simulate(shortened_design, progress=report_progress)
     return Download(page=report({design.name: run}, settle=settling_duration))
 
 

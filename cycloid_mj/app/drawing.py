@@ -115,16 +115,16 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
         per crank turn. ``play``: factor of the clearances as drawn, 1 if the magnified parts cannot be drawn;
         ``whole``: false for a design that cannot be built, whose disc profile is drawn with its loops or undercuts.
     """
-    drawn = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
+    drawn_reducer = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
     try:
-        outlines, buildable = _outlines(drawn), True
+        outlines, buildable = _outlines(drawn_reducer), True
     except CycloidError:
         outlines, buildable = _unbuildable_outlines(reducer), False
     design = reducer.design
     ring = design.ring
     return {
         "whole": buildable,
-        "play": magnification if drawn is not reducer else 1.0,
+        "play": magnification if drawn_reducer is not reducer else 1.0,
         "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
         "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
         "pin_radius": MILLIMETRES * ring.pin_radius,

@@ -139,7 +139,7 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     reducer = reducer_at_reference(reducer)
     casing, reason = casing_or_none(reducer, options.motor)
     rows = bill_rows(reducer, casing)
-    content = {
+    description = {
         "reason": reason,
         "bill": rows,
         "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
@@ -149,12 +149,12 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     }
     if casing:
         low, high = casing.ends
-        content |= {
+        description |= {
             "motor": casing.motor.name,
             "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
             "length_mm": MILLIMETRES * (high - low),
         }
-    return content
+    return description
 
 
 def bill_rows(reducer: Reducer, casing: Casing | None) -> list[dict[str, Any]]:

@@ -130,8 +130,10 @@ class Jobs:
             )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
-        finished = [number for number, other_job in self._jobs.items() if other_job.state in ("done", "stopped")]
-        for number in finished[: -REQUESTS.finished_jobs]:
+        finished_numbers = [
+            number for number, other_job in self._jobs.items() if other_job.state in ("done", "stopped")
+        ]
+        for number in finished_numbers[: -REQUESTS.finished_jobs]:
             del self._jobs[number]
         threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()
         return job

@@ -166,11 +166,11 @@ def _sample_distributions(columns: Mapping[str, Array], jams: Mask, condition_te
     """
     charts = list[dict[str, Any]]()
     for key, values in columns.items():
-        catalogue_figure, solved = figure(key), values[~jams & np.isfinite(values)]
-        if catalogue_figure.unit not in UNITS or len(solved) < 2:
+        catalogue_figure, solved_values = figure(key), values[~jams & np.isfinite(values)]
+        if catalogue_figure.unit not in UNITS or len(solved_values) < 2:
             continue
-        counts, edges = np.histogram(solved, STUDY.bins)
-        low, middle, high = np.percentile(solved, [5.0, 50.0, 95.0]).tolist()
-        histogram = {"counts": counts.tolist(), "edges": edges.tolist(), "p05": low, "p50": middle, "p95": high}
+        counts, edges = np.histogram(solved_values, STUDY.bins)
+        low, median, high = np.percentile(solved_values, [5.0, 50.0, 95.0]).tolist()
+        histogram = {"counts": counts.tolist(), "edges": edges.tolist(), "p05": low, "p50": median, "p95": high}
         charts.append({"name": catalogue_figure.name, "unit": catalogue_figure.unit, **histogram})
     return {"samples": len(jams), "jam": float(jams.mean()), "charts": charts, "condition": condition_text}

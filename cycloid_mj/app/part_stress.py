@@ -85,10 +85,10 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
         on_progress(
             {"doing": f"stress of the {part.name}", "share": number / len(kinds), "parts": list(parts.values())}
         )
-        name, largest, definition = _largest_stress(reducer, kind, part.name)
-        if not math.isnan(largest):
+        name, largest_stress, definition = _largest_stress(reducer, kind, part.name)
+        if not math.isnan(largest_stress):
             limit = reducer.design.material_of(part.material).yield_strength / MEGAPASCAL
-            parts[kind]["bulk"].append(_bulk_row(name, largest, limit, definition))
+            parts[kind]["bulk"].append(_bulk_row(name, largest_stress, limit, definition))
     if not any(part["bulk"] for part in parts.values()):
         raise CycloidError(
             "the finite-element analysis found no stress away from the contacts in any part of this design: check the "

@@ -103,9 +103,9 @@ def parse_form(form: Any) -> Requirement:
             '{"ratio": 15}'
         )
     values = {key: value for key, value in form.items() if value not in ("", None)}
-    allowed = (*INTEGERS, *NUMBERS, *WORDS, "custom")
-    if unknown := set(values) - set(allowed):
-        raise UsageError(f"the form has an unknown field {min(unknown)!r}: use only {', '.join(allowed)}")
+    allowed_fields = (*INTEGERS, *NUMBERS, *WORDS, "custom")
+    if unknown := set(values) - set(allowed_fields):
+        raise UsageError(f"the form has an unknown field {min(unknown)!r}: use only {', '.join(allowed_fields)}")
     for key in ("ratio", "diameter_mm", "torque_nm"):
         if key not in values:
             raise UsageError(f"the {key.partition('_')[0]} is missing: enter a number greater than 0")
@@ -245,9 +245,9 @@ def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -
         figures["drive_diameter_mm"] = figures["outer_diameter_mm"]
     figures["carried_torque_nm"] = carried_torque(figures["rated_torque_nm"], figures["momentary_torque_nm"])
     if motor != "auto" and kind.has_covers:
-        covered, reason = covered_size(Reducer(design), motor)
+        size_with_covers, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
-        figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}
+        figures |= {figure: size_with_covers[key] for figure, key in sizes.items()} if size_with_covers else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
     violated = {field: item for field, item in verdicts.items() if item["judgement"] != Judgement.PASSED}
     requirement_texts = [f"{NAMES[field]}: {item['words']} required" for field, item in violated.items()]

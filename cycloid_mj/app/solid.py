@@ -241,14 +241,14 @@ def _exploded_shifts(reducer: Reducer, assembly: _Assembly) -> dict[str, float]:
     and are centred about z = 0.
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
-    along, parts = assembly.along, assembly.parts
-    groups = {_group_of(component.part, along) for component in assembly.components}
+    order, parts = assembly.along, assembly.parts
+    groups = {_group_of(component.part, order) for component in assembly.components}
     end_heights = {name: [z for prism in part.segments for z in (prism.z0, prism.z1)] for name, part in parts.items()}
-    for group in sorted(groups, key=lambda name: along.index(name) if name in along else len(along)):
+    for group in sorted(groups, key=lambda name: order.index(name) if name in order else len(order)):
         heights = [
             component.origin[2] + z
             for component in assembly.components
-            if _group_of(component.part, along) == group
+            if _group_of(component.part, order) == group
             for z in end_heights[component.part]
         ]
         shifts[group] = start - min(heights)

@@ -111,18 +111,20 @@ def apply_changes(design: Design, changes: Any) -> Design:
     if not changes:
         return design
     base = BASES[design.layout]
-    changed = override(design, {str(key): _as_integer(base, key, value) for key, value in changes.items()})
+    changed_design = override(design, {str(key): _as_integer(base, key, value) for key, value in changes.items()})
     has_holes = design.layout == "central"
     if has_holes and any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
-        changed = changed.but(output={"hole_radius": changed.output.pin_radius + changed.gear.eccentricity})
+        changed_design = changed_design.but(
+            output={"hole_radius": changed_design.output.pin_radius + changed_design.gear.eccentricity}
+        )
     if "drive.torque_nm" in changes:
-        return changed.but(load={"torque": changed.rated_torque})
-    if changed.load.torque and (changed.load.torque, changed.reduction) != (
+        return changed_design.but(load={"torque": changed_design.rated_torque})
+    if changed_design.load.torque and (changed_design.load.torque, changed_design.reduction) != (
         design.load.torque,
         design.reduction,
     ):
-        return reducer_of(changed).with_nominal_torque(abs(changed.load.torque)).design
-    return changed
+        return reducer_of(changed_design).with_nominal_torque(abs(changed_design.load.torque)).design
+    return changed_design
 
 
 def at_load(reducer: Reducer) -> Reducer:
@@ -142,13 +144,13 @@ def _as_integer(base: Design, key: str, value: Any) -> Any:
 
 def _flatten_design(design: Design) -> dict[str, Any]:
     """Return all values of the design file of a design as one mapping: ``table.key`` -> value in the file's unit."""
-    flat: dict[str, Any] = {}
+    flat_values: dict[str, Any] = {}
     for key, value in tomllib.loads(dump(design)).items():
         if isinstance(value, dict):
-            flat |= {f"{key}.{name}": item for name, item in value.items()}
+            flat_values |= {f"{key}.{name}": item for name, item in value.items()}
         else:
-            flat[key] = value
-    return flat
+            flat_values[key] = value
+    return flat_values
 
 
 @cache

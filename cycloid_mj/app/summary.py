@@ -100,15 +100,15 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 def checks(reducer: Reducer) -> dict[str, Any]:
     """Run all checks of a design at its load; return the failed checks, the warnings and a summary as JSON values."""
-    loaded = at_load(reducer)
-    results = check_reducer(loaded)
+    loaded_reducer = at_load(reducer)
+    results = check_reducer(loaded_reducer)
     return {
         "count": len(results),
         "judgement": gravest(check.judgement for check in results),
         "words": f"{len(results)} checks: {results.counts}"
         if results.failures or results.warnings
         else f"All {len(results)} checks passed",
-        "failed": _failed_checks_json(loaded, (*results.failures, *results.warnings)),
+        "failed": _failed_checks_json(loaded_reducer, (*results.failures, *results.warnings)),
     }
 
 
@@ -117,9 +117,9 @@ def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
 
     ``name`` in the result is the name of the check, and ``changes`` are the alternatives.
     """
-    loaded, name = at_load(reducer), check_name.replace(" ", "_")
-    changes = life_remedies(loaded, [name]).get(name, ())
-    return {"name": check_name, "changes": [_remedy_json(loaded, dict([change])) for change in changes]}
+    loaded_reducer, name = at_load(reducer), check_name.replace(" ", "_")
+    changes = life_remedies(loaded_reducer, [name]).get(name, ())
+    return {"name": check_name, "changes": [_remedy_json(loaded_reducer, dict([change])) for change in changes]}
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
@@ -132,7 +132,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """
     design = reducer.design
     sheet = quick_sheet(reducer)
-    computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
+    computed_quantities = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
     sources = {design.tooth_pair: "teeth", **LOSSES[reducer.LAYOUT]}
     losses = {
@@ -141,16 +141,16 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     }
     return {
         "condition": sheet.condition,
-        "backlash_arcmin": computed["backlash_arcmin"].value,
-        "verdicts": requirement_verdicts(required, {"backlash_arcmin": computed["backlash_arcmin"].value}),
+        "backlash_arcmin": computed_quantities["backlash_arcmin"].value,
+        "verdicts": requirement_verdicts(required, {"backlash_arcmin": computed_quantities["backlash_arcmin"].value}),
         "rows": [
             {
                 "name": name,
-                "value": format_quantity(computed[key]),
-                "note": computed[key].note or figure(key).definition,
+                "value": format_quantity(computed_quantities[key]),
+                "note": computed_quantities[key].note or figure(key).definition,
             }
             for key, name in NAMES.items()
-            if key in computed
+            if key in computed_quantities
         ],
         "losses": {**powers, "parts": [{"name": name, "watts": watts} for name, watts in losses.items()]},
         "assumptions": [sentence_in_words(assumption) for assumption in sheet.assumptions],
@@ -169,20 +169,20 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
-    shortest = min(lives, default=math.inf)
+    shortest_life = min(lives, default=math.inf)
     rated_torque, limited_by, momentary = _rated_torque(reducer, rating)
     verdicts = requirement_verdicts(required, {"carried_torque_nm": carried_torque(rated_torque, momentary)})
     size_verdicts, sizes = SIZES[reducer.LAYOUT](reducer, required, motor)
     verdicts |= size_verdicts
-    verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
+    verdicts["life_h"] = verdict(judge(shortest_life / hours_required), f"≥ {hours_required:.6g} h")
     return {
         "condition": f"{rating.duty}, parts {rating.parts}",
         "required_h": hours_required,
         "rated_torque_nm": rated_torque,
         "limited_by": limited_by,
         "momentary_torque_nm": momentary,
-        "life_h": shortest,
-        "life": format_life(shortest),
+        "life_h": shortest_life,
+        "life": format_life(shortest_life),
         "verdicts": verdicts,
         "items": rated_items(rating),
         **sizes,
@@ -235,16 +235,18 @@ def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str, float]:
     """
     if rating.parts == "toleranced":
         load, _ = load_of(reducer)
-        (rated, weakest), (momentary, _) = rated_and_momentary_torque(rating.items.values(), load, rating.life)
-        return rated, weakest.name, momentary
+        (rated, limiting_item), (momentary, _) = rated_and_momentary_torque(rating.items.values(), load, rating.life)
+        return rated, limiting_item.name, momentary
     design = reducer.design
     try:
         life = design.service.life
-        rated, weakest = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
+        rated, limiting_item = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
         momentary = figure("momentary_torque_nm").value(reducer)
     except CycloidError as error:
         return 0.0, str(error), 0.0
-    rating_result = (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+    rating_result = (
+        (rated, limiting_item.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
+    )
     return *rating_result, momentary
 
 
@@ -261,15 +263,15 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
     If the covers or the motor do not fit, or a part cannot be built, return None and the reason.
     """
     try:
-        manufactured = reducer_at_reference(reducer)
-        casing, reason = casing_or_none(manufactured, motor)
+        reference_reducer = reducer_at_reference(reducer)
+        casing, reason = casing_or_none(reference_reducer, motor)
         if not casing:
             return None, reason
         low, high = casing.ends
         return {
             "diameter_mm": 2.0 * MILLIMETRES * casing.outer,
             "length_mm": MILLIMETRES * (high - low),
-            "mass_kg": assembly_mass(manufactured, casing),
+            "mass_kg": assembly_mass(reference_reducer, casing),
         }, ""
     except CycloidError as error:
         return None, str(error)

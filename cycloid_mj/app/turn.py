@@ -84,13 +84,16 @@ def _rv_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: float) 
     [N m].
     """
     discs = reducer.design.gear.discs
-    content = rv_forces(cast(RvReducer, reducer), angles_in_ring, load)
+    disc_forces = rv_forces(cast(RvReducer, reducer), angles_in_ring, load)
     contacts = {
         kind: _contact_lists(contact["force"], contact["position"], contact["direction"], discs)
-        for kind, contact in ((kind, content[kind]) for kind in RV_CONTACTS)
+        for kind, contact in ((kind, disc_forces[kind]) for kind in RV_CONTACTS)
     }
-    other_lists = {"output_turn": content["output_turn"].tolist(), "share": np.round(content["share"], 4).tolist()}
-    poses = content["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
+    other_lists = {
+        "output_turn": disc_forces["output_turn"].tolist(),
+        "share": np.round(disc_forces["share"], 4).tolist(),
+    }
+    poses = disc_forces["discs"] * [MILLIMETRES, MILLIMETRES, 1.0]
     frame = {"turn": turn, "load_nm": abs(load), "words": RV_CONTACTS}
     return {**frame, **contacts, **other_lists, "discs": np.round(poses, 7).tolist()}
 
@@ -104,9 +107,9 @@ def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: fl
     design = reducer.design
     crank_angles = angles_in_ring / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank_angles)
-    result = loads(reducer, springs, load, warm_start=True)
+    contact_loads = loads(reducer, springs, load, warm_start=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
-    discs, lobes, departures = design.gear.discs, design.lobes, result.departures
+    discs, lobes, departures = design.gear.discs, design.lobes, contact_loads.departures
     poses = departures[:, :-1].reshape(len(crank_angles), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
     # columns of x and y of the disc of each contact
     columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)
@@ -123,12 +126,12 @@ def _central_forces(reducer: Reducer, turn: int, angles_in_ring: Array, load: fl
         "turn": turn,
         "load_nm": abs(load),
         "words": CONTACTS,
-        "teeth": _contact_lists(result.teeth, teeth, direction[:, : springs.teeth], discs),
-        "output": _contact_lists(result.output, output, direction[:, springs.teeth :], discs),
-        "cam": np.round(result.cam, 3).tolist(),
+        "teeth": _contact_lists(contact_loads.teeth, teeth, direction[:, : springs.teeth], discs),
+        "output": _contact_lists(contact_loads.output, output, direction[:, springs.teeth :], discs),
+        "cam": np.round(contact_loads.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
-        "share": np.round(result.share, 4).tolist(),
+        "share": np.round(contact_loads.share, 4).tolist(),
     }
 
 
@@ -158,13 +161,13 @@ def error(reducer: Reducer) -> dict[str, Any]:
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh_order = float(reducer.mesh_periods)
-    named = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh"), *TURNS[reducer.LAYOUT].orders(reducer)]
+    named_orders = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh"), *TURNS[reducer.LAYOUT].orders(reducer)]
     return {
         "crank_deg": np.round(np.degrees(crank_angles), 3).tolist(),
         "curves": curves,
         "orders": np.round(spectrum.order[is_significant], 4).tolist(),
         "amplitudes": np.round(spectrum.amplitude[is_significant], 5).tolist(),
-        "named": [list(item) for item in named],
+        "named": [list(item) for item in named_orders],
     }
 
 

@@ -55,13 +55,13 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
         A file cannot be written; all existing files are unchanged.
     """
     replacements: list[tuple[Path, Path]] = []
-    current = Path()
+    user_path = Path()
     try:
-        for current in map(Path, paths):
-            target = Path(os.path.realpath(current))
+        for user_path in map(Path, paths):
+            target = Path(os.path.realpath(user_path))
             with defer_signals():
-                replacements.append((_create_hidden_file(target, current), target))
-        current = current if len(replacements) == 1 else current.parent
+                replacements.append((_create_hidden_file(target, user_path), target))
+        user_path = user_path if len(replacements) == 1 else user_path.parent
         yield [new_path for new_path, _ in replacements]
         with defer_signals():
             for new_path, target in replacements:
@@ -69,7 +69,7 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
                 note_output(target)
     except OSError as problem:
         raise CycloidError(
-            f"cannot write {current}: {reason(problem)}. Choose a file in a writable folder with free disk space"
+            f"cannot write {user_path}: {reason(problem)}. Choose a file in a writable folder with free disk space"
         ) from problem
     finally:
         with defer_signals():

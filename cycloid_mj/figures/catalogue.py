@@ -108,7 +108,7 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
     Similar keys contain `key`; if none does, they resemble it. Only quantities with one of the `needs` are considered,
     and only those that apply to the reducer unless it is None.
     """
-    available = [
+    available_keys = [
         name
         for name, row in _BY_ANY_NAME.items()
         if row.need in needs
@@ -116,10 +116,10 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
         and name != key
         and name not in row.deprecated
     ]
-    similar = [name for name in available if key and key in name] or get_close_matches(
-        key, available, n=MAX_SUGGESTIONS, cutoff=0.5
+    similar_keys = [name for name in available_keys if key and key in name] or get_close_matches(
+        key, available_keys, n=MAX_SUGGESTIONS, cutoff=0.5
     )
-    suggested_keys = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:MAX_SUGGESTIONS]
+    suggested_keys = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar_keys))[:MAX_SUGGESTIONS]
     return f"did you mean {', '.join(suggested_keys)}? Otherwise " if suggested_keys else ""
 
 

@@ -36,8 +36,12 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
         for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_ringed_cam(reducer))
         if bearing.bore > min_bore or (design.has_one_piece_crank and bearing.bore == min_bore)
     ]
-    chosen = stock.side_by_side(fitting, gear.face_width) if gear.bearing == "rolling" else None
-    return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_ringed_cam(reducer) else chosen
+    bearing_and_count = stock.side_by_side(fitting, gear.face_width) if gear.bearing == "rolling" else None
+    return (
+        (bearing_and_count[0], min(bearing_and_count[1], MAX_RINGED))
+        if bearing_and_count and needs_ringed_cam(reducer)
+        else bearing_and_count
+    )
 
 
 def cam_seat(reducer: Reducer) -> float:
@@ -53,10 +57,10 @@ def cam_seat(reducer: Reducer) -> float:
         return round(0.5 * stock_bearing[0].bore, 9)
     ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
     raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
-    thinnest = gear.eccentricity + reducer.design.shaft.radius
-    if gear.bearing != "rolling" or thinnest >= gear.bore_radius:
+    min_seat = gear.eccentricity + reducer.design.shaft.radius
+    if gear.bearing != "rolling" or min_seat >= gear.bore_radius:
         return gear.bore_radius
-    return raceway if raceway > thinnest else 0.5 * (thinnest + gear.bore_radius)
+    return raceway if raceway > min_seat else 0.5 * (min_seat + gear.bore_radius)
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:

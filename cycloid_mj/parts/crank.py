@@ -73,14 +73,16 @@ class ShaftDimensions:
         The counterweight counts as a full disc. At a cam, the step is that from the journal to the point of the cam
         nearest to the axis.
         """
-        lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
+        near_radius, last_number = self.cam_radius - self.eccentricity, len(self.cams) - 1
         shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
         shoulders = shoulders if self.weighted else []
-        for number, (z0, z1) in enumerate(self.cams):
-            cam = f"cam {number + 1}" if last else "the cam"
-            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", z0, lowest))
-            if number < last or self.straddles:
-                shoulders.append(Shoulder(f"{'neck' if number < last else 'far journal'} at {cam}", z1, lowest))
+        for number, (start, end) in enumerate(self.cams):
+            cam = f"cam {number + 1}" if last_number else "the cam"
+            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", start, near_radius))
+            if number < last_number or self.straddles:
+                shoulders.append(
+                    Shoulder(f"{'neck' if number < last_number else 'far journal'} at {cam}", end, near_radius)
+                )
         return tuple(shoulders)
 
     @property

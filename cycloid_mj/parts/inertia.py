@@ -31,12 +31,12 @@ def mass_properties(solid: Solid) -> MassProperties:
     volume = sum(part[0] for part in moments)
     first_moment = np.sum([part[1] for part in moments], axis=0)
     second_moment = np.sum([part[2] for part in moments], axis=0)
-    central = second_moment - np.outer(first_moment, first_moment) / volume
+    central_moment = second_moment - np.outer(first_moment, first_moment) / volume
     return MassProperties(
         mass=significant(solid.density * volume),
         volume=significant(volume),
         centroid=on_grid(first_moment / volume),
-        inertia=significant_tensor(solid.density * (np.trace(central) * np.eye(3) - central)),
+        inertia=significant_tensor(solid.density * (np.trace(central_moment) * np.eye(3) - central_moment)),
     )
 
 

@@ -122,10 +122,10 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
     has name, x, y, and ``theory``, which is true for a curve of the full model and false for one of the reduced joint.
     """
     first_curve = curves[0]
-    data = []
+    curve_data = []
     for curve in curves:
         order = np.argsort(curve.x, kind="stable")
-        data.append(
+        curve_data.append(
             {
                 "name": curve.name,
                 "x": encode_array(curve.x[order]),
@@ -139,7 +139,7 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
         "x_label": first_curve.x_label,
         "y_label": first_curve.y_label,
         "span": span,
-        "curves": data,
+        "curves": curve_data,
     }
 
 
@@ -191,7 +191,7 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
         for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
         if harmonic["load_nm"] == load
     ]
-    smallest = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated_harmonics), default=0.0)
+    min_amplitude = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated_harmonics), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
     for harmonic in rated_harmonics:
         by_order.setdefault(harmonic["order"], []).append(harmonic)
@@ -205,10 +205,10 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
             ),
         )
         for order, directions in by_order.items()
-        if max(harmonic["value"] for harmonic in directions) >= smallest
+        if max(harmonic["value"] for harmonic in directions) >= min_amplitude
     ]
-    head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
-    return TextTable([head], rows)
+    header = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
+    return TextTable([header], rows)
 
 
 def _bam_table(bam: Mapping[str, Any]) -> TextTable:

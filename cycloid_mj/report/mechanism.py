@@ -59,7 +59,7 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
     housing_hole = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].holes[0]
-    largest = largest_magnification(reducer)
+    max_magnification = largest_magnification(reducer)
     shape = {
         "kind": ring.kind,
         "free": ring.has_sockets,
@@ -90,7 +90,7 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
                 **{name: MILLIMETRES * radius for name, radius in vars(drawn_radii(reducer, magnification)).items()},
             }
             for magnification in MAGNIFICATIONS
-            if magnification <= largest
+            if magnification <= max_magnification
         ],
     }
     if ring.kind != "pin":

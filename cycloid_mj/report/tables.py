@@ -54,10 +54,10 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     rows_by_run = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(item.findings)} for item in reviewed
     ]
-    head = [("quantity", "unit", *("simulated", "closed form", "error") * len(rows_by_run))]
+    header_rows = [("quantity", "unit", *("simulated", "closed form", "error") * len(rows_by_run))]
     if len(rows_by_run) > 1:
         titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
-        head.insert(0, ("", "", *(cell for title in titles for cell in (title, "", ""))))
+        header_rows.insert(0, ("", "", *(cell for title in titles for cell in (title, "", ""))))
     rows: list[Sequence[str]] = []
     for group in (name for name in GROUPS if any(name in run_groups for run_groups in rows_by_run)):
         group_rows = [run_groups.get(group, {}) for run_groups in rows_by_run]
@@ -67,7 +67,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
             (name, _unit_symbol(unit), *(cell for run_rows in group_rows for cell in _cells(run_rows.get(name))))
             for name, unit in units.items()
         ]
-    return TextTable(head, rows)
+    return TextTable(header_rows, rows)
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:

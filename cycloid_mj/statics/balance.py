@@ -287,12 +287,12 @@ def _solve_contacts(
         force, cam, work = _solve_with_cams(reducer, linear, load, z, warm_start and step == 0)
         total_work, linear_force = total_work + work, force[:, springs.teeth :]
         rollers, roller_force = rollers.linearise(rollers.approach(linear_force))
-        error, largest = float(np.abs(roller_force - linear_force).max()), float(linear_force.max())
-        if error <= ROLLER_RTOL * largest:
+        error, largest_force = float(np.abs(roller_force - linear_force).max()), float(linear_force.max())
+        if error <= ROLLER_RTOL * largest_force:
             return force, cam, total_work
     raise RunError(
         f"the forces of the output rollers on their needles did not converge in {MAX_ROLLER_STEPS} steps: the last "
-        f'error is {error:.3g} N of {largest:.3g} N; set contact.needles = "lumped"'
+        f'error is {error:.3g} N of {largest_force:.3g} N; set contact.needles = "lumped"'
     )
 
 

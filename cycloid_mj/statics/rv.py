@@ -541,9 +541,9 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
                 break
             step_length = np.where(is_rejected, 0.5 * step_length, step_length)
         z, energy = trial, trial_energy
-    largest = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
+    max_error = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
     raise RunError(
-        f"no static equilibrium found: the residual is {largest:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
+        f"no static equilibrium found: the residual is {max_error:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
         "allowed. Check the clearances (clearance.*), or increase the load (--load-nm)"
     )
 

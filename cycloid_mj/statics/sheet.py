@@ -452,13 +452,15 @@ def _load_quantities(reducer: Reducer, load: float, limit_count: int = len(LIMIT
         yield from _pair_quantities(springs, contact_loads, kind, reducer, strength_ratios.get(kind, math.nan))
     if contact_loads.discs > 1:
         yield from reaction_quantities(compute_reactions(reducer, springs, contact_loads))
-    for key, allowed in islice(LIMITS.items(), limit_count):
+    for key, strength_share in islice(LIMITS.items(), limit_count):
         if not strength_ratios:
             yield sheet_quantity(key, math.nan, note="none: no contact is narrow enough for Hertz theory")
             continue
-        pressures = {kind: allowed * reducer.contacts[kind].strength for kind in strength_ratios}
-        limit_torque, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, warm_start=True)
-        yield sheet_quantity(key, abs(limit_torque), note=f"limited by {weakest}")
+        pressures = {kind: strength_share * reducer.contacts[kind].strength for kind in strength_ratios}
+        limit_torque, limiting_kind = torque_at_pressure(
+            reducer, springs, pressures, torque, contact_loads, warm_start=True
+        )
+        yield sheet_quantity(key, abs(limit_torque), note=f"limited by {limiting_kind}")
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:

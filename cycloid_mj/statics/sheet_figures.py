@@ -115,10 +115,10 @@ def _motion_rows() -> Iterator[SheetFigure]:
         "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
         "friction and weight.", layouts=BOTH)
-    for end, word in (("min", "smallest"), ("max", "largest")):
+    for end, extreme in (("min", "smallest"), ("max", "largest")):
         yield SheetFigure(
-            f"backlash_{end}", "arcmin", f"backlash, {word} over the crank angle",
-            f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.",
+            f"backlash_{end}", "arcmin", f"backlash, {extreme} over the crank angle",
+            f"{extreme.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.",
             layouts=BOTH)
     yield SheetFigure(
         "lost_motion_ideal", "arcmin", "lost motion at +-3 % of the load",

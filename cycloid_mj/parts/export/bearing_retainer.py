@@ -58,7 +58,7 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
     """
     if not bearing.has_crossed_rollers:
         return None
-    thread, count = next((size, number) for largest, size, number in _SCREWS if bearing.outside <= largest)
+    thread, count = next((size, number) for max_diameter, size, number in _SCREWS if bearing.outside <= max_diameter)
     bolt = next(bolt for bolt in stock.bolts() if bolt.thread == thread)
     hole, thickness = thread_radius(reducer, thread), max(thread, THICKNESS_SHARE * bearing.width)
     circle = 0.5 * bearing.outside + wall + hole

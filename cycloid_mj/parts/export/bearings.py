@@ -64,11 +64,11 @@ def roller_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     output, width = design.output, design.gear.face_width
     if not (output.has_needles and output.has_roller_parts):
         return None
-    largest = 2.0 * (output.pin_radius - RULES.min_wall)
+    max_outside = 2.0 * (output.pin_radius - RULES.min_wall)
     cups = [
         cup
         for cup in stock.needle_bearings()
-        if abs(cup.bore - 2.0 * output.root_radius) < stock.ROUNDING and cup.outside < largest + stock.ROUNDING
+        if abs(cup.bore - 2.0 * output.root_radius) < stock.ROUNDING and cup.outside < max_outside + stock.ROUNDING
     ]
     required_rating = design.bearing.output_dynamic_capacity
     choices = [choice for cup in cups if (choice := stock.side_by_side([cup], width))]

@@ -163,10 +163,10 @@ def cross_holes(reducer: Reducer, clamp: CamClamp) -> Iterator[tuple[str, CrossH
     for number, (plane, phase) in enumerate(zip(design.gear.disc_planes, reducer.phases, strict=True), start=1):
         name, y = names.numbered_name(names.CAM, number), clamp.distance * math.cos(phase)
         for height in clamp.heights(design.gear.face_width):
-            head, slot = (clamp.head_face, y, plane + height), (-half_slot, y, plane + height)
-            yield name, CrossHole(head, (1.0, 0.0, 0.0), counterbore(clamp.bolt), length_outwards)
-            yield name, CrossHole(head, (-1.0, 0.0, 0.0), hole, clamp.head_face)
-            yield name, CrossHole(slot, (-1.0, 0.0, 0.0), core, clamp.thread_depth)
+            head_point, slot_point = (clamp.head_face, y, plane + height), (-half_slot, y, plane + height)
+            yield name, CrossHole(head_point, (1.0, 0.0, 0.0), counterbore(clamp.bolt), length_outwards)
+            yield name, CrossHole(head_point, (-1.0, 0.0, 0.0), hole, clamp.head_face)
+            yield name, CrossHole(slot_point, (-1.0, 0.0, 0.0), core, clamp.thread_depth)
 
 
 def _describe_clamp_problem(reducer: Reducer) -> str:
@@ -190,13 +190,13 @@ def _fit_screws(reducer: Reducer, bolt: stock.Bolt) -> CamClamp | None:
     `bolt` is the size of the screw in stock.
     """
     design, radius, wall = reducer.design, cam_radius(reducer), RULES.min_wall
-    gear, shaft, head = design.gear, design.shaft.radius, counterbore(bolt)
+    gear, shaft, head_radius = design.gear, design.shaft.radius, counterbore(bolt)
     hinge = radius - gear.eccentricity - shaft
-    count = min(int((gear.face_width - wall) / (2.0 * head + wall) + 1e-9), CLAMP.max_screws)
+    count = min(int((gear.face_width - wall) / (2.0 * head_radius + wall) + 1e-9), CLAMP.max_screws)
     if count < 1 or hinge < wall:
         return None
     distance = shaft + 0.5 * stock.bolt_hole(bolt.thread) + wall
-    clear_of_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head, 0.0) ** 2, 0.0))
+    clear_of_shaft = math.sqrt(max((shaft + wall) ** 2 - max(distance - head_radius, 0.0) ** 2, 0.0))
     head_face = max(0.5 * CLAMP.slot + min_grip(bolt, wall), clear_of_shaft)
     min_length = head_face + 0.5 * CLAMP.slot + RULES.engagement * bolt.thread
     length = stock.bolt_length(bolt.thread, min_length)

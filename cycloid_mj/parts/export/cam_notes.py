@@ -19,11 +19,11 @@ def describe_cam_joint(reducer: Reducer, casing: Casing, name: str) -> Iterator[
     if family not in (names.SHAFT, names.CAM, names.SPACER):
         return
     if key := cam_key(reducer, casing):
-        bought = key.bought
-        depth, length = bought.in_hub, ""
+        stock_key = key.bought
+        depth, length = stock_key.in_hub, ""
         if family == names.SHAFT:
-            depth, length = bought.in_shaft, f" x {in_mm(bought.length)} long"
-        yield f"keyway {in_mm(bought.width)} P9 x {in_mm(depth)} deep{length} (DIN 6885), symmetry 0.02 to A"
+            depth, length = stock_key.in_shaft, f" x {in_mm(stock_key.length)} long"
+        yield f"keyway {in_mm(stock_key.width)} P9 x {in_mm(depth)} deep{length} (DIN 6885), symmetry 0.02 to A"
     if spline := cam_spline(reducer):
         yield (
             f"{spline.count} splines, minor ⌀{in_mm(spline.minor)}, major ⌀{in_mm(spline.major)}, width "

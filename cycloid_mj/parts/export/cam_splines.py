@@ -26,13 +26,13 @@ def cam_spline(reducer: Reducer) -> stock.StockSpline | None:
     if design.cam_joint != "spline":
         return None
     diameter, wall = 2.0 * design.shaft.radius, max(RULES.min_wall, axial_play(reducer))
-    largest = 2.0 * (cam_radius(reducer) - design.gear.eccentricity - wall)
+    max_major = 2.0 * (cam_radius(reducer) - design.gear.eccentricity - wall)
     spline = next(iter(stock.splines_around(diameter)), None)
-    if spline is None or spline.major > largest:
-        spline_text = f"{in_mm(spline.major)} mm" if spline else "more than the largest one"
+    if spline is None or spline.major > max_major:
+        size_text = f"{in_mm(spline.major)} mm" if spline else "more than the largest one"
         raise DesignError(
             f'shaft.cam_joint = "spline" is not possible: the smallest spline of ISO 14 around a shaft of '
-            f"{in_mm(diameter)} mm has a diameter of {spline_text}, but the cams leave {in_mm(max(largest, 0.0))} mm: "
+            f"{in_mm(diameter)} mm has a diameter of {size_text}, but the cams leave {in_mm(max(max_major, 0.0))} mm: "
             "choose a thinner shaft (shaft.radius_mm), larger cams (gear.bore_radius_mm), or another joint"
         )
     return spline

@@ -176,12 +176,12 @@ def _fit_crank_segments(
         counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, casing, segments)
         for segment in segments:
             moves_start, moves_end = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
-            shifted = replace(
+            shifted_segment = replace(
                 segment,
                 z0=segment.z0 + counterweight_offset * moves_start,
                 z1=segment.z1 + counterweight_offset * moves_end,
             )
-            yield from _add_collars(shifted, collars)
+            yield from _add_collars(shifted_segment, collars)
         return
     key, radius = cam_key(reducer, casing), reducer.design.shaft.radius
     pieces = _split_spacer(reducer, casing, segments) if family == names.SPACER else tuple(segments)
@@ -192,8 +192,8 @@ def _fit_crank_segments(
     elif key is None:
         yield from pieces
     elif family == names.SHAFT:
-        *grooved, shaft = pieces
-        yield from grooved
+        *groove_pieces, shaft = pieces
+        yield from groove_pieces
         slot = KeywayContour(radius, key.bought.width, -key.bought.in_shaft, key.angle)
         yield replace(shaft, z1=key.low)
         yield replace(shaft, outline=slot, z0=key.low, z1=key.high)
@@ -219,8 +219,8 @@ def _cut_splines(reducer: Reducer, family: str, pieces: Sequence[Segment], splin
         return
     segments = crank_segments(reducer)
     cams = [segments[name] for name in names.all_numbered(names.CAM, reducer.design.gear.discs)]
-    *grooved, shaft = pieces
-    yield from grooved
+    *groove_pieces, shaft = pieces
+    yield from groove_pieces
     yield replace(shaft, z1=cams[0].z0)
     yield replace(shaft, outline=spline, z0=cams[0].z0, z1=cams[-1].z1)
     if shaft.z1 > cams[-1].z1 + SAME_LENGTH:

@@ -54,16 +54,16 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
     ring, housing = design.ring, design.housing
     head_wall = wall if is_plastic(reducer) else max(0.5 * wall - RULES.head_play, 0.5 * RULES.min_wall)
     for bolt in _stock_bolts(housing.outer_radius, is_plastic(reducer)):
-        hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
+        hole, head_radius = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
-            outside_margin = max(hole + wall, head + head_wall)
+            outside_margin = max(hole + wall, head_radius + head_wall)
             does_fit = (
                 circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside_margin
             )
         else:
-            circle, angles = housing.outer_radius - max(hole, head) - head_wall, _land_angles(ring.teeth)
+            circle, angles = housing.outer_radius - max(hole, head_radius) - head_wall, _land_angles(ring.teeth)
             pin_and_screw = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
             does_fit = (
                 ring.kind == "pin"
@@ -134,9 +134,9 @@ def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.
         return pin, angles, mid_radius if screws.outside else screws.circle
     teeth = design.ring.teeth
     free_walls = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
-    opposite = min(free_walls[1:], key=lambda wall_index: abs(wall_index - free_walls[0] - 0.5 * teeth))
+    opposite_wall = min(free_walls[1:], key=lambda wall_index: abs(wall_index - free_walls[0] - 0.5 * teeth))
     return (
         pin,
-        tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free_walls[0], opposite)),
+        tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free_walls[0], opposite_wall)),
         screws.circle,
     )

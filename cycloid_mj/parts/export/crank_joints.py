@@ -103,14 +103,14 @@ def cam_key(reducer: Reducer, casing: Casing) -> CamKey | None:
     outer, eccentricity = cam_radius(reducer), design.gear.eccentricity
     offsets = eccentricity * directions @ unit(-np.array(reducer.phases)).T
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
-    best, bore = int(np.argmax(walls)), casing.motor_bore
+    best_index, bore = int(np.argmax(walls)), casing.motor_bore
     core = bore[0] if bore and bore[2] > low else design.shaft.bore_radius
     keyway_radius = math.hypot(radius + key.in_hub, 0.5 * key.width)
-    does_fit = walls[best] >= keyway_radius + RULES.min_wall and hub_radius(reducer, casing) >= keyway_radius
+    does_fit = walls[best_index] >= keyway_radius + RULES.min_wall and hub_radius(reducer, casing) >= keyway_radius
     if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     midpoint = 0.5 * (low + high)
-    return CamKey(key, float(angles[best]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
+    return CamKey(key, float(angles[best_index]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
 
 
 def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
@@ -130,11 +130,11 @@ def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
     press = PressFit(diameter, design.gear.face_width, hub_diameter, elasticity, elasticity, 2.0 * core)
     limit = min(press.yield_pressure(steel.yield_strength), press.shaft_yield_pressure(steel.yield_strength))
     for zones in SHRINK_FITS:
-        largest = -fits.clearances(zones, diameter)[0]
-        difference = shrink_difference(diameter, largest, steel.expansion)
-        if press.pressure(largest) <= limit and difference <= JOINTS.shrink_difference:
+        max_interference = -fits.clearances(zones, diameter)[0]
+        temperature_difference = shrink_difference(diameter, max_interference, steel.expansion)
+        if press.pressure(max_interference) <= limit and temperature_difference <= JOINTS.shrink_difference:
             break
-    return ShrinkFit(zones, press, limit, difference)
+    return ShrinkFit(zones, press, limit, temperature_difference)
 
 
 def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:

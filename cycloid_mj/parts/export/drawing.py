@@ -366,31 +366,36 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
         document.units = ezdxf.units.MM
         for layer in ("section", "front", "dimensions", "text"):
             document.layers.add(layer)
-        space = document.modelspace()
+        model_space = document.modelspace()
         for z0, z1, y0, y1 in (np.array(drawing.section) * MILLIMETRES).tolist():
             corners = [(z0, y0), (z1, y0), (z1, y1), (z0, y1)]
-            space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "section"})
+            model_space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "section"})
         right_edge = (
             high + (len(drawing.diameters) + 2.0) * step - MILLIMETRES * min(ring[:, 0].min() for ring in drawing.front)
         )
         for ring in drawing.front:
             points = (MILLIMETRES * ring + np.array([right_edge, 0.0])).tolist()
-            space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
-        override = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
+            model_space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
+        dimension_style = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
         for start, end, item in dimension_lines(drawing):
             direction = {"base": start, "angle": 90.0 if item.radius else 0.0, "text": item.text.replace("⌀", "%%c")}
-            dimension_mark = space.add_linear_dim(
-                p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **direction
+            dimension_mark = model_space.add_linear_dim(
+                p1=start,
+                p2=end,
+                dimstyle="EZDXF",
+                override=dimension_style,
+                dxfattribs={"layer": "dimensions"},
+                **direction,
             )
             dimension_mark.render()
         top = bottom - (len(drawing.lengths) + 2.0) * step
         for number, text in enumerate((*drawing.title, *drawing.notes)):
             dxf_text = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
             insert = {"layer": "text", "height": height, "insert": (low, top - 1.6 * number * height)}
-            space.add_text(dxf_text, dxfattribs=insert)
-        content = io.StringIO()
-        document.write(content)
-    return content.getvalue().encode()
+            model_space.add_text(dxf_text, dxfattribs=insert)
+        stream = io.StringIO()
+        document.write(stream)
+    return stream.getvalue().encode()
 
 
 def _section_layout(drawing: PartDrawing) -> tuple[float, float, float, float]:

@@ -150,10 +150,10 @@ class _Edge:
 
 def _covered_points(segments: Iterable[Segment], points: Array) -> Mask:
     """Return a mask of the n `points` (n, 2) [m] that are inside the cross-section of one or more segments, (n,)."""
-    covered = np.zeros(len(points), dtype=bool)
+    is_covered = np.zeros(len(points), dtype=bool)
     for segment in segments:
         is_inside = within(points, segment.outline.polygon(VISUAL_CHORD_ERROR))
         for hole in segment.holes:
             is_inside &= ~within(points, hole.polygon(VISUAL_CHORD_ERROR))
-        covered |= is_inside
-    return covered
+        is_covered |= is_inside
+    return is_covered

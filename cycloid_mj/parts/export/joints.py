@@ -479,7 +479,7 @@ def _dowelled_joint(
     face
         Height of the face between the parts [m].
     """
-    (below, above), (family, body, first_number) = parts, item
+    (lower_part, upper_part), (family, body, first_number) = parts, item
     radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
     bought_part = BoughtPart(
         family,
@@ -492,7 +492,7 @@ def _dowelled_joint(
         DOWEL_FIT,
         first=first_number,
     )
-    holes = (below, (centres, radius, face - depth, face)), (above, (centres, radius, face, face + depth))
+    holes = (lower_part, (centres, radius, face - depth, face)), (upper_part, (centres, radius, face, face + depth))
     seats = len(centres), dowel.diameter, depth
     return Joint(name, JointKind.DOWELLED, parts, holes, (bought_part,), DOWEL_FIT, *seats)
 

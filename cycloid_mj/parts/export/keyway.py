@@ -147,8 +147,8 @@ class SlottedContour:
         The outer arc is counter-clockwise, then that of the bore clockwise; the sides of the slot join them.
         `chord_error` [m] is the largest distance of a chord from an arc.
         """
-        outside, bore = (arc(radius, *self._arc_ends(radius), chord_error) for radius in (self.radius, self.bore))
-        return np.concatenate([outside + np.array([0.0, self.eccentricity]), bore[::-1]])
+        outer_arc, bore_arc = (arc(radius, *self._arc_ends(radius), chord_error) for radius in (self.radius, self.bore))
+        return np.concatenate([outer_arc + np.array([0.0, self.eccentricity]), bore_arc[::-1]])
 
     def _arc_ends(self, radius: float) -> tuple[float, float]:
         """Compute the angles [rad] between which a circle of a radius [m] is not cut by the slot, which is on +y."""

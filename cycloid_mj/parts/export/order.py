@@ -184,13 +184,13 @@ def _describe_discs(reducer: Reducer, casing: Casing) -> str:
         bearing_step = _describe_cam_bearing(reducer)
         return f"{bearing_step}{rollers} {names.GEAR} over them{_describe_second_disc(reducer)}."
     if design.has_one_piece_crank:
-        first, second = reducer.gears
+        gear_1, gear_2 = reducer.gears
         bearing_step = f"put the {names.CAM_BEARING}s on the cams in grease"
         if cam_bearing(reducer):
             bearing_step = f"press a {names.CAM_BEARING} into each gear"
         return (
-            f"The {names.SHAFT} is one piece with its cams: {bearing_step}, then push {first} on cam 1 from the motor "
-            f"end of the crank, and {second} on cam 2 from its output end, each up to the collar between them."
+            f"The {names.SHAFT} is one piece with its cams: {bearing_step}, then push {gear_1} on cam 1 from the motor "
+            f"end of the crank, and {gear_2} on cam 2 from its output end, each up to the collar between them."
         )
     if clamp := cam_clamp(reducer):
         screws = f"{clamp.count} x {clamp.bolt.designation} x {MILLIMETRES * clamp.length:g}"

@@ -30,10 +30,10 @@ def choose_flange_pattern(
     DesignError
         Not even the smallest number of screws fits.
     """
-    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    radius, hole, head_radius = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = hub_shoulders(hub)[0]
-    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
-    pitch = head + hole + wall
+    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head_radius - wall)
+    pitch = head_radius + hole + wall
     for count in RULES.flange_screws:
         if 2.0 * circle * math.sin(0.5 * math.pi / count) >= pitch:
             return circle, count
@@ -62,15 +62,15 @@ def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) 
     for bolt in sorted(stock.bolts(), key=lambda bolt: -bolt.thread):
         if bolt.thread > RULES.flange_thread * radius or (is_plastic(reducer) and not stock.insert_of(bolt.thread)):
             continue
-        hole, head = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-        circle = min(radius - hole - wall, shoulder - head - wall)
+        hole, head_radius = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+        circle = min(radius - hole - wall, shoulder - head_radius - wall)
         pin_distance = math.dist(
             (circle * math.cos(math.pi / output.pins), circle * math.sin(math.pi / output.pins)),
             (output.pin_circle_radius, 0.0),
         )
         for count in counts:
             pitch = 2.0 * circle * math.sin(0.5 * math.pi / count)
-            if pin_distance >= hole + pin + wall and pitch >= head + hole + wall:
+            if pin_distance >= hole + pin + wall and pitch >= head_radius + hole + wall:
                 return bolt, circle, count
     raise DesignError(
         f"no screw of the output flange fits between the {output.pins} output pins in a disc of "

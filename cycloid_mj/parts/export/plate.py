@@ -256,8 +256,8 @@ def _build_supports(
     for name, solid in solids.items():
         faces = find_overhangs(shapes[name]) if is_printed(reducer, material_part(reducer, name)) else ()
         for face in faces:
-            if below := build_support(solid, face, chord_error):
-                supports[name].append(below)
+            if support := build_support(solid, face, chord_error):
+                supports[name].append(support)
             else:
                 unsupported_areas.setdefault(name, {})[face.z] = face.area
     return supports, unsupported_areas
@@ -269,9 +269,9 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
     Rows and rectangles are a `gap` [m] apart. The row length minimizes the longer side of the plate.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
-    longest = max(width for width, _ in sizes)
+    max_width = max(width for width, _ in sizes)
     lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
-    candidates = [_pack_rows_to(sizes, order, max(float(length), longest), gap) for length in lengths]
+    candidates = [_pack_rows_to(sizes, order, max(float(length), max_width), gap) for length in lengths]
     return min(candidates, key=lambda corners: max(_upper_end(corners, sizes, 0), _upper_end(corners, sizes, 1)))
 
 

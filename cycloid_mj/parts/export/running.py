@@ -88,17 +88,21 @@ def running_gaps(reducer: Reducer, casing: Casing) -> tuple[RunningGap, ...]:
     DesignError
         A part cannot be manufactured, or does not fit.
     """
-    smallest: dict[tuple[str, str], RunningGap] = {}
-    for annulus, other in combinations(swept_annuli(reducer, casing), 2):
-        axial, radial = annulus.distances(other)
-        if annulus.body == other.body or annulus.part == other.part or _are_mates(annulus, other, axial, radial):
+    smallest_gaps: dict[tuple[str, str], RunningGap] = {}
+    for annulus, other_annulus in combinations(swept_annuli(reducer, casing), 2):
+        axial, radial = annulus.distances(other_annulus)
+        if (
+            annulus.body == other_annulus.body
+            or annulus.part == other_annulus.part
+            or _are_mates(annulus, other_annulus, axial, radial)
+        ):
             continue
         distance = math.hypot(max(axial, 0.0), max(radial, 0.0)) or max(axial, radial)
-        gap = RunningGap(annulus.part, other.part, distance, axial > radial)
-        key = min((annulus.part, other.part), (other.part, annulus.part))
-        if key not in smallest or gap.distance < smallest[key].distance:
-            smallest[key] = gap
-    return tuple(smallest.values())
+        gap = RunningGap(annulus.part, other_annulus.part, distance, axial > radial)
+        key = min((annulus.part, other_annulus.part), (other_annulus.part, annulus.part))
+        if key not in smallest_gaps or gap.distance < smallest_gaps[key].distance:
+            smallest_gaps[key] = gap
+    return tuple(smallest_gaps.values())
 
 
 def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) -> bool:

@@ -49,8 +49,8 @@ def rv_part_drawings(reducer: RvReducer) -> tuple[PartDrawing, ...]:
         A part cannot be manufactured.
     """
     counts = Counter(placement.part for placement in place_rv_parts(reducer))
-    manufactured = (part for part in rv_parts(reducer).values() if part.name not in (NEEDLE, names.PIN))
-    return tuple(_draw_part(reducer, part, counts[part.name]) for part in manufactured)
+    manufactured_parts = (part for part in rv_parts(reducer).values() if part.name not in (NEEDLE, names.PIN))
+    return tuple(_draw_part(reducer, part, counts[part.name]) for part in manufactured_parts)
 
 
 def _draw_part(reducer: RvReducer, part: Part, count: int) -> PartDrawing:

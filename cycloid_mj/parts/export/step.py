@@ -226,8 +226,8 @@ def _make_reproducible(model: Any) -> None:
     occurrences = (entity for entity in entities if isinstance(entity, occ.StepRepr_NextAssemblyUsageOccurrence))
     for number, occurrence in enumerate(occurrences, start=1):
         occurrence.SetId(occ.TCollection_HAsciiString(str(number)))
-    kind = occ.StepVisual_MechanicalDesignGeometricPresentationRepresentation
-    starts = [number for number, entity in enumerate(entities) if isinstance(entity, kind)]
+    style_type = occ.StepVisual_MechanicalDesignGeometricPresentationRepresentation
+    starts = [number for number, entity in enumerate(entities) if isinstance(entity, style_type)]
     if not starts:
         return
     # each starts a chain from a styled solid to its colour; equal colours are shared
@@ -236,10 +236,10 @@ def _make_reproducible(model: Any) -> None:
     chains.sort(key=lambda style_chain: position[id(style_chain[1].Item())])
     styles = entities[starts[0] :]
     for number, entity in enumerate(sorted(chain.from_iterable(chains), key=_rgb)):
-        current = styles.index(entity, number)
-        if current != number:
-            model.ChangeOrder(starts[0] + current + 1, starts[0] + number + 1)
-            styles.insert(number, styles.pop(current))
+        current_index = styles.index(entity, number)
+        if current_index != number:
+            model.ChangeOrder(starts[0] + current_index + 1, starts[0] + number + 1)
+            styles.insert(number, styles.pop(current_index))
 
 
 def _rgb(entity: Any) -> tuple[float, ...]:

@@ -44,9 +44,9 @@ def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
     """
     corners = shape.vertices[shape.faces]
     corner_a, corner_b, corner_c = corners.transpose(1, 0, 2)
-    level = np.ptp(corners[..., 2], axis=1) == 0.0
+    is_level = np.ptp(corners[..., 2], axis=1) == 0.0
     faces_down = (
-        level
+        is_level
         & (np.cross(corner_b - corner_a, corner_c - corner_a)[:, 2] < -SUPPORTS.sliver_area)
         & (corner_a[:, 2] > 0.0)
     )
