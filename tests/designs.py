@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cycloid_mj.design import Design, load
+from cycloid_mj.design import PRESETS, Design, load
 
 FOLDER = Path(__file__).parent / "data" / "designs"
 
@@ -16,6 +16,13 @@ UNLIKE = ("light", "printed", "large", "few", "teeth21")
 
 What is called printed here is another drive than the preset of that name.
 The last is the paper's own load on fewer teeth; the others are sized with room to spare."""
+
+CENTRAL = {name: design for name, design in PRESETS.items() if design.layout == "central"}
+"""Presets with a central crank and output pins, for tests of parts and models that RV reducers do not have.
+
+These are covers with shaft bearings and screws (`casing`, `bill`), the crank with its cams, output pins in holes, and
+``statics.balance`` with ``reducer.gaps`` of such pairs. RV reducers have other models of cranks and carrier
+(``statics.rv``, ``parts.rv``), whose tests have "rv" in their names. All other tests iterate over `PRESETS`."""
 
 FEW_TEETH_CHANGES = [
     "ring.teeth=8",

@@ -296,17 +296,21 @@ def design_of(run: Run) -> Design:
 
 
 def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
-    """Raise LogError if the numbers of pins, lobes or output pins in the run's forces differ from the design's."""
+    """Raise LogError if the numbers of pins, lobes or output pins in the run's forces differ from the design's.
+
+    A run has a force of each of these parts on each disc.
+    """
     part_names = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
-    pairs = reducer.mechanism.pairs
+    pairs, discs = reducer.mechanism.pairs, reducer.design.gear.discs
     for kind, part_name in part_names.items():
         expected_names = {pair.name for pair in pairs if pair.kind == kind}
         logged_names = set(run.pairs(kind))
         if logged_names and logged_names != expected_names:
+            count = 1 if len(logged_names) % discs else discs
             raise LogError(
-                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names)} {part_name}, but the log "
-                f"contains forces for {len(logged_names)}: the attachment belongs to another run. Use the original "
-                "log, or simulate the design again"
+                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names) // count} {part_name}, but the "
+                f"log contains forces for {len(logged_names) // count}: the attachment belongs to another run. Use the "
+                "original log, or simulate the design again"
             )
 
 

@@ -216,7 +216,7 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     tip_radius, half_spacing = reducer.stage_gears[1].tip_radius, crank_circle * math.sin(math.pi / cranks.count)
     yield Check(
         name="planets_apart",
-        passed=tip_radius < half_spacing,
+        passed=bool(tip_radius < half_spacing),
         got=f"{reducer.planet.planet_teeth}, with a tip radius of {millimetres(tip_radius)}",
         limit=f"fewer: the tip radius below half of the distance of two crank axes, {millimetres(half_spacing)}",
         why="the tips of neighbouring planets must not meet",

@@ -44,7 +44,7 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
     Each is in its own frame. The ring pin exists if the ring has pins; that of a sleeved ring is the sleeve, whose
     pressed-in pins belong to the housing. With D > 1 discs there are ``gear_1`` to ``gear_D`` in the frames of the
     discs, and ``cam_1`` to ``cam_D`` in the frame of the shaft. Equal parts occur once: ``spacer`` for all gaps between
-    discs, and ``output_roller`` for all separate rollers.
+    discs, and ``output_roller`` for all separate rollers. The parts of an RV reducer are those of `rv_body_parts`.
 
     Parameters
     ----------
@@ -78,8 +78,6 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
     The solid of the shaft is the entire crank. The solid of the output includes its rollers, after its own prisms. The
     bodies of an RV reducer are those of `rv_body_parts`.
     """
-    if isinstance(reducer, RvReducer):
-        return rv_solids(reducer)
     joined_solids = {
         body: make_solid(reducer.shape)
         for body, make_solid in ((names.SHAFT, _crank_solid), (names.OUTPUT, _output_with_rollers))
@@ -94,8 +92,7 @@ def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str,
 
     `chord_error` [m] is the largest distance of a chord from its curve, by default that for mass properties.
     """
-    max_error = checked_chord_error(reducer, chord_error)
-    return {name: part.solid(max_error) for name, part in rv_body_parts(reducer).items()}
+    return parts(reducer, chord_error)
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
@@ -172,6 +169,8 @@ def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     The counterweight of the crank is sized by polygons, whose chords deviate from the outlines by at most `chord_error`
     [m]; None: the chord error of mass properties.
     """
+    if isinstance(reducer, RvReducer):
+        return rv_body_parts(reducer)
     discs = reducer.design.gear.discs
     is_one_piece = reducer.design.has_one_piece_crank
     crank = (crank_part(reducer, chord_error),) if is_one_piece else crank_parts(reducer)

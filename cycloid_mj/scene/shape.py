@@ -9,7 +9,6 @@ from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
 from cycloid_mj.parts import Mesh, Solid, attached_parts, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tint
-from cycloid_mj.parts.rv import rv_body_parts
 from cycloid_mj.reducer import Reducer, RvReducer
 
 CHORD_ERROR = 1e-5
@@ -36,10 +35,7 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     at its own height z. Instead of the shaft, an RV reducer has sun and crank, the latter with its planet. The output
     disc is a transparent piece of its own, because the mechanism is seen from its side, where x points right and y up.
     """
-    if isinstance(reducer, RvReducer):
-        solids = {name: part.solid(CHORD_ERROR) for name, part in rv_body_parts(reducer).items()}
-    else:
-        solids = parts(reducer, CHORD_ERROR)
+    solids = parts(reducer, CHORD_ERROR)
     attached_by_body = {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])

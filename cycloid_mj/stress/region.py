@@ -13,7 +13,6 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.design import Material
 from cycloid_mj.parts import circle, output_centres, parts
-from cycloid_mj.parts.parts import rv_solids
 from cycloid_mj.reducer import Reducer, RvReducer
 
 CHORD_ERROR = 1e-9
@@ -75,7 +74,7 @@ def part_region(reducer: Reducer, part: str) -> Region:
     """
     design = reducer.design
     width = design.gear.stack_width
-    solids = rv_solids(reducer, CHORD_ERROR) if isinstance(reducer, RvReducer) else parts(reducer, CHORD_ERROR)
+    solids = parts(reducer, CHORD_ERROR)
     match family(part) if part in gears(design.gear.discs) else part:
         case "gear":
             prism = solids[part].prisms[0]

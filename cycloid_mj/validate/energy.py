@@ -23,7 +23,7 @@ from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, design_of_kind
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Works over a run [J]: `supplied` to the crank, `delivered` to the load, `friction`, `normal`, `stored`."""
+    """Works over a run [J]: `supplied` to the driven shaft, `delivered` to the load, `friction`, `normal`, `stored`."""
 
     supplied: float
     delivered: float
@@ -76,7 +76,7 @@ def balance(run: Run) -> EnergyBalance:
     """Integrate the logged powers of a run over time: the energy balance of works and stored energy [J]."""
     energy = run["kinetic_energy"] + run["potential_energy"]
     return EnergyBalance(
-        supplied=_work(run, run["crank_torque"] * run["crank_speed"]),
+        supplied=_work(run, run[f"{run.driven_shaft}_torque"] * run[f"{run.driven_shaft}_speed"]),
         delivered=-_work(run, run["load_torque"] * run["output_speed"]),
         friction=sum(_work(run, power) for power in run.by_stem(FRICTION_POWER).values()),
         normal=sum(_work(run, power) for power in run.by_stem(NORMAL_POWER).values()),

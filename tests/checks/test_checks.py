@@ -1,5 +1,6 @@
 """Every check against a design that fails it, against geometry measured on points, and against its own remedy."""
 
+import json
 import math
 import re
 from collections.abc import Iterator
@@ -217,6 +218,7 @@ def test_the_presets_pass_everything() -> None:
     for design in PRESETS.values():
         assert failed(design) == {}
         assert require_sound(reducer_of(design)) is None
+        json.dumps([item.as_json() for item in soundness(reducer_of(design))])  # no types of numpy
     assert set(names["pin"]) - set(names["nonpin"]) == {"neighbouring_pins", "socket", "pin_held"}
     # Every check that exists is failed by a design below.
     assert {name for _, names_failed, _ in FAILING for name in names_failed} == set(names["pin"]) | {

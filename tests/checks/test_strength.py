@@ -7,8 +7,8 @@ from designs import UNLIKE, cases, unlike
 
 from cycloid_mj.checks import Check, check, require_sound, soundness
 from cycloid_mj.checks.cam_rollers import has_bare_rollers
-from cycloid_mj.design import PRESETS, Design, override, presets_for
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.reducer import Reducer, reducer_of
 
 PIN = PRESETS["pin"]
 
@@ -66,8 +66,8 @@ def test_a_design_fails_its_check_and_each_remedy_resolves_it(changes, name):
 def test_presets_fail_only_the_yield_checks_and_run():
     assert set(failed(PIN)) == {"tooth_yield"}
     assert set(failed(PRESETS["nonpin"])) == {"tooth_yield", "ring_tool"}
-    for design in presets_for("measure").values():
-        require_sound(Reducer(design))
+    for design in PRESETS.values():
+        require_sound(reducer_of(design))
 
 
 # `measure loads` over a turn: the torque at which a tooth first yields [N m].

@@ -12,7 +12,7 @@ from cycloid_mj.checks import summarize
 from cycloid_mj.design import PRESETS, load, loads, override
 from cycloid_mj.figures import FIGURES
 from cycloid_mj.life import rate
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 # `measure backlash` over a turn by its closed form [arcmin], and `measure loads`: the torque of first yield [N m].
 MEASURED = {"pin": (0.9678, 28.1), "nonpin": (0.7471, 34.55)}
@@ -89,11 +89,11 @@ def test_summary_agrees_with_the_measures(name):
     assert f"weakest: {rating.weakest.name}: " in text
 
 
-@pytest.mark.parametrize("name", ["printed", "twodisc"])
+@pytest.mark.parametrize("name", ["printed", "twodisc", pytest.param("rv80e", marks=pytest.mark.slow)])
 def test_the_summary_has_the_numbers_of_the_catalogue(name):
     """Under the catalogue's keys; the old key `loaded_teeth` is the count of one disc here."""
     found = json.loads(told("design", "check", name, "--json")[1])["summary"]
-    reducer = Reducer(PRESETS[name])
+    reducer = reducer_of(PRESETS[name])
     for key in found.keys() & FIGURES.keys() - {"loaded_teeth"}:
         assert found[key] == pytest.approx(FIGURES[key].value(reducer), rel=1e-12), key
     assert {"backlash_arcmin", "capacity_nm", "loaded_teeth_per_disc"} <= found.keys() & FIGURES.keys()

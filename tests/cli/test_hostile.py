@@ -4,6 +4,7 @@ import json
 import tracemalloc
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import lz4.frame
@@ -17,16 +18,21 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 
 from cycloid_mj.base.errors import DesignError, LogError
+from cycloid_mj.base.record import Run
 from cycloid_mj.base.text import MESSAGE
 from cycloid_mj.cli.terminal import printable, tell
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.model import xml
+from cycloid_mj.dynamics.run import model_for, simulate
 from cycloid_mj.log import LogWriter, read
+from cycloid_mj.log import write as write_run
 from cycloid_mj.log.container import CHUNK, decompress
+from cycloid_mj.reducer import reducer_of
 
 RUN = ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"]
 DESIGNS = {name: override(PRESETS[name], RUN) for name in ("pin", "nonpin")}
+RV80E = override(PRESETS["rv80e"], ["drive.ramp_s=0", "drive.hold_s=0.004"])
 
 
 def write(
@@ -45,6 +51,12 @@ def write(
     with LogWriter(path, {topic: list(units.items()) for topic, units in groups.items()}, run.provenance, files) as log:
         tables = {topic: [columns[name] for name in units] for topic, units in groups.items()}
         log.write(run.time, {topic: np.stack(table, axis=1) for topic, table in tables.items()})
+
+
+@pytest.fixture(scope="module")
+def rv_run() -> Run:
+    """A short run of an RV reducer by the planar solver: `made_run` has the motion of a central crank."""
+    return simulate(RV80E, model_for("planar", reducer_of(RV80E)))
 
 
 # --- chunks -----------------------------------------------------------------------------------------------------------
@@ -142,8 +154,11 @@ def test_chunk_of_an_unknown_compression_is_refused(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def foreign(tmp_path_factory) -> dict[str, Path]:
-    """Logs with the design file of another run: fewer ring pins, more, another kind of ring, other output pins."""
+def foreign(tmp_path_factory, rv_run: Run) -> dict[str, Path]:
+    """Logs with the design file of another run: fewer ring pins, more, another kind of ring, other output pins.
+
+    The last is the log of an RV reducer.
+    """
     folder, pin = tmp_path_factory.mktemp("foreign"), DESIGNS["pin"]
     insides = {
         "12 ring pins, but the log contains forces for 36": (pin, override(pin, ["ring.teeth=12"])),
@@ -153,7 +168,11 @@ def foreign(tmp_path_factory) -> dict[str, Path]:
     }
     for number, (design, inside) in enumerate(insides.values()):
         write(folder / f"{number}.mcap", design, inside=inside)
-    return {words: folder / f"{number}.mcap" for number, words in enumerate(insides)}
+    logs = {words: folder / f"{number}.mcap" for number, words in enumerate(insides)}
+    logs["36 ring pins, but the log contains forces for 40"] = folder / "rv80e.mcap"
+    files = {**rv_run.attachments, "design.toml": dump(override(RV80E, ["ring.teeth=36"])).encode()}
+    write_run(replace(rv_run, attachments=files), folder / "rv80e.mcap")
+    return logs
 
 
 @pytest.mark.parametrize(
@@ -210,13 +229,20 @@ def setting(value: float, words: str = "", first: int = 0) -> Callable[[dict[str
         ("pin", setting(1e308)),
         ("nonpin", setting(-1e308, first=500)),
         ("pin", setting(np.inf, "pin_1_force")),
+        ("rv80e", setting(1e308)),
+        ("rv80e", setting(-np.inf, "crank_2_force", first=50)),
     ],
-    ids=["all", "late", "infinite"],
+    ids=["all", "late", "infinite", "RV reducer, all", "RV reducer, infinite"],
 )
-def test_huge_numbers_are_no_warnings(name, edit, tmp_path):
+def test_huge_numbers_are_no_warnings(name, edit, rv_run, tmp_path):
     """Every warning of numpy's is an error here (pyproject.toml)."""
     path = tmp_path / "huge.mcap"
-    write(path, DESIGNS[name], edit)
+    if name == "rv80e":
+        columns = {key: values.copy() for key, values in rv_run.columns.items()}
+        edit(columns)
+        write_run(replace(rv_run, columns=columns), path)
+    else:
+        write(path, DESIGNS[name], edit)
     for argv in (
         ("analyze", path),
         ("report", path, "--out", tmp_path / "run.html"),

@@ -4,7 +4,7 @@ import json
 import math
 
 import pytest
-from designs import unlike
+from designs import CENTRAL, cases, unlike
 
 from cycloid_mj.analysis import Findings, analyze
 from cycloid_mj.base.record import Run
@@ -12,7 +12,7 @@ from cycloid_mj.checks import check, summarize
 from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settle_run
-from cycloid_mj.design import PRESETS, dump, load, loads, preset_reasons, presets_for
+from cycloid_mj.design import PRESETS, dump, load, loads, preset_reasons
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.figures import quantity
@@ -106,7 +106,7 @@ def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
     assert own["efficiency"] == pytest.approx(powers(Reducer(PRINTED), PRINTED.load.torque).efficiency, abs=0.01)
 
 
-@pytest.mark.parametrize("name", presets_for("measure"))
+@pytest.mark.parametrize("name", cases(PRESETS, *CENTRAL, "rv80e"))
 def test_the_input_energy_of_a_preset_is_output_lost_or_stored(name: str, at_speed) -> None:
     design = PRESETS[name]
     loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})

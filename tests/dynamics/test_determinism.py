@@ -14,14 +14,14 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.mjcf import build, xml
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.parts.polygon import area_moments
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 RUN = """
 import hashlib, sys
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.run import simulate
 found = hashlib.sha256()
-for preset in ("pin", "nonpin"):
+for preset in ("pin", "nonpin", "rv80e"):
     changes = ["drive.ramp_s=0", "drive.hold_s=0.001", "load.torque_nm=10", "load.rise_s=0.0005"]
     run = simulate(override(PRESETS[preset], changes))
     found.update(run.attachments["model.xml"])
@@ -50,9 +50,9 @@ def test_moments_do_not_depend_on_where_a_polygon_begins() -> None:
         assert area_moments(np.roll(polygon, shift, axis=0)) == first
 
 
-@pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
+@pytest.mark.parametrize("design", [*PRESETS.values(), *map(unlike, UNLIKE)], ids=lambda one: one.name)
 def test_derived_numbers_have_only_significant_digits(design: Design) -> None:
-    for name, solid in parts(Reducer(design)).items():
+    for name, solid in parts(reducer_of(design)).items():
         made = mass_properties(solid)
         assert made.mass == float(f"{made.mass:.12g}"), name
         assert np.array_equal(made.inertia, significant_tensor(made.inertia)), name

@@ -22,7 +22,7 @@ from cycloid_mj.dynamics.law import (
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.geometry import ideal_loads
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.reducer.bodies import Role
 from cycloid_mj.reducer.contact import STRIBECK
 
@@ -163,15 +163,16 @@ def test_an_impossible_impedance_is_refused() -> None:
         solver_parameters(ContactParameters(1e14, 0.0, 1e9, 0.0), 1.0)
 
 
-@pytest.mark.parametrize("name", ["pin", "nonpin"])
+@pytest.mark.parametrize("name", ["pin", "nonpin", "rv80e"])
 @pytest.mark.parametrize("torque", [1.0, 36.68])
 def test_friction_leads_its_sliding_by_little(name: str, torque: float) -> None:
     design = PRESETS[name].but(load={"torque": torque})
-    laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
+    reducer = reducer_of(design)
+    laws, ratio, step = contact_laws(reducer), build(design).model.opt.impratio, steps.timestep(reducer)
     rubbing = [law for law in laws.values() if law.friction]
     assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
     assert all(law.friction**2 / ratio <= 1.0001 * FRICTION.max_coupling for law in rubbing)
-    assert 0.0 < max(friction_leads(Reducer(design), laws, ratio).values()) < 0.02
+    assert 0.0 < max(friction_leads(reducer, laws, ratio).values()) < 0.02
 
 
 @pytest.mark.parametrize(("name", "first", "most"), [("nonpin", "tooth", 0.15), ("pin", "pin_socket", 0.05)])

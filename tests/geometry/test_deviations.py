@@ -5,12 +5,13 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
+from designs import CENTRAL
 from ring_rig import Rig, compare_gaps
 from scipy.spatial import cKDTree
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import check
-from cycloid_mj.design import PRESETS, Design, dump, loads, override, presets_for
+from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
@@ -350,7 +351,7 @@ def test_model_parts_are_at_their_manufactured_positions() -> None:
 
 
 def test_the_free_room_of_an_ideal_reducer_is_its_smallest_clearance() -> None:
-    for preset in presets_for("measure").values():
+    for preset in CENTRAL.values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
         assert limits.best_fit(Reducer(preset), 0.7).min_gap == pytest.approx(least, rel=1e-6)
 

@@ -8,9 +8,9 @@ from designs import design_file
 
 import cycloid_mj as cm
 from cycloid_mj.base.errors import DesignError, RunError
-from cycloid_mj.design import PRESETS, Design, load, override, presets_for
+from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.geometry.expansion import expand, jam_difference, strain, warm_clearances
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.reducer.limits import find_tightest_pairs, stops
 
 STEEL = 13e-6
@@ -22,10 +22,10 @@ def warm(name: str, *changes: str) -> Design:
     return override(PRESETS[name], [*changes])
 
 
-@pytest.mark.parametrize("name", presets_for("measure"))
+@pytest.mark.parametrize("name", PRESETS)
 def test_at_20_degrees_the_design_itself_is_used(name: str) -> None:
     assert expand(PRESETS[name]) is PRESETS[name]
-    assert Reducer(PRESETS[name]).design is PRESETS[name]
+    assert reducer_of(PRESETS[name]).design is PRESETS[name]
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin"])

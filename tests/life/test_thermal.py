@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from commands import told
-from designs import cases
+from designs import CENTRAL, cases
 
 import cycloid_mj as cm
-from cycloid_mj.design import PRESETS, Material, override, presets_for
+from cycloid_mj.design import PRESETS, Material, override
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
 from cycloid_mj.life import datasheet
@@ -85,7 +85,7 @@ def test_losses_that_fall_with_temperature_settle_at_their_balance() -> None:
     assert np.allclose(course.rises["a"], 7.0 / 0.3 * (1.0 - np.exp(-course.times * 0.3 / 50.0)), atol=1e-9)
 
 
-@pytest.mark.parametrize("name", cases(PRESETS, *presets_for("measure")))
+@pytest.mark.parametrize("name", cases(PRESETS, *CENTRAL))
 def test_all_losses_reach_the_air(name: str) -> None:
     state = thermal(name)
     ambient = PRESETS[name].service.ambient_temperature

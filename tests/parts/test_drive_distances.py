@@ -3,8 +3,9 @@
 import math
 
 import pytest
+from designs import CENTRAL
 
-from cycloid_mj.design import PRESETS, presets_for
+from cycloid_mj.design import PRESETS
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import PlacedPart, casing
@@ -33,7 +34,7 @@ def test_distances_of_rings_match_closed_forms():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", presets_for("measure"))
+@pytest.mark.parametrize("name", CENTRAL)
 def test_moving_parts_of_the_presets_never_touch(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)

@@ -3,15 +3,15 @@
 from dataclasses import replace
 
 import pytest
-from designs import FOLDER, cases, design_file
+from designs import CENTRAL, FOLDER, cases, design_file
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import PRESETS, load, presets_for
+from cycloid_mj.design import PRESETS, load
 from cycloid_mj.parts.export import assembly_order, casing, insertion, place_parts
 from cycloid_mj.parts.export.insertion import DOWN, UP, Blockage, Move, assembly_moves, blockages
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*CENTRAL, *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def drive(name):

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from designs import FOLDER, cases, design_file
+from designs import CENTRAL, FOLDER, cases, design_file
 
 from cycloid_mj.checks import check
-from cycloid_mj.design import PRESETS, load, presets_for
+from cycloid_mj.design import PRESETS, load
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export import Casing, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
@@ -18,7 +18,7 @@ from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*CENTRAL, *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def reducer_of(name: str) -> Reducer:

@@ -9,11 +9,11 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
-from designs import cases, design_file
+from designs import CENTRAL, cases, design_file
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, load, presets_for
+from cycloid_mj.design import PRESETS, load
 from cycloid_mj.parts import mesh, part_sections
 from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Spline
@@ -151,7 +151,7 @@ def test_no_triangle_of_an_stl_file_has_zero_area(name):
 SLEEVED = "sleeved-n27-d1-carrier-3um"
 
 
-@pytest.mark.parametrize("name", [*presets_for("measure"), SLEEVED])
+@pytest.mark.parametrize("name", [*CENTRAL, SLEEVED])
 def test_counts_of_the_bill_are_those_of_the_solids(name):
     reducer = Reducer(load(design_file(name)) if name == SLEEVED else PRESETS[name])
     sizes = casing(reducer)

@@ -7,13 +7,13 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 import trimesh
-from designs import FEW_TEETH_CHANGES
+from designs import CENTRAL, FEW_TEETH_CHANGES
 from matplotlib.path import Path as PolygonPath
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.body import counterweight_rule
-from cycloid_mj.design import PRESETS, Design, override, presets_for
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.figures.geometry import masses
 from cycloid_mj.geometry import profile
@@ -595,7 +595,7 @@ def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
     assert radii == pytest.approx([design.output.pin_radius] * len(pins))
 
 
-@pytest.mark.parametrize("design", presets_for("measure").values(), ids=presets_for("measure"))
+@pytest.mark.parametrize("design", CENTRAL.values(), ids=CENTRAL)
 def test_the_crank_alone_is_that_of_all_bodies(design: Design) -> None:
     alone, among_all = (
         mass_properties(one) for one in (crank_solid(Reducer(design)), body_solids(Reducer(design))[names.SHAFT])

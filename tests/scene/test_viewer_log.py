@@ -22,14 +22,14 @@ from cycloid_mj.base.errors import CycloidError, LogError, UsageError
 from cycloid_mj.base.names import gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, override, presets_for
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.log import write as write_run
 from cycloid_mj.log.viewer import select_frames
 from cycloid_mj.parts import attached_parts, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
 from cycloid_mj.scene.glb import encode_glb
 from cycloid_mj.scene.layout import viewer_layout
@@ -142,21 +142,20 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
     assert len(make_frame) == (4 + 36 if design.ring.kind == "pin" else 4)
 
 
-@pytest.mark.parametrize("kind", presets_for("measure"))
+@pytest.mark.parametrize("kind", PRESETS)
 def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
     """Foxglove turns glTF's y to its z; what it then shows has the volume and the place of the solid."""
-    design = PRESETS[kind]
-    solids = parts(Reducer(design), CHORD_ERROR)
+    design, reducer = PRESETS[kind], reducer_of(PRESETS[kind])
+    solids = parts(reducer, CHORD_ERROR)
     planes = dict(zip(gears(design.gear.discs), design.gear.disc_planes, strict=True))
     to_z_up = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
-    for name, pieces in shapes(Reducer(design)).items():
+    for name, pieces in shapes(reducer).items():
         scene = trimesh.load_scene(trimesh.util.wrap_as_stream(encode_glb(pieces)), file_type="glb")
         mesh = scene.to_mesh().apply_transform(to_z_up)
         mesh.merge_vertices(merge_norm=True)
         own = np.array([0.0, 0.0, planes.get(name, 0.0)])
         truths = [
-            (mass_properties(solids[part]), at)
-            for part, at in [(name, own), *attached_parts(Reducer(design), name).values()]
+            (mass_properties(solids[part]), at) for part, at in [(name, own), *attached_parts(reducer, name).values()]
         ]
         volume = sum(truth.volume for truth, _ in truths)
         centroid = sum(truth.volume * (truth.centroid + at) for truth, at in truths) / volume

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import CENTRAL, UNLIKE, unlike
 
 from cycloid_mj import statics
-from cycloid_mj.design import PRESETS, Design, override, presets_for
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.measure import rigid_backlash
 from cycloid_mj.measure.loads import loads
@@ -16,7 +16,7 @@ from cycloid_mj.statics.kernel import gap
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.validate import equilibrium, rig
 
-DESIGNS = {**presets_for("measure"), **{name: unlike(name) for name in UNLIKE}}
+DESIGNS = {**CENTRAL, **{name: unlike(name) for name in UNLIKE}}
 
 STILL = ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"]
 SMOOTH = rig.without_friction()

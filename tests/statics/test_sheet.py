@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import design_file, unlike
+from designs import CENTRAL, design_file, unlike
 
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, load, override, presets_for
+from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.measure import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, loads, powers, springs_of
@@ -30,7 +30,7 @@ from cycloid_mj.statics.windup import Windup, solve_windups
 MEASURED = json.loads((Path(__file__).parents[1] / "data" / "measured.json").read_text())
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
 SLEEVED = override(PRESETS["pin"], ['ring.pins="sleeved"'])
-KINDS = {**presets_for("measure"), "fixed": FIXED, "sleeved": SLEEVED}
+KINDS = {**CENTRAL, "fixed": FIXED, "sleeved": SLEEVED}
 
 
 @pytest.mark.parametrize("name", MEASURED)
@@ -76,7 +76,7 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
             assert value[f"{kind}_mean_force"] <= value[f"{kind}_peak_force"]
 
 
-@pytest.mark.parametrize("name", presets_for("measure"))
+@pytest.mark.parametrize("name", CENTRAL)
 def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
     """Next to no play, so that no contact comes or goes: a softer spring turns the output by what is told of it."""
     clearance = dict.fromkeys(type(PRESETS[name].clearance).model_fields, 1e-10)
@@ -102,7 +102,7 @@ def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
         assert sum(one.values()) + wind_up(Reducer(design)) == pytest.approx(whole.compliance(whole.turn))
 
 
-@pytest.mark.parametrize("design", [*presets_for("measure").values(), unlike("large")], ids=lambda design: design.name)
+@pytest.mark.parametrize("design", [*CENTRAL.values(), unlike("large")], ids=lambda design: design.name)
 def test_balances_of_successive_angles_equal_those_of_single_angles(design: Design) -> None:
     torque, cranks = design.rated_torque, turn_evenly(Reducer(design), 31)
     alone, following = (solve_windups(Reducer(design), cranks, torque, follow) for follow in (False, True))

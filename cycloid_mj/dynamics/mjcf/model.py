@@ -26,8 +26,8 @@ from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.dynamics.mjcf.solver import set_solver
 from cycloid_mj.dynamics.regime import model_warnings
 from cycloid_mj.dynamics.timestep import timestep
-from cycloid_mj.parts import VISUAL_CHORD_ERROR, Solid, mesh, moving_masses, output_inertia, parts, rv_solids
-from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, Solid, mesh, moving_masses, output_inertia, parts
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.reducer.bodies import Pair
 
 Held = Literal["crank", "output", ""]
@@ -175,8 +175,6 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
 
 def visible_solids(reducer: Reducer) -> dict[str, Solid]:
     """Return the solids of all parts for viewers, by name."""
-    if isinstance(reducer, RvReducer):
-        return rv_solids(reducer, VISUAL_CHORD_ERROR)
     return parts(reducer, VISUAL_CHORD_ERROR)
 
 
