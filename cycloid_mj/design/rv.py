@@ -103,6 +103,7 @@ class CrankTolerance(Section):
     carrier_position: str = _zone("position of each crank axis in the carrier, along x and along y")
     planet_runout: str = _zone("offset of the teeth of each planet from its crank's axis, along x and along y")
     axis_position: str = _zone("offset of the carrier's axis from that of the ring, along x and along y")
+    output_runout: str = _zone("run-out of the output, as offset along x and along y")
     pin_position: str = _zone("position of each ring pin, along x and along y")
 
 
@@ -140,3 +141,18 @@ class CrankErrors(Section):
         le=1000.0,
     )
     axis_y: float = quantity(0.0, "the same along y", u.MICROMETRE, ge=-1000.0, le=1000.0)
+    output_x: float = quantity(
+        0.0,
+        "run-out of the output: offset of its hole or flange from its axis of rotation along x, which turns with it",
+        u.MICROMETRE,
+        ge=-1000.0,
+        le=1000.0,
+    )
+    output_y: float = quantity(0.0, "the same along y", u.MICROMETRE, ge=-1000.0, le=1000.0)
+    output_radius: float = quantity(
+        0.0,
+        "radius at which the rotation of the output is transmitted or measured; 0: that of the pin circle",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=5000.0,
+    )

@@ -1,8 +1,8 @@
-"""Samples of an RV reducer within its tolerances: transmission error by cranks, bores, planets and ring pins.
+"""Samples of an RV reducer within its tolerances: transmission error by cranks, bores, planets, output and ring pins.
 
-The closed form of cranks, bores and planets is linear in the errors: a sample is a sum of the responses to unit errors.
-Errors of the pins add a rotation by statics. The variance of the transmission error at each crank angle is the sum of
-those of the tolerances, as these are independent: this is the error budget.
+The closed form of cranks, bores, planets and output is linear in the errors: a sample is a sum of the responses to unit
+errors. Errors of the pins add a rotation by statics. The variance of the transmission error at each crank angle is the
+sum of those of the tolerances, as these are independent: this is the error budget.
 """
 
 from collections.abc import Mapping
@@ -43,6 +43,7 @@ ERRORS: Mapping[str, tuple[str, ...]] = {
     "carrier_position": ("carrier_x", "carrier_y"),
     "planet_runout": ("planet_x", "planet_y"),
     "axis_position": ("axis_x", "axis_y"),
+    "output_runout": ("output_x", "output_y"),
     "pin_position": ("pin_x", "pin_y"),
 }
 """Key of the table [crank_tolerance] -> the errors that it varies, in [errors] for pins, else in [crank_errors]."""
@@ -80,6 +81,7 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
         "carrier_position": 2.0 * cranks.taper_radius,
         "planet_runout": reducer.planet.module * reducer.planet.planet_teeth,
         "axis_position": 2.0 * reducer.design.ring.pin_circle_radius,
+        "output_runout": 2.0 * reducer.output_radius,
         "pin_position": 2.0 * reducer.design.ring.pin_circle_radius,
     }
     texts = {key: getattr(reducer.crank_tolerance, key) for key in ERRORS}

@@ -156,9 +156,7 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
     yield with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque_text}, sun locked")
     yield with_name(error_row, "Transmission error, peak to peak", f"{torque_text}, forward, slow")
     if quantities["te_errors"].value:
-        condition = (
-            "cranks, bores, carrier, planets without clearance and load; positions of pins at the nominal torque"
-        )
+        condition = "cranks, bores, carrier, planets, output without clearance and load; pins at the nominal torque"
         yield with_name(quantities["te_errors"], "Transmission error by errors, peak to peak", condition)
 
 

@@ -13,7 +13,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import by_key
-from cycloid_mj.base.units import ARCSECONDS, RPM
+from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES, RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.design.layouts import Layout
 from cycloid_mj.dynamics.run import Solver, model_for
@@ -22,7 +22,7 @@ from cycloid_mj.measure.conditions import STEADY, describe_loads, halve_time_ste
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.trace import TRACE, ErrorCurves, Trace, TraceCondition, copy_model, run_trace
-from cycloid_mj.reducer import Reducer, reducer_of
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
 
@@ -182,6 +182,13 @@ def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> E
     return ErrorCurves(crank_angle, errors[:, 0], errors[:, 1])
 
 
+def _runout_text(reducer: Reducer) -> str:
+    """Return the assumption about the run-out of shafts."""
+    if isinstance(reducer, RvReducer) and reducer.has_runout:
+        return f"without runout, except that of the output, on a radius of {MILLIMETRES * reducer.output_radius:.4g} mm"
+    return "without runout"
+
+
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     """Return the assumptions of a transmission error measurement by simulation, a sentence each.
 
@@ -194,7 +201,7 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
         f"multiples of {holes if ring == 1 else ring} in one signal{SEPARATION[reducer.LAYOUT](ring == 1)}"
     )
     return (
-        f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
+        f"shafts run in rigid bearings {_runout_text(reducer)}; {structure_text(reducer)}",
         f"the default drag of an unloaded reducer is {STEADY.drag_share:.0%} of the nominal torque: without it the "
         "disc floats in its clearances; up to the nominal torque presses the flanks together before the window",
         STATICS[reducer.LAYOUT],

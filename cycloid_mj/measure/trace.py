@@ -13,7 +13,8 @@ from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.geometry.kinematics import CrankLaw
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics.rv_motion import runout_at
 from cycloid_mj.statics.structure import wind_up
 
 
@@ -151,4 +152,6 @@ def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float)
     shaft_twist = wind_up(reducer) * run["load_torque"]
     errors = (gear_error(run, reducer), output_error(run, reducer) + shaft_twist)
     gear, output = (ARCSECONDS * CubicSpline(crank_angle, error[ascending_order])(angles) for error in errors)
+    if isinstance(reducer, RvReducer):
+        output = output + ARCSECONDS * runout_at(reducer, angles)
     return Trace(angles, gear, output, run)

@@ -70,9 +70,19 @@ class RvReducer(Reducer):
 
     @property
     def has_errors(self) -> bool:
-        """Whether any part has a manufacturing error, with those of cranks, bores, carrier and planets."""
-        errors = self.crank_errors.model_dump().values()
+        """Whether any part has a manufacturing error, with those of cranks, bores, carrier, planets and output."""
+        errors = self.crank_errors.model_dump(exclude={"output_radius"}).values()
         return super().has_errors or any(any(error) if isinstance(error, tuple) else error for error in errors)
+
+    @property
+    def has_runout(self) -> bool:
+        """Whether the output has a run-out."""
+        return bool(self.crank_errors.output_x or self.crank_errors.output_y)
+
+    @property
+    def output_radius(self) -> float:
+        """Radius at which the rotation of the output is transmitted or measured [m]."""
+        return self.crank_errors.output_radius or self.design.ring.pin_circle_radius
 
     @property
     def kinematics(self) -> "RvKinematics":

@@ -344,6 +344,20 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
     return rotate(displacements, crank[:, np.newaxis])
 
 
+def runout_error(reducer: RvReducer, output_angle: npt.ArrayLike) -> Array:
+    """Compute the apparent rotation of the output due to its run-out [rad], counter-clockwise, in the given shape.
+
+    A hole or flange with the offset o from the axis of rotation turns with the output. On the radius r, in the fixed
+    direction +y, the output is displaced along -x by -o_x of the rotated offset, which appears as the rotation -o_x/r:
+    a wave of order 1 with the amplitude ``|o|/r``. The parts of the drive do not move because of it. The same holds for
+    the run-out of main bearings, in which the carrier is displaced by an offset that turns with it.
+
+    `output_angle` is the angle of the output [rad].
+    """
+    errors, angle = reducer.crank_errors, np.asarray(output_angle, dtype=np.float64)
+    return np.asarray((errors.output_y * np.sin(angle) - errors.output_x * np.cos(angle)) / reducer.output_radius)
+
+
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     """Compute the phase error of each of n cranks due to the errors of its planet [rad], (m, n), at a fixed sun.
 

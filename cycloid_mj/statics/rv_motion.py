@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import RvSprings, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv import RvSprings, compute_rv_springs, runout_error, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.stops import stop_width
 
@@ -55,10 +55,22 @@ def static_rotations(reducer: RvReducer, springs: RvSprings, torque: float, sens
 def rv_transmission_error(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Compute the rotations of discs and output of a running drive from their ideal angles, with friction.
 
-    The direction is that of the design's speed. Parameters, result and errors are those of `static_rotations`.
+    The direction is that of the design's speed. Parameters, result and errors are those of `static_rotations`. The
+    rotation of the output includes that by its run-out (`runout_error`).
     """
     sense = float(np.sign(reducer.design.drive.speed))
-    return static_rotations(reducer, rv_springs_at(reducer, crank), torque, sense)
+    rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque, sense)
+    rotations[:, 1] += reducer.member.sense * runout_at(reducer, crank)
+    return rotations
+
+
+def runout_at(reducer: RvReducer, crank: npt.ArrayLike) -> Array:
+    """Compute the apparent rotation of the output by its run-out at crank angles [rad], shape (m,), see `runout_error`.
+
+    Crank angles are against the ground. The rotation is counter-clockwise, not of the sense of this module.
+    """
+    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    return runout_error(reducer, reducer.member.output_angle(reducer.member.driven_angle(crank)))
 
 
 def rv_backlash(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Array:

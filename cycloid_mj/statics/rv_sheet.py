@@ -24,6 +24,7 @@ from cycloid_mj.statics.rv import (
     compute_rv_springs,
     crank_misfits,
     phase_errors,
+    runout_error,
     solve_rv_loads,
 )
 from cycloid_mj.statics.rv_film import (
@@ -192,13 +193,15 @@ def closed_form_angles(reducer: RvReducer) -> Array:
 
 
 def closed_rotation(reducer: RvReducer) -> Array:
-    """Compute the rotation of the output due to errors of cranks, bores and planets, in closed form [rad].
+    """Compute the rotation of the output due to errors of cranks, bores, planets and output, in closed form [rad].
 
     The shape is (n,), for n crank angles from `closed_form_angles`. The sun is fixed; clearance and load are left out.
     """
     crank = closed_form_angles(reducer)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
-    return reducer.share * rotation
+    # the carrier turns back against the ring, once per turn of as many cranks as a disc has lobes
+    output_angle = (1.0 if reducer.design.output.turns_ring else -1.0) * crank / reducer.design.lobes
+    return reducer.share * rotation + runout_error(reducer, output_angle)
 
 
 def pin_equilibrium(reducer: RvReducer) -> PinErrorEquilibrium:
@@ -207,7 +210,7 @@ def pin_equilibrium(reducer: RvReducer) -> PinErrorEquilibrium:
 
 
 def error_rotation(reducer: RvReducer) -> Array:
-    """Compute the rotation of the output [rad] due to errors of cranks, bores, planets and positions of pins.
+    """Compute the rotation of the output [rad] due to errors of cranks, bores, planets, output and positions of pins.
 
     It is the sum of `closed_rotation` and of the rotation by the pins (`pin_equilibrium`) under the nominal torque, at
     the angles of `closed_form_angles`.

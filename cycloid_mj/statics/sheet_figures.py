@@ -223,10 +223,10 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
         "planet_mesh_force", "N", "largest force of a planet on the sun",
         f"Largest normal force of a planet on the sun under the load: {balanced_condition}, with friction.", layouts=RV)
     yield SheetFigure(
-        "te_errors", "arcsec", "transmission error by errors of cranks, bores, planets and pins, peak to peak",
-        "Range of the output's angle by the errors of cranks, bores, carrier and planets at a fixed sun, in closed "
-        "form without clearance and load, and by position errors of the ring pins, by statics under the nominal "
-        "torque, over a turn of the carrier.", "te_errors_arcsec", layouts=RV)
+        "te_errors", "arcsec", "transmission error by errors of cranks, bores, planets, output and pins, peak to peak",
+        "Range of the output's angle by the errors of cranks, bores, carrier and planets and the run-out of the output "
+        "at a fixed sun, in closed form without clearance and load, and by position errors of the ring pins, by "
+        "statics under the nominal torque, over a turn of the carrier.", "te_errors_arcsec", layouts=RV)
     yield SheetFigure(
         "te_ideal", "arcsec", "transmission error under the load, without friction, peak to peak",
         "Range of the output's angle about the ideal one under the load at a fixed sun, without friction and weight, "
