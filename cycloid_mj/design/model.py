@@ -626,8 +626,8 @@ class ContactLaw(Section):
     )
     needles: Literal["lumped", "each"] = choice(
         "lumped",
-        "crank bearings and output rollers. lumped: a spring between eccentric and bore, and rigid rollers; each: a "
-        "spring for each needle, in a cage that rolls",
+        "crank bearings and output rollers. lumped: all needles of a bearing are a single spring; each: a spring for "
+        "each needle, in a cage that rolls",
     )
     damping_ratio: float = quantity(
         0.5, "damping of a contact as a share of critical damping (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0

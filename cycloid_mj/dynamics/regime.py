@@ -332,13 +332,13 @@ def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
     """Yield a warning if output pins bend so far under one disc that they press on the back of another disc's holes.
 
     Runs neglect this contact (docs/decisions.md). C(d', d) is the deflection of the pin at disc d' per force in disc d
-    [m/N], k the stiffness of the pin's contact [N/m], and g = C(d, d) + 1/k the compliance at disc d, g' that at d'. A
-    force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) minus twice the clearance. The
-    contact force f there also acts on disc d, which increases the bending: f g' = s + f (C(d', d) - g). The share f/F
-    is an upper limit, because disc d seldom carries the full load.
+    [m/N], k the stiffness of the pin's contact and needles [N/m], and g = C(d, d) + 1/k the compliance at disc d, g'
+    that at d'. A force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) minus twice the
+    clearance. The contact force f there also acts on disc d, which increases the bending: f g' = s + f (C(d', d) - g).
+    The share f/F is an upper limit, because disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
-    force, compliances = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness
+    force, compliances = reducer.design.gear.discs * output.force, 1.0 / np.array(output.stiffness_by_disc)
     relative_flexibility = flexibility - compliances
     surplus = force * relative_flexibility - 2.0 * reducer.design.clearance.output
     if surplus.max() > 0.0:

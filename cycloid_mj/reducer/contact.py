@@ -219,7 +219,8 @@ class Contact:
     def stiffness_by_disc(self) -> tuple[float, ...]:
         """Return the stiffness [N/m] of a simulated contact on each of D discs, (D,), with parts in series with it.
 
-        Parts in series are the seat of a massless pin and, with ``structure = "springs"``, an output pin, which bends.
+        Parts in series are the seat of a massless pin, the needles of an output roller and, with ``structure =
+        "springs"``, an output pin, which bends.
 
         Raises
         ------
@@ -228,12 +229,11 @@ class Contact:
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness
-        bending_compliance = (
-            contacts.pin_flexibility.diagonal() if self.kind == "output" else np.zeros(self._reducer.design.gear.discs)
-        )
+        compliance = np.zeros(self._reducer.design.gear.discs)
+        if self.kind == "output":
+            compliance = contacts.pin_flexibility.diagonal() + self._reducer.roller_compliance
         return tuple(
-            1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness
-            for flexibility in bending_compliance.tolist()
+            1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness for flexibility in compliance.tolist()
         )
 
     series = deprecated_attribute("Contact", "series", "stiffness_by_disc")

@@ -154,6 +154,13 @@ class Reducer:
         return self.kept("roller_needles", lambda: roller_needles(self))
 
     @property
+    def roller_compliance(self) -> float:
+        """Compliance of the needles of an output roller [m/N]; 0 if there are none, or if they are separate springs."""
+        from cycloid_mj.reducer.roller_needles import lumped_compliance
+
+        return self.kept("roller_compliance", lambda: lumped_compliance(self))
+
+    @property
     def output_clearance(self) -> float:
         """Gap between an output pin and its hole in the ideal pose [m]: clearance and differences of nominal sizes."""
         design = self.design

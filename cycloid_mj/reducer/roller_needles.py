@@ -1,8 +1,12 @@
-"""Needles between the rollers of the output pins and their cores, as springs of their own.
+"""Needles between the rollers of the output pins and their cores.
 
-A roller is a rigid ring on its core, on Z needles that can push but not pull. The hole of the disc presses it towards
-the core; across this direction, it is free, as it rolls in the hole. The force follows from the least energy of the
-contact with the hole and of the needles (``contact.needles = "each"``).
+A roller is a rigid ring on its core, on Z needles. By default, the needles of a roller are a single spring in series
+with the contact of the roller with its hole: the secant stiffness of the same needles without clearance, averaged over
+a turn of their cage.
+
+With ``contact.needles = "each"``, each needle is a spring that can push but not pull. The hole of the disc presses the
+roller towards the core; across this direction, it is free, as it rolls in the hole. The force follows from the least
+energy of the contact with the hole and of the needles.
 """
 
 import math
@@ -59,21 +63,23 @@ def needle_row(output: "Output") -> NeedleRow:
     return NeedleRow(max(int(math.pi * pitch / diameter), 3), diameter, pitch)
 
 
-def roller_needles(reducer: "Reducer") -> RollerNeedles:
-    """Return the separate needles of the rollers of a reducer, at the stiffness of its working force.
+def has_needle_springs(reducer: "Reducer") -> bool:
+    """Return whether rollers are parts of their own with needles (``output.core_radius``), on line contacts."""
+    output = reducer.design.output
+    return output.has_needles and output.has_roller_parts and reducer.design.contact.law != "impact"
 
-    Rollers have separate needles if ``contact.needles`` is "each", they are parts of their own with needles
-    (``output.core_radius``), and contacts are line contacts. A needle is in contact with core and roller; both contacts
-    are as stiff as a pin on a flat (`ideal_loads.line_contact_stiffness`), with the material of the output.
+
+def bearing_stiffness(reducer: "Reducer") -> float:
+    """Compute the stiffness of the needles of a roller without clearance, at the working force of output pins [N/m].
+
+    It is the secant stiffness of the bearing: that of the most loaded needle, which carries 4.08/Z of the force
+    (Stribeck). A needle is in contact with core and roller; both contacts are as stiff as a pin on a flat
+    (`ideal_loads.line_contact_stiffness`), with the material of the output.
     """
     design = reducer.design
-    contact, output = design.contact, design.output
-    has_parts = output.has_needles and output.has_roller_parts
-    if contact.needles != "each" or not has_parts or contact.law == "impact":
-        return NO_NEEDLES
-    row, force = needle_row(output), reducer.contacts["output"].force
+    row, force = needle_row(design.output), reducer.contacts["output"].force
     material, depth = design.material_of("output"), 0.5 * row.diameter
-    line_stiffness = contact.stiffness or float(
+    line_stiffness = design.contact.stiffness or float(
         ideal_loads.line_contact_stiffness(
             STRIBECK * force / row.needles,
             design.gear.face_width,
@@ -82,13 +88,34 @@ def roller_needles(reducer: "Reducer") -> RollerNeedles:
             1.0 / depth,
         )
     )
-    bearing_stiffness = 0.5 * line_stiffness * row.needles / STRIBECK
+    return 0.5 * line_stiffness * row.needles / STRIBECK
+
+
+def lumped_compliance(reducer: "Reducer") -> float:
+    """Compute the compliance of the needles of a roller as a single spring [m/N]; 0 without needles.
+
+    With ``contact.needles = "each"``, it is also 0, because each needle is a spring of its own (`roller_needles`).
+    """
+    if reducer.design.contact.needles == "each" or not has_needle_springs(reducer):
+        return 0.0
+    return 1.0 / bearing_stiffness(reducer)
+
+
+def roller_needles(reducer: "Reducer") -> RollerNeedles:
+    """Return the separate needles of the rollers of a reducer, at the stiffness of its working force.
+
+    Rollers have separate needles if ``contact.needles`` is "each" (`has_needle_springs`).
+    """
+    output = reducer.design.output
+    if reducer.design.contact.needles != "each" or not has_needle_springs(reducer):
+        return NO_NEEDLES
+    row = needle_row(output)
     # the centre of the hole circles around the pin, so that the roller turns back
     roller_turn = 1.0 - output.hole_radius / output.pin_radius
     inner_raceway, outer_raceway = row.pitch - row.diameter, row.pitch + row.diameter
     return RollerNeedles(
         needles=row.needles,
-        stiffness=needle_share(row.needles) * bearing_stiffness,
+        stiffness=needle_share(row.needles) * bearing_stiffness(reducer),
         clearance=max(reducer.output_clearance, 0.0),
         cage_ratio=roller_turn * outer_raceway / (inner_raceway + outer_raceway),
     )

@@ -74,16 +74,41 @@ def test_a_roller_begins_to_carry_load_on_the_two_needles_next_to_it(angle: floa
     assert forces[1] > 1e-3
 
 
+@pytest.mark.parametrize("torque", [5.0, 36.0])
+def test_a_lumped_roller_bearing_has_the_secant_stiffness_of_its_needles(torque: float) -> None:
+    """Force over displacement of the core in its roller, of an even number of needles without clearance."""
+    each = Reducer(ROLLERS.but(load={"torque": torque}))
+    lumped = each.but(contact={"needles": "lumped"})
+    needles, force = each.roller_needles, each.contacts["output"].force
+    assert needles.needles % 2 == 0
+    for angle in (0.0, 0.07, 1.3):
+        rigid_hole = 1e6 * needles.stiffness
+        approach = force * (lumped.roller_compliance + 1.0 / rigid_hole)
+        found, _ = roller_contact(approach, angle, rigid_hole, needles.needles, needles.stiffness, 0.0)
+        assert found == pytest.approx(force, rel=1e-4)
+    (lumped_stiffness,), (hole,) = (one.contacts["output"].stiffness_by_disc for one in (lumped, each))
+    assert 1.0 / lumped_stiffness == pytest.approx(1.0 / hole + 4.0 / (needles.needles * needles.stiffness), rel=1e-9)
+
+
+def test_only_rollers_on_needles_have_their_compliance() -> None:
+    lumped = Reducer(override(ROLLERS, ["contact.needles=lumped"]))
+    assert lumped.roller_compliance > 0.0
+    for changes in ("output.core_radius_mm=0", "output.roller_bearing=plain", "output.rollers=false"):
+        assert Reducer(override(lumped.design, [changes])).roller_compliance == 0.0
+    assert [Reducer(PRESETS[name]).roller_compliance for name in ("pin", "nonpin", "twodisc")] == [0.0] * 3
+
+
 def test_output_pins_are_softer_by_the_compliance_of_their_needles() -> None:
-    """Without clearance, the wind-up equals that of a rigid roller on a softer contact with the hole."""
+    """Without clearance, separate needles have the wind-up of lumped ones, and of a softer contact with the hole."""
     reducer, crank = at_nominal_torque(ROLLERS), np.linspace(0.0, 2.0 * np.pi, 61)
     needles, contact = reducer.roller_needles, reducer.contacts["output"]
     series = 1.0 / (1.0 / contact.stiffness + 4.0 / (needles.needles * needles.stiffness))
-    lumped = override(ROLLERS, ["contact.needles=lumped", f"stiffness.output_n_m={series!r}"])
     assert 0.6 * contact.stiffness < series < 0.9 * contact.stiffness
-    each, softer = solve(reducer, crank), solve(at_nominal_torque(lumped), crank)
-    np.testing.assert_allclose(each.output_turn, softer.output_turn, rtol=1e-4)
-    np.testing.assert_allclose(each.output, softer.output, atol=1e-3 * softer.output.max())
+    each = solve(reducer, crank)
+    for changes in ([], ["output.roller_bearing=plain", "friction.output=0", f"stiffness.output_n_m={series!r}"]):
+        softer = solve(at_nominal_torque(override(ROLLERS, ["contact.needles=lumped", *changes])), crank)
+        np.testing.assert_allclose(each.output_turn, softer.output_turn, rtol=1e-4)
+        np.testing.assert_allclose(each.output, softer.output, atol=1e-3 * softer.output.max())
 
 
 def test_needles_with_clearance_are_in_equilibrium_in_a_rolling_cage() -> None:

@@ -89,6 +89,9 @@ def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
         [one.compliance_by_spring(Reducer(design)) for one in solved(design)],
         Reducer(design).at_rated_load.contacts,
     )
+    # the spring of an output pin is its contact with the hole, which changes, and the needles of its roller
+    needles = Reducer(design).at_rated_load.roller_compliance
+    changed = {"output": 1.0 / (1.0 + needles * contacts["output"].stiffness)}
     mesh = [design.tooth_pair, *([design.seat_pair] if design.seat_pair else [])]
     for spring, kinds in (("output", ["output"]), ("cam", ["cam"]), ("mesh", mesh)):
         softer, stiffer = (
@@ -97,7 +100,7 @@ def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
         )
         for one, low, high in zip(told, softer, stiffer, strict=True):
             given = (low.compliance(low.turn) - high.compliance(high.turn)) / 0.02
-            assert one[spring] == pytest.approx(given, rel=0.015), spring
+            assert changed.get(spring, 1.0) * one[spring] == pytest.approx(given, rel=0.015), spring
     for one, whole in zip(told, solved(design), strict=True):
         assert sum(one.values()) + wind_up(Reducer(design)) == pytest.approx(whole.compliance(whole.turn))
 
