@@ -9,10 +9,13 @@ The drive is the preset rv64 with the stiffnesses of the RV example for Exudyn: 
 needles, thus 16/4 1e7 N/m for a bearing, and clearances of 2 um at fixed pins. The output turns by a degree under
 100 N m, with cranks at 2 rad/s. Exudyn's contacts of a curve have no friction, so nothing rubs. Without Exudyn, the
 script prints the figures of this project only.
+
+The last rows are statics with a single difference between both models changed: the contact law of Exudyn, the error of
+its polygon, rigid planets, and stiffer bearings.
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
@@ -29,7 +32,7 @@ from cycloid_mj.geometry.profile import pin_angles, unit
 from cycloid_mj.parts import moving_masses
 from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv import RvLoads, RvSprings, compute_rv_springs, solve_rv_loads
 
 TORQUE, CRANK_SPEED, PIN_STIFFNESS = 100.0, 2.0, 1e7
 """Torque on the output [N m], speed of the cranks against the ring [rad/s], stiffness of a pin [N/m]."""
@@ -39,6 +42,15 @@ RISE, HOLD, STEP = 0.05, 0.4, 1e-4
 
 CHORD_ERROR = 5e-7
 """Largest distance of the segments of Exudyn's curve from the outline of a disc [m]."""
+
+CAUSE_ANGLES = 171
+"""Crank angles of statics with a changed model."""
+
+MIN_CURVATURE, MIN_DEPTH = 1e-3, 1e-9
+"""Smallest relative curvature [1/m] and depth [m] of the contacts of the area law, which keep its springs finite."""
+
+MAX_ITERATIONS, AREA_RTOL = 200, 1e-6
+"""Iterations of the area law at most, and relative change of its springs at which they end."""
 
 BEARING_DAMPING = 2e3
 """Damping of a crank bearing in Exudyn [N s/m], a few percent of the critical damping of a disc (heuristic)."""
@@ -73,7 +85,7 @@ def drive() -> RvReducer:
 
 
 def area_stiffness(reducer: RvReducer) -> float:
-    """Compute Exudyn's stiffness per overlapping area [N/m2] that has `PIN_STIFFNESS` under the mean force of a pin.
+    """Compute Exudyn's stiffness per overlapping area [N/m2] that has `PIN_STIFFNESS` under the working force of a pin.
 
     A circle and a curve of the relative curvature k that approach each other by p overlap by 4/3 sqrt(2/k) p^(3/2).
     """
@@ -254,6 +266,49 @@ def print_row(name: str, wind_up: Array, forces: Array, cpu: float) -> None:
     print(f"{name:28s} {size:12.2f} {forces.mean():12.1f} {forces.max():12.1f} {cpu:10.2f}")
 
 
+def solve_with_area_law(springs: RvSprings, stiffness: float) -> RvLoads:
+    """Solve for equilibrium under `TORQUE` with Exudyn's contact law, as secant springs by fixed-point iteration.
+
+    The force of a pin is `stiffness` [N/m2], that of `area_stiffness`, times the area 4/3 sqrt(2/k) p^(3/2) by which it
+    overlaps a flank of the relative curvature k by p.
+    """
+    pins, curvature = springs.pins, np.maximum(springs.curvature, MIN_CURVATURE)
+    for _ in range(MAX_ITERATIONS):
+        loads, secant = solve_rv_loads(springs, -TORQUE), springs.stiffness[:, :pins]
+        depth = np.maximum(loads.pins / secant, MIN_DEPTH)
+        change = stiffness * 4.0 / 3.0 * np.sqrt(2.0 * depth / curvature) / secant
+        if np.abs(change - 1.0)[loads.pins > 1.0].max() < AREA_RTOL:
+            return loads
+        # half of the change on a logarithmic scale: full changes oscillate, as the force depends on the depth^1.5
+        updated = springs.stiffness.copy()
+        updated[:, :pins] *= np.sqrt(change)
+        springs = replace(springs, stiffness=updated)
+    raise RuntimeError("the area law does not converge")
+
+
+def print_causes(reducer: RvReducer) -> None:
+    """Print statics with a single difference to Exudyn's model changed."""
+    crank = np.linspace(0.0, CRANK_SPEED * (HOLD - RISE), CAUSE_ANGLES)
+    springs, stiffness = compute_rv_springs(reducer, crank), area_stiffness(reducer)
+    pins, flank = springs.pins, np.sign(springs.curvature - 1.0 / reducer.design.ring.pin_radius)
+    polygon, planets = springs.gap.copy(), springs.stiffness.copy()
+    # chords are inside of convex flanks and outside of concave ones, by two thirds of their sagitta on average
+    polygon[:, :pins] += flank * CHORD_ERROR * 2.0 / 3.0
+    planets[:, pins:] *= 100.0
+    cases = {
+        "statics": solve_rv_loads(springs, -TORQUE),
+        "force by overlapping area": solve_with_area_law(springs, stiffness),
+        "polygon of the disc": solve_rv_loads(replace(springs, gap=polygon), -TORQUE),
+        "both": solve_with_area_law(replace(springs, gap=polygon), stiffness),
+        "planets 100 times as stiff": solve_rv_loads(replace(springs, stiffness=planets), -TORQUE),
+        "bearings 1 % stiffer": solve_rv_loads(
+            replace(springs, bearing_stiffness=1.01 * springs.bearing_stiffness), -TORQUE
+        ),
+    }
+    for name, loads in cases.items():
+        print_row(name, loads.carrier_turn, loads.bearings.reshape(len(crank), -1), 0.0)
+
+
 def main() -> None:
     """Print the comparison."""
     reducer = drive()
@@ -261,6 +316,7 @@ def main() -> None:
     crank, wind_up, forces, cpu = simulate_in_plane(reducer)
     print_row("planar solver", wind_up, forces, cpu)
     print_row("statics at its angles", *balance(reducer, crank, -TORQUE))
+    print_causes(reducer)
     if not find_spec("exudyn"):
         print("Exudyn is not installed: pip install exudyn")
         return
