@@ -48,7 +48,7 @@ ABOUT_COMPLETION = "Install completion of commands, flags and files for this she
 
 REPRODUCE, COMPLETION = "reproduce", "--install-completion"
 RENAMED = {"--jobs": "--workers"}
-MOVED_COMMANDS = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
+FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
 """Commands of groups that scripts call by their name alone."""
 
 
@@ -195,7 +195,7 @@ def _replace_old_command(words: list[str]) -> list[str]:
 
     `words` are returned unchanged if they do not start with such a name.
     """
-    if not words or (group := MOVED_COMMANDS.get(words[0])) is None:
+    if not words or (group := FOLDED.get(words[0])) is None:
         return words
     tell(
         f"warning: the command `{words[0]}` is deprecated: use `{' '.join(group)}`; the old name will be removed in "

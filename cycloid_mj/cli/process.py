@@ -14,7 +14,7 @@ from typing import TextIO
 from cycloid_mj.base.interrupt import end_on_signals, exit_code, raise_on_signals, signal_name
 from cycloid_mj.base.memory import collect_rarely, freeze_objects
 
-ERROR_HANDLER = "cycloid_mj.substitute"
+SUBSTITUTING = "cycloid_mj.substitute"
 """Name of the handler of characters that a stream cannot encode."""
 
 SUBSTITUTES = {
@@ -71,10 +71,10 @@ def replace_unencodable(*streams: TextIO) -> None:
 
     Without this, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
     """
-    codecs.register_error(ERROR_HANDLER, substitutes)
+    codecs.register_error(SUBSTITUTING, substitutes)
     for stream in streams:
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors=ERROR_HANDLER)
+            stream.reconfigure(errors=SUBSTITUTING)
 
 
 def substitutes(error: UnicodeError) -> tuple[str, int]:
