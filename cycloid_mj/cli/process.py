@@ -42,7 +42,7 @@ SUBSTITUTES = {
 }
 """Character -> what is written where the encoding of a stream lacks it."""
 
-SAMPLE_MODULE = Path(__file__).parents[1] / "design" / "model.py"
+LOADED = Path(__file__).parents[1] / "design" / "model.py"
 """A module that every command loads."""
 
 SILENT_FLAGS = {"--quiet", "--help", "-h", "--version"}
@@ -63,7 +63,7 @@ def first_start(words: Sequence[str]) -> bool:
     """Return whether Python has to compile the modules of a command first: an installation can lack bytecode."""
     if sys.dont_write_bytecode or not words or SILENT_FLAGS & set(words):
         return False
-    return not Path(cache_from_source(str(SAMPLE_MODULE))).exists()
+    return not Path(cache_from_source(str(LOADED))).exists()
 
 
 def replace_unencodable(*streams: TextIO) -> None:
