@@ -665,7 +665,7 @@ def _rate_press_fit(
 def _press_fit_item(
     key_and_name: tuple[str, str], torque: float, fit: strength.PressFit, zones: str, max_pressure: float
 ) -> RatedItem:
-    """Rate a press fit: the `torque` on it [N m] against the torque at which it slips at its least interference.
+    """Rate a press fit: the `torque` on it [N m] against the torque at which it slips at its mean interference.
 
     `key_and_name` are key and name of the rated item. `zones` are the tolerance zones of pin and hole, such as ``m6 in
     N7``. At `max_pressure` [Pa], a part yields.

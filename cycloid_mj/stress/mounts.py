@@ -116,7 +116,7 @@ def with_modulus(reducer: Reducer, modulus: float) -> Reducer:
 
 
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
-    """Compute the torsional compliance of output pins that are held in two plates around the disc [rad/(N m)].
+    """Compute the torsional compliance of output pins that are seated in two plates around the disc [rad/(N m)].
 
     A pin between fixed plates has the lateral compliance c. Under the torque T, with the forces F of the disc on the
     pins, the compliance of the pins is sum(c F^2)/T^2, averaged over the crank angles. A second plate that can turn
