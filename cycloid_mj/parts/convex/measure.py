@@ -45,7 +45,9 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
-    """Compute k evenly spaced points on the walls of a prism, outline and holes, and the normals there.
+    """Compute k evenly spaced points on the walls of a prism, `region`, and the normals there.
+
+    The walls are those of outline and holes.
 
     Returns
     -------

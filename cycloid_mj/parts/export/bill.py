@@ -404,7 +404,10 @@ def _pin_line(
 
 
 def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
-    """Return the row of the bill of materials for ring pins: needle rollers, pin gauges, or pins ground to size."""
+    """Return the row of the bill of materials for ring pins: needle rollers, pin gauges, or pins ground to size.
+
+    `material` is the material of the pins.
+    """
     ring, roller = reducer.design.ring, free_pin(reducer)
     seat = FREE_FIT if ring.has_sockets else RETAINED_FIT
     diameter = (("diameter", ring.pin_radius),)

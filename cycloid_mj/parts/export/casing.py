@@ -468,12 +468,11 @@ def output_bearing_count(hub: stock.StockBearing) -> int:
 
 
 def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return the stock bearings for the output, of the kind that the design requires, the best last.
+    """Return the stock bearings for the output, of the kind that the design requires, in order of preference.
 
-    Larger bearings are better; but a crossed roller bearing whose retainer ends one minimum wall inside of the heads of
-    the cover screws is better than any whose retainer reaches up to these heads. `max_radius` [m] is two minimum walls,
-    `wall` [m] each, inside of the heads. It limits only the retainers; `_choose_hub_bearing` selects a bearing that
-    fits.
+    The best is last: the largest. Crossed roller bearings whose retainer ends a minimum wall inside of the heads of the
+    cover screws are better than those whose retainer reaches up to the heads. Other bearings are not yet checked for
+    fit. `max_radius` [m] is two minimum walls, `wall` [m] each, inside of the heads.
     """
     kind = reducer.design.output.main_bearings
     if kind == "crossed_roller":

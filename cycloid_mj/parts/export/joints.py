@@ -390,8 +390,9 @@ def _flange_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
 
 
 def _hub_bore_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
-    """Yield the central bore of hub and flange, which saves mass, centres a load and continues a hollow shaft.
+    """Yield the joint of hub and flange at their central bore.
 
+    The bore saves mass, and centres a load or continues a hollow shaft.
     Yields nothing for a solid shaft if screws and dowels leave no room for it.
     """
     design, top, wall = reducer.design, casing.top, casing.wall

@@ -92,9 +92,10 @@ def _max_hole_reach(reducer: Reducer) -> float:
 def axial_bores(
     reducer: Reducer, bolt: stock.Bolt, circle: float, dowel: stock.Dowel | None, dowel_circle: float, wall: float
 ) -> tuple[float, float]:
-    """Compute the largest radii [m] of bores on the axis of hub and flange, inside their screws and dowels.
+    """Compute the largest radii (hub, flange) [m] of bores on the axis, inside of screws and dowels.
 
-    `circle` and `dowel_circle` are the radii [m] of screws `bolt` and dowels, `wall` [m] is the minimum wall.
+    `circle` and `dowel_circle` are the radii [m] of the circles of the screws, of size `bolt`, and of the dowels;
+    `dowel` None: no dowels. `wall` [m] is the minimum wall.
 
     Raises
     ------

@@ -70,6 +70,8 @@ def print_files(
     ----------
     casing
         The casing; None: the mechanism only.
+    settings
+        Accuracy of the meshes, offset of the printer, seat of the cam bearing, and bed.
     torques
         Tightening torques [N m] by the name of the screws in the bill.
 

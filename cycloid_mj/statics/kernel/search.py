@@ -315,7 +315,7 @@ def _grow_clearances(
 def _force_at_deflection(springs: KernelSprings, k: int, clearance_count: float) -> float:
     """Compute the force [N] that deflects the stiffest of the contact `springs` by a multiple of its largest clearance.
 
-    The multiple is `clearance_count`.
+    The multiple is `clearance_count`, and `k` is the index of the crank angle.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

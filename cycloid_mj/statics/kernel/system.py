@@ -410,8 +410,8 @@ def _add_cam(
 def _add_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
     """Add the summed contact forces and stiffness of a disc to the residual [N] and the tangent [N/m] of the system.
 
-    `disc` is the index of the disc. The residual has the shape (u,), the tangent (u, u), for u unknowns; both are
-    changed.
+    `disc` is the index of the disc, `sums` are its forces and stiffness. The residual has the shape (u,), the tangent
+    (u, u), for u unknowns; both are changed.
     """
     force_x, force_y, force_t, force_o, k_xx, k_xy, k_yy, k_xt, k_yt, k_tt, k_xo, k_yo, k_to, k_oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
