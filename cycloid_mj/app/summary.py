@@ -353,7 +353,7 @@ def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:
     for key, value in values.items():
         verb = "raise" if value > value_of(reducer.design, key) else "lower"
         keys_by_target.setdefault((verb, number_with_unit(key, value)), []).append(key_in_words(key))
-    parts = (f"{verb} {', '.join(names)} to {target}" for (verb, target), names in keys_by_target.items())
+    parts = (f"{verb} {', '.join(names)} to {target_text}" for (verb, target_text), names in keys_by_target.items())
     return "; ".join(parts).replace(f", {CLEARANCE}", ", ")
 
 

@@ -103,11 +103,11 @@ def _import_array_functions() -> None:
     numba imports it at this point only to find out whether there is a BLAS, and again when a compiled function uses the
     BLAS. SciPy is a dependency of this package, so the first import is left out.
     """
-    test_for_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+    ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
     try:
         import_module("numba.np.arraymath")
     finally:
-        linalg.ensure_blas = test_for_blas
+        linalg.ensure_blas = ensure_blas
 
 
 def _digest_of_sources() -> str:

@@ -99,8 +99,8 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     equilibrium.
     """
     speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
-    lost, outcomes = sampled_losses(reducer, load, samples)
-    return compute_spread(lost / speed, outcomes / speed, sample_inputs(samples)[1])
+    lost_power, outcomes = sampled_losses(reducer, load, samples)
+    return compute_spread(lost_power / speed, outcomes / speed, sample_inputs(samples)[1])
 
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:

@@ -28,12 +28,14 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
     tuple
         The forces [N], shape (n, m), and the torsional stiffness of the closed springs [N m/rad], shape (n,).
     """
-    forces, torsional = np.empty_like(arms), np.empty_like(torque)
+    forces, torsional_stiffness = np.empty_like(arms), np.empty_like(torque)
     for row in range(len(arms)):
-        rotation, squares = _solve_rotation(arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0)
+        rotation, squared_arms = _solve_rotation(
+            arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0
+        )
         forces[row] = stiffness[row] * np.maximum(rotation * arms[row] - clearance, 0.0)
-        torsional[row] = stiffness[row] * squares
-    return forces, torsional
+        torsional_stiffness[row] = stiffness[row] * squared_arms
+    return forces, torsional_stiffness
 
 
 @njit(cache=cacheable(), error_model="numpy")

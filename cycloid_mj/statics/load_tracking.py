@@ -43,10 +43,10 @@ def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Ite
     """
     share = quantities[INERTIA_SHARE].value
     if share > MAX_INERTIA_SHARE:
-        points = next(points for max_share, points in EFFICIENCY_ERRORS if share <= max_share)
+        error = next(error for max_share, error in EFFICIENCY_ERRORS if share <= max_share)
         yield (
             f"at {abs(design.drive.speed) / RPM:.0f} rpm, the inertia torque of the load would be {share:.3g} times "
             "the load (rms) if the output followed the transmission error: contacts open and strike, which is not "
-            f"part of statics; in simulations, the efficiency of such drives differed by up to {points:g} percentage "
+            f"part of statics; in simulations, the efficiency of such drives differed by up to {error:g} percentage "
             "points; use `cycloid-mj measure efficiency`"
         )

@@ -121,12 +121,15 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
     Across the backlash, the torque rises from -1e-6 to 1e-6 of `max_torque`, so that it increases everywhere. The
     reducer should have a rigid structure. The caller adds the torsion, so that a fit of torsion needs no new solution.
     """
-    weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    weightless_reducer = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     shares = np.array(SHARES)
-    springs = springs_of(weightless, np.full(len(shares), crank), friction=False)
+    springs = springs_of(weightless_reducer, np.full(len(shares), crank), friction=False)
     # from the largest torque down: solutions with barely touching contacts start from those with firm contact
-    decreasing = max_torque * shares[::-1]
-    sides = [loads(weightless, springs, sign * decreasing, warm_start=True).output_turn[::-1] for sign in (-1.0, 1.0)]
+    decreasing_torque = max_torque * shares[::-1]
+    sides = [
+        loads(weightless_reducer, springs, sign * decreasing_torque, warm_start=True).output_turn[::-1]
+        for sign in (-1.0, 1.0)
+    ]
     return _join_sides(max_torque, sides)
 
 
@@ -238,8 +241,8 @@ def _compute_vertices(
     origin, load_origin = np.zeros(len(slip)), np.zeros(len(friction_slip))
     branches = []
     for branch in range(len(reversals) - 1):
-        friction_bends = np.concatenate((load_origin - friction_slip, load_origin + friction_slip))
-        vertices = np.sort(np.concatenate((rotation, origin - slip, origin + slip, friction_bends)))
+        friction_vertices = np.concatenate((load_origin - friction_slip, load_origin + friction_slip))
+        vertices = np.sort(np.concatenate((rotation, origin - slip, origin + slip, friction_vertices)))
         total_torque = np.interp(vertices, rotation, contact_torque)
         if len(friction_slip):
             friction_state = np.zeros(len(vertices))
@@ -281,13 +284,13 @@ def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
     tuple of Array
         Rotations [rad] and torques [N m], shape (m,) each.
     """
-    slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
+    slopes = [np.diff(curve.turn)[end_index] / np.diff(curve.torque)[end_index] for end_index in (0, -1)]
     end_rotations = [
-        curve.turn[end] + slope * (sign * end_torque - curve.torque[end])
-        for end, slope, sign in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
+        curve.turn[end_index] + slope * (sign * end_torque - curve.torque[end_index])
+        for end_index, slope, sign in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
     ]
     is_shorter = abs(curve.torque[0]) < end_torque
     torque = np.concatenate([[-end_torque], curve.torque, [end_torque]]) if is_shorter else curve.torque
     rotation = np.concatenate([[end_rotations[0]], curve.turn, [end_rotations[1]]]) if is_shorter else curve.turn
-    increases = np.concatenate([[True], rotation[1:] > np.maximum.accumulate(rotation)[:-1]])
-    return rotation[increases], torque[increases]
+    is_increasing = np.concatenate([[True], rotation[1:] > np.maximum.accumulate(rotation)[:-1]])
+    return rotation[is_increasing], torque[is_increasing]

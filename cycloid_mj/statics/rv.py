@@ -665,8 +665,8 @@ def _needle_forces(springs: RvSprings, offsets: Array) -> tuple[Array, Array, Ar
     stiffness = needle_share(directions.shape[1]) * springs.bearing_stiffness
     depth = np.maximum(np.einsum("mdnj,mzj->mdnz", offsets, directions) - springs.bearing_clearance, 0.0)
     forces = stiffness * np.einsum("mdnz,mzj->mdnj", depth, directions)
-    products = directions[..., :, np.newaxis] * directions[..., np.newaxis, :]
-    tangent = stiffness * np.einsum("mdnz,mzij->mdnij", depth > 0.0, products)
+    projections = directions[..., :, np.newaxis] * directions[..., np.newaxis, :]
+    tangent = stiffness * np.einsum("mdnz,mzij->mdnij", depth > 0.0, projections)
     return forces, 0.5 * stiffness * np.sum(depth**2, axis=-1), tangent
 
 

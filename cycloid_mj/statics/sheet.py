@@ -580,9 +580,11 @@ def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, 
         There is no equilibrium, for example because friction jams the reducer.
     """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost, outcomes = sampled_losses(reducer, torque, samples)
+    lost_power, outcomes = sampled_losses(reducer, torque, samples)
     shares = 100.0 * delivered / (delivered + outcomes + further_loss)
-    return compute_spread(100.0 * delivered / (delivered + lost + further_loss), shares, sample_inputs(samples)[1])
+    return compute_spread(
+        100.0 * delivered / (delivered + lost_power + further_loss), shares, sample_inputs(samples)[1]
+    )
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:

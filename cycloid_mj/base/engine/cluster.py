@@ -161,8 +161,8 @@ def _require_workers(client: Any, scheduler: str) -> None:
             f"a worker of the cluster {scheduler} cannot import cycloid_mj ({problem}): install cycloid-mj {local} on "
             "all workers"
         ) from problem
-    for address, versions_there in worker_versions.items():
-        require_same_versions(versions_there, f"the worker {address}")
+    for address, versions_of_worker in worker_versions.items():
+        require_same_versions(versions_of_worker, f"the worker {address}")
 
 
 def _worker_error(future: Any, scheduler: str) -> BaseException:

@@ -86,20 +86,20 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
     """
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
-    step = 2.0 * hole.half_angle / count
-    error = 0.5 * play * (1.0 / math.cos(0.5 * step) - 1.0)
+    facet_angle = 2.0 * hole.half_angle / count
+    error = 0.5 * play * (1.0 / math.cos(0.5 * facet_angle) - 1.0)
     facet_radius, outer_radius = hole.radius - error, hole.radius + depth
-    width = 2.0 * facet_radius * math.tan(0.5 * step)
-    edges = np.array([-0.5, 0.5]) * step
+    width = 2.0 * facet_radius * math.tan(0.5 * facet_angle)
+    edges = np.array([-0.5, 0.5]) * facet_angle
     overlap_offset = 0.5 * METHOD.overlap * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
     face, outer_edge = (
-        facet_radius / math.cos(0.5 * step) * unit(edges) + overlap_offset,
+        facet_radius / math.cos(0.5 * facet_angle) * unit(edges) + overlap_offset,
         outer_radius * unit(edges) + overlap_offset,
     )
     outline = np.concatenate([face, outer_edge[::-1]])
     curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
-    angles = (np.arange(count) + 0.5) * step - hole.half_angle
+    angles = (np.arange(count) + 0.5) * facet_angle - hole.half_angle
     placements = [
         SlicePlacement(0, member, float(axis_angle + angle), (float(centre[0]), float(centre[1])))
         for member, (axis_angle, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
@@ -108,8 +108,8 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
     sample_directions = unit(
         hole.turns[0] + np.linspace(-1.0, 1.0, METHOD.samples, endpoint=not is_full_circle) * hole.half_angle
     )
-    corner = facet_radius / math.cos(0.5 * step) - hole.radius
-    base_area = 0.5 * count * outer_radius**2 * math.sin(step)
+    corner = facet_radius / math.cos(0.5 * facet_angle) - hole.radius
+    base_area = 0.5 * count * outer_radius**2 * math.sin(facet_angle)
     return ConvexSurface(
         name=hole.name,
         slices=(facet,),
@@ -118,7 +118,7 @@ def _facet_walls(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSet
         points=hole.centres[0] + hole.radius * sample_directions,
         normals=-sample_directions,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),
-        depth=depth * math.cos(0.5 * step),
+        depth=depth * math.cos(0.5 * facet_angle),
         overfill_bound=METHOD.tolerance * max(error, settings.play_error),
         underfill_bound=METHOD.tolerance * corner,
     )

@@ -614,8 +614,8 @@ def _cavity_radii(
     if output_side.motor_bearing:
         rim = 0.5 * hub.bore
     min_radius = max(rim, seat - wall)
-    weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
-    cavity = max(weight, min_radius) + wall
+    crank_radius = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
+    cavity = max(crank_radius, min_radius) + wall
     outer_limit = (
         screws.circle - thread_radius(reducer, screws.bolt.thread)
         if not screws.outside

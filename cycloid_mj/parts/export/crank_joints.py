@@ -144,8 +144,8 @@ def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
         return
     key, parts = cam_key(reducer, casing), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
     name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
-    if shrunk := shrink_fit(reducer, casing):
-        yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrunk.zones}, shrunk", *seats)
+    if shrink_joint := shrink_fit(reducer, casing):
+        yield Joint(name, JointKind.PRESSED, parts, (), (), f"{shrink_joint.zones}, shrunk", *seats)
         return
     if spline := cam_spline(reducer):
         sizes_of_hub = gear.discs, spline.minor, gear.face_width

@@ -132,13 +132,16 @@ class SlottedContour:
 
         The argument `splines` has no effect, because lines and arcs are exact.
         """
-        half = 0.5 * self.slot
-        outer, inner = self.eccentricity + math.sqrt(self.radius**2 - half**2), math.sqrt(self.bore**2 - half**2)
+        half_slot = 0.5 * self.slot
+        outer_end, inner_end = (
+            self.eccentricity + math.sqrt(self.radius**2 - half_slot**2),
+            math.sqrt(self.bore**2 - half_slot**2),
+        )
         return (
             Arc((0.0, self.eccentricity), self.radius, *self._arc_ends(self.radius)),
-            LineSegment((half, outer), (half, inner)),
+            LineSegment((half_slot, outer_end), (half_slot, inner_end)),
             Arc((0.0, 0.0), self.bore, *self._arc_ends(self.bore)),
-            LineSegment((-half, inner), (-half, outer)),
+            LineSegment((-half_slot, inner_end), (-half_slot, outer_end)),
         )
 
     def polygon(self, chord_error: float) -> Array:

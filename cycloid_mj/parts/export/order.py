@@ -198,9 +198,9 @@ def _describe_discs(reducer: Reducer, casing: Casing) -> str:
             f"Clamp each cam on the shaft in a fixture that sets its phase ({screws}), then push its gear with the "
             f"bearing over it: cam 1, gear 1, a {names.SPACER}, cam 2, gear 2."
         )
-    if shrunk := shrink_fit(reducer, casing):
+    if shrink := shrink_fit(reducer, casing):
         return (
-            f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrunk.difference:.0f} K "
+            f"Shrink each cam on the shaft in a fixture that sets its phase: cam and shaft {shrink.difference:.0f} K "
             "apart, by an oven (200 °C at most) and dry ice. When it is cold, push its gear with the bearing over it: "
             f"cam 1, gear 1, a {names.SPACER}, cam 2, gear 2{' and so on' if design.gear.discs > 2 else ''}."
         )

@@ -119,20 +119,22 @@ def newton(
     for step_number in range(
         _NEWTON.descent_steps if use_backtracking else springs.cam_position.shape[1] * _NEWTON.steps_per_disc
     ):
-        trial = assemble(springs, k, load, z, stiffness_factor, friction, use_foot_points, step_number == 0, system)
+        new_energy = assemble(
+            springs, k, load, z, stiffness_factor, friction, use_foot_points, step_number == 0, system
+        )
         norm = largest(residual)
         if not norm < math.inf:
             break
         slope = _product(step, residual)
         bound = energy - _NEWTON.armijo_slope * share * predicted_decrease + ROUNDING * abs(energy)
-        if use_backtracking and trial > bound and share > ROUNDING:
+        if use_backtracking and new_energy > bound and share > ROUNDING:
             share *= 0.5
         elif use_line_search and norm > tolerance and -slope > _NEWTON.overshoot * abs(predicted_decrease):
             share = max(share + slope / max(_quadratic_form(system.tangent, step), 1e-300), 0.0)
         else:
             if norm <= tolerance and not warm_start:
                 return norm
-            energy = trial
+            energy = new_energy
             if not _compute_step(use_backtracking, cam_stiffness, damping * norm * cam_stiffness, system):
                 break
             share, predicted_decrease = min(1.0, max_length / max(largest(step), 1e-300)), _product(step, residual)
