@@ -1,4 +1,4 @@
-"""Compare drives of `design new` with makers' drives: write docs/data/market.csv and the tables of docs/market.md.
+"""Compare drives of `design new` with makers' drives: docs/data/market.csv and tables of docs/market.md and docs/rv.md.
 
 python scripts/docs_market.py                      # the tables, from docs/data/market.csv
 python scripts/docs_market.py FOLDER               # first the table for download, from a record of each drive
@@ -25,7 +25,7 @@ from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.sizing.search import floor_digits
 
-PAGE, KEPT = DOCS / "market.md", DATA / "market.csv"
+PAGE, RV_PAGE, KEPT = DOCS / "market.md", DOCS / "rv.md", DATA / "market.csv"
 SCRIPT = "scripts/docs_market.py"
 COLUMNS = ("point", "figure", "unit", "theirs", "source", "ours", "ratio", "note")
 """Columns of the table for download; `ours` and `theirs` in `unit`, `source` is one of `SOURCES`."""
@@ -71,6 +71,7 @@ MAKERS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "lost_motion": ("at most 1", "M"),
         "stiffness": ("49", "M"),
         "tilting_moment": ("882", "M"),
+        "tilting_stiffness": ("372", "M"),
     },
     "RV-42N": {
         "rated_torque": ("412", "S"),
@@ -85,9 +86,38 @@ MAKERS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "rated_torque": ("784", "S"),
         "diameter": ("222", "M"),
         "mass": ("13.1", "S"),
+        "lost_motion": ("at most 1", "M"),
         "stiffness": ("196", "M"),
         "tilting_moment": ("2156", "M"),
         "tilting_stiffness": ("1176", "M"),
+    },
+    "RV-40E": {
+        "rated_torque": ("412", "S"),
+        "acceleration_torque": ("1029", "S"),
+        "momentary_torque": ("2058", "S"),
+        "diameter": ("190", "M"),
+        "mass": ("9.3", "S"),
+        "lost_motion": ("at most 1", "M"),
+        "stiffness": ("108", "M"),
+        "tilting_stiffness": ("931", "M"),
+    },
+    "RV-110E": {
+        "rated_torque": ("1078", "M"),
+        "diameter": ("244", "M"),
+        "mass": ("17.4", "S"),
+        "lost_motion": ("at most 1", "M"),
+        "stiffness": ("294", "M"),
+        "tilting_stiffness": ("1470", "M"),
+    },
+    "RV-320E": {
+        "rated_torque": ("3136", "S"),
+        "diameter": ("325", "S"),
+        "length": ("125", "S"),
+        "mass": ("44.3", "S"),
+        "lost_motion": ("at most 1", "M"),
+        "stiffness": ("980", "M"),
+        "tilting_moment": ("7056", "S"),
+        "tilting_stiffness": ("4900", "M"),
     },
     "TS 70": {"rated_torque": ("50", "M"), "diameter": ("70", "S"), "lost_motion": ("at most 1.5", "M")},
     "TS 110": {"rated_torque": ("122", "M"), "diameter": ("110", "S"), "lost_motion": ("at most 1.5", "M")},
@@ -132,6 +162,9 @@ DRIVES: Mapping[str, MarketDrive] = {
     "rv42n": MarketDrive("RV-42N", "ours", _central(40, 190, *CATALOGUE), 412.0),
     "rv42n_rv": MarketDrive("RV-42N", "ours, RV", (*RV, "--diameter-mm", "190"), 412.0),
     "rv80e_rv": MarketDrive("RV-80E", "ours, RV", (*RV, "--diameter-mm", "222"), 784.0),
+    "rv40e_rv": MarketDrive("RV-40E", "ours, RV", (*RV, "--diameter-mm", "190"), 412.0),
+    "rv110e_rv": MarketDrive("RV-110E", "ours, RV", (*RV, "--diameter-mm", "244"), 1078.0),
+    "rv320e_rv": MarketDrive("RV-320E", "ours, RV", (*RV, "--diameter-mm", "325"), 3136.0, 125.0),
     "ts70": MarketDrive("TS 70", "ours", _central(35, 70, *MOTOR_SPEED), 50.0),
     "ts70_fine": MarketDrive("TS 70", "ours, 1 um", _central(35, 70, *MOTOR_SPEED, *FINE), 50.0),
     "ts110": MarketDrive("TS 110", "ours", _central(35, 110, *MOTOR_SPEED), 122.0),
@@ -225,6 +258,7 @@ MAX_COLUMNS = 100
 
 TABLES: Mapping[str, tuple[str, ...]] = {
     "Nabtesco RV": ("RV-20E", "RV-42N", "RV-80E"),
+    "Nabtesco RV-E, other sizes": ("RV-40E", "RV-110E", "RV-320E"),
     "TwinSpin (TS), strain wave gear (CSF), actuator (AK80)": ("TS 70", "TS 110", "CSF-25-50", "AK80-64"),
     "Printed 13:1 drive": ("Bench drive",),
 }
@@ -458,6 +492,23 @@ def _number(text: str) -> str:
     return f"{value:.0f}" if value >= 1e3 else f"{value:.3g}"
 
 
+CATALOGUE_FIGURES = ("rated_torque", "mass", "diameter", "length", "stiffness")
+"""Figures of the table of RV reducers on their page, as ratios; the lost motion is added as a value."""
+
+
+def format_catalogue(rows: Rows) -> str:
+    """Tabulate our RV reducers over those of the catalogue in Markdown: ratios of values, and our lost motion."""
+    drives = [drive for drive in DRIVES.values() if drive.is_rv and drive.theirs.endswith("E")]
+    drives.sort(key=lambda drive: drive.torque)
+    lines = []
+    for key in CATALOGUE_FIGURES:
+        cells = (rows[drive.point][FIGURES[key][0]]["ratio"] for drive in drives)
+        lines.append((FIGURES[key][0], *(f"{float(cell):.2f}" if cell else "" for cell in cells)))
+    lost = (rows[drive.point]["lost motion"]["ours"] for drive in drives)
+    lines.append(("lost motion, arcmin", *(f"{float(value):.2f}" for value in lost)))
+    return markdown_table(("Ours / theirs", *(drive.theirs for drive in drives)), lines)
+
+
 def format_items(rows: Rows) -> str:
     """Tabulate mass and length of the drives by item in Markdown."""
     drives = list(DRIVES.values())
@@ -496,10 +547,11 @@ def main(arguments: Sequence[str]) -> int:
         print(json.dumps(create_drive(options.drive), indent=1))
         return 0
     if options.folder:
-        rows = [COLUMNS, *market_rows(read_records(options.folder))]
-        write_files({KEPT: csv_text(rows).encode()})
-    page = replace_sections(PAGE.read_text(encoding="utf-8"), format_sections(read_rows()), SCRIPT)
-    write_files({PAGE: page.encode()})
+        write_files({KEPT: csv_text([COLUMNS, *market_rows(read_records(options.folder))]).encode()})
+    rows = read_rows()
+    sections = {PAGE: format_sections(rows), RV_PAGE: {"catalogue": format_catalogue(rows)}}
+    pages = {path: path.read_text(encoding="utf-8") for path in sections}
+    write_files({path: replace_sections(pages[path], sections[path], SCRIPT).encode() for path in sections})
     return 0
 
 

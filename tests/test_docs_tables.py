@@ -59,6 +59,22 @@ def test_the_market_page_has_the_figures_of_its_table() -> None:
                 assert float(row["ratio"]) == pytest.approx(float(row["ours"]) / float(stated.split()[-1]), rel=5e-3)
 
 
+def test_rv_reducers_are_compared_with_the_catalogue_from_rv_20e_to_rv_320e() -> None:
+    """Torque, mass, size and stiffness have a ratio to each maker's value; the lost motion is below 1 arcmin."""
+    page, table = docs_market.RV_PAGE.read_text(encoding="utf-8"), docs_market.format_catalogue(docs_market.read_rows())
+    assert replace_sections(page, {"catalogue": table}, docs_market.SCRIPT) == page
+    rows, drives = docs_market.read_rows(), [drive for drive in docs_market.DRIVES.values() if drive.is_rv]
+    assert {"RV-20E", "RV-40E", "RV-80E", "RV-110E", "RV-320E"} <= {drive.theirs for drive in drives}
+    for drive in drives:
+        figures = rows[drive.point]
+        assert float(figures["lost motion"]["ours"]) < 1.0
+        assert float(figures["rated torque"]["ratio"]) >= 1.0
+        assert float(figures["diameter"]["ratio"]) <= 1.0
+        for figure in ("mass", "torsional stiffness"):
+            assert 0.0 < float(figures[figure]["ratio"]) < 2.0
+        assert figures["length"]["ours"]
+
+
 def test_masses_of_parts_are_added_by_item() -> None:
     parts = {"housing": 1.0, "pin": 0.5, "output": 2.0, "output_pin": 0.25, "output_cover": 4.0, "output_bearing": 8.0}
     masses = docs_market.group_masses([*parts.items(), ("flange_screw", 0.125)])
