@@ -139,13 +139,13 @@ def settling_law(
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
     """Compute MuJoCo's option ``impratio``, the ratio of frictional to normal impedance [1], for a model of a reducer.
 
-    Its reference accelerations are corrected (`reference_correction`); without that, see `stock_impratio`. `laws` are
-    the contact laws of each disc by kind of pair, `timestep` dt is in [s]. Below the Coulomb limit, friction is creep v
-    + impratio/R dv/dt, with the sliding speed v and the added mass 1/R of the normal force. The result is the smallest
-    value that meets two conditions for every kind of pair with friction. First, impratio/R is at least creep dt/2: with
-    this value, friction is centred in the time step, like the damping; with a larger value, it is ahead of the sliding
-    speed. Second, mu^2/impratio is at most `FRICTION.max_coupling`, with the friction coefficient mu. Without friction,
-    or with the crank at rest, the result is `FRICTION.impratio`.
+    The reference accelerations of the model are corrected (`reference_correction`); without that, see `stock_impratio`.
+    `laws` are the contact laws of each disc by kind of pair, `timestep` dt is in [s]. Below the Coulomb limit, friction
+    is creep v + impratio/R dv/dt, with the sliding speed v and the added mass 1/R of the normal force. The result is
+    the smallest value that meets two conditions for every kind of pair with friction. First, impratio/R is at least
+    creep dt/2: with this value, friction is centred in the time step, like the damping; with a larger value, it is
+    ahead of the sliding speed. Second, mu^2/impratio is at most `FRICTION.max_coupling`, with the friction coefficient
+    mu. Without friction, or with the crank at rest, the result is `FRICTION.impratio`.
     """
     sliding_laws = [law for disc_laws in laws for law in disc_laws.values() if law.friction]
     if not (sliding_laws and reducer.design.drive.speed):

@@ -89,15 +89,15 @@ def expand(design: Design) -> Design:
         return design
     if design.cranks is not None:
         return _expand_rv(design)
-    warm = warm_clearances(design)
-    tightest_pair = min(warm, key=warm.__getitem__)
-    if warm[tightest_pair] <= 0.0:
-        raise DesignError(_describe_jam(design, tightest_pair, warm[tightest_pair]))
+    warm_clearance = warm_clearances(design)
+    tightest_pair = min(warm_clearance, key=warm_clearance.__getitem__)
+    if warm_clearance[tightest_pair] <= 0.0:
+        raise DesignError(_describe_jam(design, tightest_pair, warm_clearance[tightest_pair]))
     ring, gear, output = design.ring, design.gear, design.output
     disc_strain, crank_strain = strain(design, "gear"), strain(design, "shaft")
     generating_radius = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc_strain)
     return design.but(
-        clearance=warm,
+        clearance=warm_clearance,
         modification={"pin_circle": generating_radius - ring.pin_circle_radius},
         gear={"eccentricity": gear.eccentricity * (1.0 + disc_strain)},
         output={"hole_radius": output.hole_radius + gear.eccentricity * disc_strain},

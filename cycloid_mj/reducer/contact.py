@@ -201,7 +201,7 @@ class Contact:
 
     @property
     def stiffness(self) -> float:
-        """Return the stiffness of the pair [N/m]: that of the design file, or the secant one at the working force.
+        """Return the stiffness of the pair [N/m] in the design file, or else the secant stiffness at the working force.
 
         The secant stiffness depends on the kind of pair:
 

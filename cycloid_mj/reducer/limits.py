@@ -90,13 +90,13 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     computed, and `min_gap` [m] is the smallest gap in this pose.
     """
     design = reducer.design
-    radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
-    rotations, carrier_angle = discs[:, 2] / radius, float(pose[-1]) / radius
+    radius, disc_poses = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
+    rotations, carrier_angle = disc_poses[:, 2] / radius, float(pose[-1]) / radius
     output = reducer.member.sense * reducer.share * carrier_angle
-    ring, _ = reducer.member.ring_and_carrier(output)
+    ring_angle, _ = reducer.member.ring_and_carrier(output)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
-    rotations = rotations + ring * design.ring.teeth / design.lobes
-    return Fit(min_gap, discs[:, :2], rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
+    rotations = rotations + ring_angle * design.ring.teeth / design.lobes
+    return Fit(min_gap, disc_poses[:, :2], rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:

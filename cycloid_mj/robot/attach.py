@@ -203,7 +203,7 @@ def _write_keyframes(
 ) -> None:
     """Insert position and speed of the crank into all keyframes.
 
-    The crank's angle is that in the middle of the play, and its speed is the ideal one at the speed of the hinge.
+    The crank's angle is that in the middle of the play, and its speed is the ideal speed for that of the hinge.
 
     Parameters
     ----------

@@ -66,7 +66,8 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     Parameters
     ----------
     design
-        A sound design, or the name of a preset or file. Its load is not used; stiffness is that at the nominal torque.
+        A design that passes its checks, or the name of a preset or file. Its load is not used; stiffness is that at the
+        nominal torque.
     level
         Level of detail of the joint in a simulation. All parameters are identified at any level.
     progress

@@ -211,7 +211,7 @@ class Joint:
         """Interpolate the friction torque on the crank [N m] at an output torque [N m] and a crank speed [rad/s].
 
         `key` is "driving" (the crank drives) or "driven" (the output drives), and `xp` is the array module, NumPy or
-        one like it. Above the largest torque, the last segment is extrapolated.
+        a module like it. Above the largest torque, the last segment is extrapolated.
         """
         table = self.values["friction"]
         torques, rows = xp.array(table["torques"]), xp.array(table[key])

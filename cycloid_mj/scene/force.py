@@ -113,7 +113,7 @@ def contact_forces(
         Values by name, shape (n,), in SI units.
     drawing
         Drawing of the same samples, if the points are to be on the drawn parts; by default they are on the measured
-        ones.
+        parts.
     kinds
         Kinds of mating pairs to include, such as "cam" (`ContactForces.kinds`).
     """

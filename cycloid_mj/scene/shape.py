@@ -32,8 +32,9 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
 
     Parts are housing, shaft, cycloid discs (``gear``), output and, if the ring has pins, ``pin``. The shaft includes
     cams and spacers of a built-up crank, the output includes its rollers. If there are several cycloid discs, each is
-    at its own height z. Instead of the shaft, an RV reducer has sun and crank, the latter with its planet. The output
-    disc is a transparent piece of its own, because the mechanism is seen from its side, where x points right and y up.
+    at its own height z. Instead of the shaft, an RV reducer has sun and crank; the crank includes its planet. The
+    output disc is a transparent piece of its own, because the mechanism is seen from its side, where x points right and
+    y up.
     """
     solids = parts(reducer, CHORD_ERROR)
     attached_by_body = {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}

@@ -108,9 +108,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return two collision functions for cylinders: MuJoCo's own (its address), and the exact one without lobes.
+    """Return two collision functions for cylinders: MuJoCo's own (its address), and the exact function.
 
-    The latter is a numba ``cfunc``, which has passed its self-test.
+    The exact function computes all contacts except those of lobes. It is a numba ``cfunc`` that passed its self-test.
 
     Raises
     ------

@@ -346,7 +346,7 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
     """Compute the distance of a point (x, y) [m] near the trochoid from the gear's flanks, minus `flank.offset`.
 
     With rotated flanks the disc is the intersection of its profile rotated to either side. The distance is then the
-    larger one from the two flanks. Where the foot point is cut away, it is that from the corner between the flanks.
+    larger of those from both flanks or, where the foot point is cut away, that from the corner between the flanks.
 
     Returns
     -------

@@ -130,8 +130,8 @@ def write_lobe_contacts(
     """Write the contacts of the teeth with a lobe of the internal gear and its roots; return their number.
 
     `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, `teeth` and `geom`
-    indices of geoms, the latter that of the lobe. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the
-    normal; contacts have gaps below `margin` [m].
+    the indices of the geoms of the teeth and of the lobe. `sign` is 1 if `teeth` is the first geom, else -1, which
+    reverses the normal; contacts have gaps below `margin` [m].
     """
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
     count = lobe_touches(contacts, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)

@@ -100,7 +100,7 @@ class Stepper:
             peak=np.zeros(pairs),
         )
         self._commands = np.zeros((1, 2))
-        self._taken, self._due = 0, 1
+        self._steps_taken, self._next_sample = 0, 1
         # angle, speed and torque of two shafts; position and speeds of a floating sun; pose and speeds of discs; angle
         # and speed of cranks; position and spin of pins; two energies
         copied = 2 * 3 + 4 * system.floating + 6 * discs + 2 * system.cranks + 4 * teeth * system.free + 2
@@ -111,7 +111,7 @@ class Stepper:
 
     def command(self, commands: Array) -> None:
         """Set the commands of crank and output for the next steps, shape (steps, 2); the last one persists."""
-        self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
+        self._commands, self._steps_taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
         """Advance the run up to and including its next `samples` samples, and return these, shape (samples, columns).
@@ -120,8 +120,10 @@ class Stepper:
         columns are those of the slices `copied`, `solver`, `pairs` and `drags`, see `sample_layout`.
         """
         rows = np.zeros((samples, self._width))
-        steps = self._due + (samples - 1) * self._stride
-        commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
+        steps = self._next_sample + (samples - 1) * self._stride
+        commands = self._commands[
+            np.minimum(np.arange(self._steps_taken, self._steps_taken + steps), len(self._commands) - 1)
+        ]
         system = self._system
         lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
         with announce_compilation():  # the first steps compile
@@ -135,11 +137,11 @@ class Stepper:
                 commands,
                 self._timestep,
                 self._pin_span,
-                self._due,
+                self._next_sample,
                 self._stride,
                 rows,
             )
-        self._taken, self._due = self._taken + steps, self._stride
+        self._steps_taken, self._next_sample = self._steps_taken + steps, self._stride
         return rows
 
 
@@ -168,7 +170,8 @@ def _compile_steps() -> Any:
         crank: the angle [rad] of a shaft with a servo, else its torque [N m]. There is a sample every `stride` steps
         from step `next_sample` on, counted from 1. In each step, contact search and solution are repeated until both
         agree. `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear;
-        `train` is None without cranks. Forces accelerate pins in `pin_span`: half a `timestep`, or one [s].
+        `train` is None without cranks. Forces accelerate pins in `pin_span`: half a `timestep`, or a full `timestep`
+        [s].
         """
         size, half = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)

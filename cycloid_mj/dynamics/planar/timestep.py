@@ -50,7 +50,7 @@ def choose_step(reducer: Reducer) -> TimeStep:
     """Return the time step of planar runs and the limit that determines it; ``settings.timestep`` if that is set.
 
     Otherwise the step is the longest that divides the time between two log samples and is within the limits: an
-    absolute one, and limits by the oscillation on all contacts and by the passing of a tooth.
+    absolute limit, and limits by the oscillation on all contacts and by the passing of a tooth.
     """
     design = reducer.design
     if design.settings.timestep:
