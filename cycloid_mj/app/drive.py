@@ -107,7 +107,7 @@ def parse_options(content: Any) -> BuildOptions:
 
 
 def reducer_at_reference(reducer: Reducer) -> Reducer:
-    """Return the reducer with the sizes at which its parts are made: at 20 °C, with an undivided ring without preload.
+    """Return the reducer with the sizes of manufactured parts: at 20 °C, with an undivided ring without preload.
 
     Raises
     ------

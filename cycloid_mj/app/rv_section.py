@@ -57,7 +57,7 @@ def rv_holes(reducer: RvReducer) -> list[tuple[float, Array]]:
 
 
 def _crank_centres(reducer: RvReducer) -> Array:
-    """Return the crank axes in the carrier [m], shape (n, 2), which do not depend on a profile that can be made."""
+    """Return the crank axes in the carrier [m], shape (n, 2), also for a profile that cannot be manufactured."""
     count = reducer.cranks.count
     return np.asarray(reducer.crank_radius * unit(2.0 * np.pi * np.arange(count) / count))
 

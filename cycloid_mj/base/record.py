@@ -201,7 +201,7 @@ class Run(Presented):
         return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
 
     def of_topic(self, topic: str) -> "Run":
-        """Return a run with the columns of one topic alone; raise LogError if there is no such topic."""
+        """Return a run with the columns of one topic only, a group of columns in the log; raise LogError without it."""
         if topic not in self.topics:
             remedy = f"choose one of {', '.join(self.topics)}" if self.topics else "simulate the design again"
             raise LogError(f"{self.label} has no {'' if self.topics else 'columns, and no '}topic {topic!r}: {remedy}")
@@ -281,7 +281,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
 
 
 def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
-    """Return the column names of each topic; columns that no topic lists are added to the first topic.
+    """Return the column names of each topic, a group of columns; columns without a topic are added to the first.
 
     Raise LogError for a name that is no column, or that is listed twice.
     """

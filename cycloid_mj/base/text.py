@@ -1,4 +1,4 @@
-"""Text from outside: words matched without regard to case, and messages made readable and short."""
+"""Text from outside: words matched without regard to case, and messages shortened to a readable line."""
 
 import re
 from collections.abc import Iterable

@@ -378,7 +378,7 @@ def _pressed_pin_line(item: str, count: int, radius: float, length: float, mater
 def _pin_line(
     item: str, count: int, pin: stock.Dowel | None, size: tuple[float, float], material: Material, fit: str
 ) -> BillLine:
-    """Return the row of the bill of materials for `count` round pins, cut from a pin in stock, or made to size.
+    """Return the row of the bill of materials for `count` round pins, cut from a pin in stock, or custom-made.
 
     Parameters
     ----------
@@ -387,7 +387,7 @@ def _pin_line(
     count
         Number of pins.
     pin
-        Pin in stock; None: the pins are made to size.
+        Pin in stock; None: the pins are custom-made.
     size
         Radius and length [m].
     material, fit

@@ -26,7 +26,7 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class EdgeSettings:
-    """Sizes of broken edges, and how they are found.
+    """Sizes of broken edges, and settings of the search for them.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ UP, DOWN = 1, -1
 
 @dataclass(frozen=True)
 class Move:
-    """Parts that move together into a group of parts, or found one: by their names, and the direction along z."""
+    """Parts that move together into a group of parts, or start a group: their names, and the direction along z."""
 
     parts: tuple[str, ...]
     group: str

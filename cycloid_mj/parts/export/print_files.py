@@ -44,7 +44,7 @@ class PrintSettings:
     offset
         Increase of all clearances, to compensate for material that the printer adds.
     cam_seat
-        Radius of the bore of the cam bearing, for which the cams are made; 0: cams as large as its outside.
+        Radius of the bore of the cam bearing, which the cams fit; 0: cams as large as its outside.
     bed
         Length and width of the printer's bed; None: one plate, as large as needed.
     """

@@ -60,7 +60,7 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
 
 
 def material_part(reducer: Reducer, part: str) -> str:
-    """Return the name of the part of the mechanism from whose material a part of the drive is made.
+    """Return the name of the part of the mechanism from whose material a part of the drive is manufactured.
 
     `part` is the name of the latter; for a cam, for example, the result is the shaft. Discs and flange of the output
     have the material of the housing if that is plastic, else that of the output.
