@@ -11,6 +11,8 @@ from cycloid_mj.life import loading as life_loading
 from cycloid_mj.life import rate
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.loading import SECTORS, Loading, solve_loading
+from cycloid_mj.life.wear_data import wear_coefficient
+from cycloid_mj.life.wearing_surfaces import wearing_surfaces
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import powers
 
@@ -113,3 +115,25 @@ def test_each_material_wears_by_its_own_coefficient() -> None:
     assert metal["pin_gear_wear"].note.startswith("k = 1e-09 mm3/(N m), 5 to 95 %: 1e-10 to 1e-08; metals in mixed")
     stated = rate(override(PRESETS["printed"], {"service.wear_coefficient_mm3_nm": 2e-7}), stops=False).items
     assert "2e-08 to 2e-06; service.wear_coefficient_mm3_nm of the design file" in stated[worn.key].note
+
+
+def test_bare_dowels_wear_the_printed_holes_by_the_coefficient_of_the_plastic() -> None:
+    """Dowels of 2 mm without sleeves: k F s/A of the hole, with k of its PA 6, more than the mean over the hole.
+
+    A dowel is of steel and wears by 1e-9 mm3/(N m). It does not turn in its own hole while its press fit is safe.
+    """
+    dowels = {"rollers": False, "pin_radius": 1e-3, "hole_radius": 2.5e-3}
+    design = PRESETS["printed"].but(output=dowels, drive={"torque": 0.05})
+    reducer = Reducer(design)
+    item = rate(design, stops=False).items["output_wear"]
+    assert item.name == "wear of output holes by output pins, per 1000 h"
+    assert item.note.startswith("k = 2.65e-06 mm3/(N m)")
+    area = 2.0 * math.pi * design.output.hole_radius * design.output.pins * design.gear.face_width
+    rub = loaded(reducer, 181).sliding["output"]
+    assert 1e-6 * item.value == pytest.approx(2.65e-15 * rub.density * 3.6e6 / design.gear.face_width, rel=0.01)
+    assert 1e-6 * item.value > math.pi * 2.65e-15 * rub.power * 3.6e6 / area
+    surfaces = {surface.key: surface.part for surface in wearing_surfaces(reducer)}
+    assert (surfaces["hole"], surfaces["output_pin"]) == ("gear", "output")
+    hole, pin = (wear_coefficient(design.service, design.material_of(part)).typical for part in ("gear", "output"))
+    assert (hole, pin) == (pytest.approx(2.65e-15), pytest.approx(1e-18))
+    assert "joint_output_pin_press" in rate(design).items
