@@ -82,6 +82,9 @@ CRANK_RING = "crank_ring"
 BEARING_SPACER = "bearing_spacer"
 """Family of the rings between the bearings of an overhung crank: 1 between the outer rings, 2 between the inner."""
 
+STOP_RING = "stop_ring"
+"""The ring between the ring of the drive and the outer ring of the bearing around the second output disc."""
+
 KEY = "key"
 """The key of the cams on the shaft of several discs."""
 

@@ -253,10 +253,11 @@ class Output(Section):
         "support of the output pins: cantilever, by the output disc only; both_ends, also by a second "
         "disc beyond the cycloid discs",
     )
-    main_bearings: Literal["deep_groove", "angular_contact", "crossed_roller"] = choice(
+    main_bearings: Literal["deep_groove", "angular_contact", "tapered", "crossed_roller"] = choice(
         "deep_groove",
         "bearings of the output's hub: deep_groove, two, sealed; angular_contact, a preloaded pair back to back, "
-        "for several times the tilting moment and stiffness; crossed_roller, one, sealed, under a retainer",
+        "for several times the tilting moment and stiffness; tapered, such a pair of tapered roller bearings, for the "
+        "largest loads; crossed_roller, one, sealed, under a retainer",
     )
     main_bearing_seat: Literal["hub", "disc", "both_discs"] = choice(
         "hub",

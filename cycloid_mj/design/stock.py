@@ -189,6 +189,23 @@ _THIN_BALL_BEARINGS = """
 dynamic and static load rating [kN] of FBJ's miniature and thin section bearings (68); 618/9 as 618/8 (assumed).
 """
 
+_TAPERED_BEARINGS = """
+32004X 20 42 15 29.7 27 10 0.37     32005X 25 47 15 33.2 32.5 11 0.43   32006X 30 55 17 43.9 44 13 0.43
+32007X 35 62 18 52.3 54 14 0.46     32008X 40 68 19 64.7 71 14 0.37     32009X 45 75 20 71.7 80 16 0.4
+32910 50 72 15 41.3 53 13 0.35      32911 55 80 17 51.7 69.5 14 0.31    32912 60 85 17 53.2 75 15 0.33
+32913 65 90 17 54.7 80 16 0.35      32914 70 100 20 85.8 112 17 0.31    32915 75 105 20 86.8 116 18 0.33
+32916 80 110 20 89.7 125 19 0.35    32917 85 120 23 115 156 21 0.33     32918 90 125 23 119 166 22 0.35
+32919 95 130 23 121 173 23 0.35     32920 100 140 25 147 204 23 0.33    32921 105 145 25 149 212 25 0.35
+32922 110 150 25 154 224 26 0.35    32924 120 165 29 204 305 28 0.35    32926 130 180 32 245 365 31 0.33
+32928 140 190 32 252 390 33 0.35    32930 150 210 38 346 530 35 0.33    32932 160 220 38 349 540 38 0.35
+32934 170 230 38 351 585 41 0.37    32936 180 250 45 435 735 53 0.48    32938 190 260 45 443 765 54 0.48
+32940 200 280 51 588 950 53 0.4
+"""
+"""ISO 355:2019, tapered roller bearings of the series 329, below 50 mm 320: number, bore, outside, width T, dynamic and
+static load rating [kN], distance a of the load centre from the back face of the outer ring, and e, the axial load over
+the radial load from which on it reduces the life, of SKF, Rolling bearings (PUB BU/P1 17000 EN), 2018.
+"""
+
 DEEP_GROOVE_FILLED_ANGLE = math.radians(195.0)
 """Angle between the rings that the balls of a deep groove bearing fill [rad] (Conrad; Harris, Rolling Bearing
 Analysis)."""
@@ -391,7 +408,8 @@ class StockKey:
 class StockBearing:
     """A rolling bearing: designation, bore, outside and width [m], load ratings [N], contact angle [rad].
 
-    `pitch` is the diameter of the pitch circle of crossed rollers [m]; 0 for all other bearings.
+    `pitch` is the diameter of the pitch circle of crossed rollers [m]; 0 for all other bearings. `load_centre` is the
+    distance of the load centre of tapered rollers from the back face of their outer ring [m]; 0 for all others.
     """
 
     designation: str
@@ -402,6 +420,12 @@ class StockBearing:
     static: float
     contact_angle: float = 0.0
     pitch: float = 0.0
+    load_centre: float = 0.0
+
+    @property
+    def has_tapered_rollers(self) -> bool:
+        """Whether it is a tapered roller bearing, two of which support the output."""
+        return self.load_centre > 0.0
 
     @property
     def has_crossed_rollers(self) -> bool:
@@ -409,8 +433,15 @@ class StockBearing:
         return self.pitch > 0.0
 
     @property
+    def has_balls(self) -> bool:
+        """Whether the bearing, one of those for the output, has balls instead of rollers."""
+        return not (self.has_tapered_rollers or self.has_crossed_rollers)
+
+    @property
     def load_centre_offset(self) -> float:
         """Distance from its middle to the point at which its lines of contact meet the axis [m]."""
+        if self.load_centre:
+            return self.load_centre - 0.5 * self.width
         return 0.25 * (self.bore + self.outside) * math.tan(self.contact_angle)
 
 
@@ -736,6 +767,27 @@ def angular_contact_bearings() -> tuple[StockBearing, ...]:
         )
         for bearing in thin_ball_bearings()
         if "/" not in bearing.designation and bearing.bore <= ANGULAR_CONTACT.largest_bore
+    )
+
+
+@cache
+def tapered_bearings() -> tuple[StockBearing, ...]:
+    """List the tapered roller bearings with a small section in stock, the smallest first.
+
+    The contact angle of the outer ring follows from e = 1.5 tan a (ISO 281).
+    """
+    return tuple(
+        StockBearing(
+            designation.replace("X", " X"),
+            *_si(bore, outer_diameter, width),
+            dynamic * KN,
+            static * KN,
+            contact_angle=math.atan(limit / 1.5),
+            load_centre=round(centre * MM, 9),
+        )
+        for designation, (bore, outer_diameter, width, dynamic, static, centre, limit) in _named_rows(
+            _TAPERED_BEARINGS, 7
+        )
     )
 
 

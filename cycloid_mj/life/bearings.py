@@ -265,6 +265,9 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     if bearing.has_crossed_rollers:
         source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
+    if bearing.has_tapered_rollers:
+        source, pitch = f"of SKF's catalogue: {bearing.designation}", 0.5 * (bearing.bore + bearing.outside)
+        return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", pitch)
     balls, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     if bearing.contact_angle:
         source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"

@@ -481,7 +481,7 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
             reducer,
             "output_tilting_capacity_nm",
             "Tilting moment",
-            f"{torque_text}; {bearings.layout}, ISO 281 and 76",
+            f"{torque_text}; {bearings.layout}, {bearings.moment_source}",
         ),
         figure_row(
             reducer,

@@ -15,7 +15,8 @@ from cycloid_mj.base import names
 from cycloid_mj.design import Material, fits, stock
 from cycloid_mj.life.item import RatedItem, torque_item
 from cycloid_mj.life.loading import Loading
-from cycloid_mj.life.output_loads import crossed_roller_loads
+from cycloid_mj.life.output_loads import crossed_roller_loads, output_bearing_forces, pair_thrust, preload
+from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
@@ -128,6 +129,7 @@ def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Itera
         yield from _rate_faces(reducer, torques)
         yield from _rate_crank(reducer, torques)
         yield from _rate_retainer(reducer, loading, force_scale)
+        yield from _rate_second_disc(reducer, loading, force_scale)
     yield from _rate_output_pins(reducer, loading, force_scale)
     yield from _rate_ring_pins(reducer, loading, force_scale)
 
@@ -209,9 +211,14 @@ def retainer_joint(reducer: Reducer) -> ScrewedJoint:
     )
 
 
-def gaping_moment(retainer: ScrewedJoint) -> float:
+def flange_joint(reducer: Reducer) -> ScrewedJoint:
+    """Return the screwed joint of output flange and hub, through which a tilting moment on the flange passes."""
+    return next(joint for joint in screwed_joints(reducer) if set(joint.joint.parts) == {names.OUTPUT, names.FLANGE})
+
+
+def gaping_moment(screwed_joint: ScrewedJoint) -> float:
     """Compute the tilting moment [N m] at which the most loaded of n screws on a circle loses its preload: n F d/4."""
-    return 0.5 * retainer.count * retainer.preload * retainer.radius
+    return 0.5 * screwed_joint.count * screwed_joint.preload * screwed_joint.radius
 
 
 def _rate_retainer(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
@@ -603,6 +610,53 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
         )
 
 
+def _rate_second_disc(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
+    """Rate the press fits of all output pins in the second disc, which clamps a pair of bearings back to back.
+
+    The axial force is the preload of the pair, or that of the radial forces of discs and shaft on its bearings, if this
+    is larger. `force_scale` [1] multiplies the forces of `loading`. Yields nothing without a stop ring.
+    """
+    covers, output = casing(reducer), reducer.design.output
+    if covers.stop_ring is None:
+        return
+    radial_load = force_scale * max(float(magnitudes(force).max()) for force in output_bearing_forces(reducer, loading))
+    force, seat = pair_thrust(covers.hub, radial_load), second_disc_seat(reducer)
+    yield RatedItem(
+        "joint_second_disc_axial",
+        "second output disc on its pins, press fits against the bearings' axial force",
+        force,
+        seat.force,
+        "N",
+        seat.force / force,
+        None,
+        "F = n mu p pi d l (DIN 7190-1); preload, or F_r tan(a) J_a/J_r (Harris)",
+        f"{output.pins} pins, {seat.description}; without a load on the flange; preload {preload(covers.hub):.3g} N, "
+        f"radial force {radial_load:.3g} N",
+    )
+
+
+def second_disc_seat(reducer: Reducer) -> "AxialSeat":
+    """Return the axial force that the press fits of all output pins in the second disc of the output transmit."""
+    output, zones = reducer.design.output, output_pin_fit(reducer)
+    disc = _material(reducer, names.SECOND_OUTPUT)
+    fit, max_pressure = _pin_press_fit(reducer, (output.root_radius, output.disc_thickness, names.OUTPUT, disc))
+    interference, (pressure, *end_pressures) = _fit_pressures(fit, zones, max_pressure)
+    least_force, largest_force = (output.pins * fit.force(value) for value in end_pressures)
+    return AxialSeat(
+        output.pins * fit.force(pressure),
+        f"{_describe_fit(zones, interference, pressure)}; {least_force:.3g} to {largest_force:.3g} N over the zones; "
+        f"friction {JOINTS.interface_friction:g} (assumed)",
+    )
+
+
+@dataclass(frozen=True)
+class AxialSeat:
+    """Press fits along the axis: the force that they transmit at their mean interference [N], and fit in words."""
+
+    force: float
+    description: str
+
+
 def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
     """Rate the pressed or glued seat of a ring pin: friction torque on the pin against the torque at which it turns.
 
@@ -649,6 +703,15 @@ def _rate_press_fit(
     the part that the pin belongs to (which determines its material), and the material around the hole. `zones` are the
     tolerance zones of pin and hole, such as ``m6 in N7``.
     """
+    fit, max_pressure = _pin_press_fit(reducer, seat)
+    return _press_fit_item(key_and_name, turning_torque, fit, zones, max_pressure)
+
+
+def _pin_press_fit(reducer: Reducer, seat: tuple[float, float, str, Material]) -> tuple[strength.PressFit, float]:
+    """Return the press fit of a pin in its hole, and the largest pressure [Pa] that the material around it withstands.
+
+    `seat` is as for `_rate_press_fit`.
+    """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)
     fit = strength.PressFit(
@@ -658,8 +721,7 @@ def _rate_press_fit(
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
-    max_pressure = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
-    return _press_fit_item(key_and_name, turning_torque, fit, zones, max_pressure)
+    return fit, fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
 
 
 def _press_fit_item(
@@ -670,16 +732,8 @@ def _press_fit_item(
     `key_and_name` are key and name of the rated item. `zones` are the tolerance zones of pin and hole, such as ``m6 in
     N7``. At `max_pressure` [Pa], a part yields.
     """
-    least_interference, largest_interference = (
-        -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
-    )
-    mean_interference, *end_interferences = (
-        strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
-        for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
-    )
-    mean_pressure, least_pressure, largest_pressure = (
-        min(fit.pressure(value), max_pressure) for value in (mean_interference, *end_interferences)
-    )
+    interference, (mean_pressure, *end_pressures) = _fit_pressures(fit, zones, max_pressure)
+    least_torque, largest_torque = map(fit.torque, end_pressures)
     key, name = key_and_name
     return torque_item(
         key,
@@ -687,10 +741,33 @@ def _press_fit_item(
         torque,
         fit.torque(mean_pressure),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{zones}, mean interference less smoothing {1e6 * mean_interference:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
-        f"{fit.torque(least_pressure):.3g} to {fit.torque(largest_pressure):.3g} N m over the zones; friction "
-        f"{JOINTS.interface_friction:g} (assumed)",
+        f"{_describe_fit(zones, interference, mean_pressure)}; {least_torque:.3g} to {largest_torque:.3g} N m over the "
+        f"zones; friction {JOINTS.interface_friction:g} (assumed)",
     )
+
+
+def _fit_pressures(fit: strength.PressFit, zones: str, max_pressure: float) -> tuple[float, tuple[float, float, float]]:
+    """Compute the mean effective interference [m] of a press fit, and its pressures [Pa]: mean, least and largest.
+
+    `zones` are the tolerance zones of pin and hole, such as ``m6 in N7``. At `max_pressure` [Pa], a part yields.
+    """
+    least_interference, largest_interference = (
+        -clearance for clearance in reversed(fits.clearances(fit_code(zones), fit.diameter))
+    )
+    mean, least, largest = (
+        strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
+        for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
+    )
+    return mean, (
+        min(fit.pressure(mean), max_pressure),
+        min(fit.pressure(least), max_pressure),
+        min(fit.pressure(largest), max_pressure),
+    )
+
+
+def _describe_fit(zones: str, interference: float, pressure: float) -> str:
+    """Return zones, mean `interference` [m] and `pressure` [Pa] of a press fit in words."""
+    return f"{zones}, mean interference less smoothing {1e6 * interference:.3g} um: {1e-6 * pressure:.3g} MPa"
 
 
 def fit_code(fit_text: str) -> str:

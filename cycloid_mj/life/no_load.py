@@ -49,7 +49,7 @@ def grease_of(design: Design) -> Grease:
     return Grease(f"{oil.name} (friction.lubricant)", oil.viscosity_40, oil.viscosity_100)
 
 
-BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0), "crossed roller": (3.0, 6.0)}
+BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0), "tapered": (3.0, 6.0), "crossed roller": (3.0, 6.0)}
 """Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF).
 
 Crossed rollers have that of tapered rollers, which also slide at their ends.
@@ -131,7 +131,8 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
-        return "crossed roller" if hub.has_crossed_rollers else "ball", 1, 0.5 * (hub.bore + hub.outside)
+        kind = "ball" if hub.has_balls else "tapered" if hub.has_tapered_rollers else "crossed roller"
+        return kind, 1, 0.5 * (hub.bore + hub.outside)
     shaft_stock_bearing = shaft_bearing(reducer)
     is_ball = shaft_stock_bearing is not None and has_inner_ring(shaft_stock_bearing)
     return "ball" if is_ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))

@@ -9,11 +9,12 @@ import skfem
 from skfem.models.elasticity import linear_elasticity
 
 from cycloid_mj.design import PRESETS
+from cycloid_mj.design.stock import tapered_bearings
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.joints import retainer_joint
+from cycloid_mj.life.joints import flange_joint, retainer_joint
 from cycloid_mj.life.loading import FAR, solve_loading
 from cycloid_mj.life.no_load import no_load_torque
 from cycloid_mj.life.output_bearing import output_bearings, seat_stiffness
@@ -23,6 +24,7 @@ from cycloid_mj.life.output_loads import (
     equivalent_load,
     output_bearing_forces,
     output_bearing_loads,
+    thrust_factors,
 )
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
@@ -119,6 +121,83 @@ def test_angular_contact_bearings_carry_at_their_load_centres() -> None:
     np.testing.assert_allclose(moment, 0.0, atol=1e-11)
     assert angular.moment > 5.0 * deep.moment
     assert angular.tilting_stiffness() > 10.0 * deep.tilting_stiffness()
+
+
+def tapered_pair() -> Reducer:
+    return Reducer(PRESETS["twodisc"].but(output={"main_bearings": "tapered"}))
+
+
+def test_tapered_roller_bearings_are_rated_by_their_catalogue() -> None:
+    """SKF states a, Y and Y_0 of 32915: 18 mm, 1.8 and 1.0; C 86.8 kN, life exponent 10/3."""
+    pair, design = output_bearings(tapered_pair()), TWO.design
+    assert pair.bearing.designation == "32915"
+    inner, outer = (0.5 * sum(ends) for ends in casing(tapered_pair()).bearings)
+    assert pair.spacing == pytest.approx(outer - inner + 2.0 * (18e-3 - 10e-3))
+    factors = thrust_factors(pair.bearing)
+    assert (factors.axial, factors.static_axial) == (pytest.approx(1.8, abs=0.05), pytest.approx(1.0, abs=0.05))
+    turns = design.service.life * 3600.0 * abs(design.drive.speed) / (2.0 * math.pi) / design.reduction
+    lasting = 86.8e3 * (1e6 / turns) ** 0.3 / design.bearing.service_factor
+    assert pair.capacity == pytest.approx(min(lasting, 116e3))
+    assert pair.moment == pytest.approx(pair.spacing * (pair.capacity - max(pair.own)))
+    assert pair.axial == pytest.approx(min(pair.capacity / factors.axial, 116e3 / factors.static_axial))
+    items = rate(tapered_pair().design).items
+    assert (items["output_bearing_outer"].limit, items["output_bearing_outer_static"].limit) == (86.8e3, 116e3)
+    assert pair.moment > 2.0 * output_bearings(Reducer(design.but(output={"main_bearings": "angular_contact"}))).moment
+
+
+@pytest.mark.parametrize(
+    ("designation", "axial", "static"), [("32008 X", 1.6, 0.9), ("32912", 1.8, 1.0), ("32936", 1.25, 0.7)]
+)
+def test_contact_angles_of_tapered_bearings_agree_with_the_stated_factors(
+    designation: str, axial: float, static: float
+) -> None:
+    (bearing,) = [bearing for bearing in tapered_bearings() if bearing.designation == designation]
+    factors = thrust_factors(bearing)
+    assert (factors.radial, factors.axial, factors.static_axial) == (
+        0.4,
+        pytest.approx(axial, abs=0.05),
+        pytest.approx(static, abs=0.05),
+    )
+
+
+def test_the_tilt_of_tapered_rollers_is_that_of_each_roller() -> None:
+    """Palmgren, in N and mm; number and length of the rollers have the static rating of ISO 76."""
+    found = output_bearings(tapered_pair())
+    row, cosine = found.row, math.cos(found.bearing.contact_angle)
+    gamma = row.diameter * cosine / row.pitch
+    rating = 44e6 * (1.0 - gamma) * row.count * row.length * row.diameter * cosine
+    assert rating == pytest.approx(found.bearing.static)
+    assert 9e-3 < row.length < 16e-3, "less than the width of the outer ring"
+    force = 0.5 * found.moment / found.spacing
+    roller = 4.08 * force / (row.count * cosine)
+    approach = 3.84e-8 * roller**0.9 / (1e3 * row.length) ** 0.8 / cosine
+    assert found.tilting_stiffness() == pytest.approx(0.5 * found.moment / (2.0 * approach / found.spacing))
+    assert "upper bound" in found.stiffness_note
+
+
+def test_a_tilting_moment_passes_through_the_screws_of_the_flange() -> None:
+    """Six M4 in plastic inserts on 40 mm, n F d/4; bearings with rollers would carry 30 times that moment."""
+    reducer = Reducer(PRESETS["printed"].but(output={"main_bearings": "tapered"}))
+    found, screws = output_bearings(reducer), flange_joint(reducer)
+    assert (screws.count, screws.radius) == (6, pytest.approx(20e-3))
+    assert found.moment == pytest.approx(6.0 * screws.preload * 40e-3 / 4.0)
+    assert replace(found, flange_moment=math.inf).moment > 10.0 * found.moment
+    assert found.moment_source.startswith("gaping of the output flange")
+    assert output_bearings(Reducer(PRESETS["printed"])).moment_source == "ISO 281 and 76"
+    crossed = replace(output_bearings(CROSSED), own=0.0)
+    limited = replace(crossed, flange_moment=0.5)
+    assert (limited.moment, limited.moment_source) == (0.5, found.moment_source)
+    assert crossed.moment_source == "ISO 281 and 76"
+
+
+def test_the_preload_of_tapered_rollers_is_their_least_load() -> None:
+    """0.02 C (SKF); P = max(F, 0.4 F + Y F_p)."""
+    bearing = output_bearings(tapered_pair()).bearing
+    axial = 0.4 / math.tan(bearing.contact_angle)
+    loads = equivalent_load(bearing, np.array([0.0, 1e4, 1e6]))
+    np.testing.assert_allclose(loads, [axial * 0.02 * 86.8e3, 1e4, 1e6])
+    tapered, deep = (no_load_torque(reducer, 100.0, 20.0).bearings for reducer in (tapered_pair(), TWO))
+    assert tapered > deep
 
 
 def test_the_catalogue_has_them() -> None:

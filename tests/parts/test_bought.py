@@ -61,7 +61,7 @@ def measures(line: BillLine) -> dict[str, float]:
 def sizes_in_stock(designation: str) -> dict[str, float]:
     """Look up the sizes of a designation in the tables of stock, in mm."""
     balls = (*stock.ball_bearings(), *stock.thin_ball_bearings(), *stock.angular_contact_bearings())
-    for one in (*stock.needle_bearings(), *balls, *stock.crossed_roller_bearings()):
+    for one in (*stock.needle_bearings(), *balls, *stock.tapered_bearings(), *stock.crossed_roller_bearings()):
         if one.designation == designation:
             return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.width}
     for insert in stock.inserts():

@@ -39,7 +39,7 @@ COLOURS: Mapping[str, Colour] = {
     names.OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),
     names.MOTOR_COVER: (0.6, 0.62, 0.7, 1.0),
     names.OUTPUT_COVER: (0.65, 0.62, 0.6, 1.0),
-    names.RETAINER: (0.7, 0.7, 0.65, 1.0),
+    **dict.fromkeys((names.RETAINER, names.STOP_RING), (0.7, 0.7, 0.65, 1.0)),
     names.FLANGE: (0.35, 0.55, 0.4, 1.0),
     **dict.fromkeys((names.SCREW, names.FLANGE_SCREW, names.RETAINER_SCREW), (0.2, 0.2, 0.22, 1.0)),
     names.CAM_SCREW: (0.2, 0.2, 0.22, 1.0),

@@ -1,4 +1,8 @@
-"""The retainer that clamps the outer ring of a crossed roller bearing against its shoulder in the output cover."""
+"""Rings that retain outer rings of the output's bearings: the retainer of crossed rollers, and a stop ring.
+
+The retainer clamps the outer ring of a crossed roller bearing against its shoulder in the output cover. The stop ring
+lies on the ring of the drive and supports the outer ring of the bearing around the second output disc.
+"""
 
 from dataclasses import dataclass
 
@@ -6,16 +10,27 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     counterbore,
+    hub_shoulders,
     stock_screw_length,
     thread_radius,
 )
+from cycloid_mj.parts.export.cover_screws import Screws
 from cycloid_mj.reducer import Reducer
 
 _SCREWS = ((100e-3, 3e-3, 8), (200e-3, 4e-3, 12), (500e-3, 5e-3, 16))
 """Outside diameter of a bearing up to which [m], thread [m] and number of screws (THK, No. 382-3E, table 23)."""
 
 THICKNESS_SHARE = 0.5
-"""Least thickness of a retainer relative to the width of its bearing (THK, No. 382-3E: 0.5 to 1.2)."""
+"""Least thickness of a retainer or stop ring relative to the width of its bearing (THK, No. 382-3E: 0.5 to 1.2)."""
+
+
+@dataclass(frozen=True)
+class StopRing:
+    """A stop ring: outer radius, radius of its bore and thickness [m]."""
+
+    radius: float
+    bore: float
+    thickness: float
 
 
 @dataclass(frozen=True)
@@ -65,3 +80,30 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
     length = stock_screw_length(bolt, thickness + RULES.engagement * thread)
     radius = circle + max(counterbore(bolt), 0.5 * stock.bolt_hole(thread) + wall)
     return Retainer(bolt, length, count, circle, radius, thickness, max(circle + hole + wall, radius))
+
+
+def max_stop_ring_radius(
+    reducer: Reducer, screws: Screws, dowel: stock.Dowel | None, dowel_circle: float, wall: float
+) -> float:
+    """Compute the largest radius [m] of a stop ring in the motor cover, inside of screws and dowels.
+
+    Parameters
+    ----------
+    reducer, screws
+        The reducer, and the screws of its covers.
+    dowel, dowel_circle
+        Dowels between covers and ring (None: no dowels), and the radius of their circle [m].
+    wall
+        Minimum wall around holes [m].
+    """
+    limit = reducer.design.housing.outer_radius
+    if not screws.outside:
+        limit = screws.circle - max(screws.hole, thread_radius(reducer, screws.bolt.thread))
+    if dowel and dowel_circle < reducer.design.housing.outer_radius:
+        limit = min(limit, dowel_circle - 0.5 * dowel.diameter)
+    return limit - wall
+
+
+def stop_ring_of(bearing: stock.StockBearing, radius: float, wall: float) -> StopRing:
+    """Size the stop ring of `bearing` with an outer radius [m]; `wall` is the minimum wall of the covers [m]."""
+    return StopRing(radius, hub_shoulders(bearing)[1], max(2.0 * wall, THICKNESS_SHARE * bearing.width))

@@ -19,7 +19,13 @@ from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_segments, sleeve_core_radius
-from cycloid_mj.parts.export.bearing_retainer import Retainer, retainer_of
+from cycloid_mj.parts.export.bearing_retainer import (
+    Retainer,
+    StopRing,
+    max_stop_ring_radius,
+    retainer_of,
+    stop_ring_of,
+)
 from cycloid_mj.parts.export.cam_clamp import cam_clamp
 from cycloid_mj.parts.export.cam_splines import cam_spline
 from cycloid_mj.parts.export.casing_rules import (
@@ -113,6 +119,9 @@ class OutputSide:
         Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
     motor_bearing
         Ends of the bearing around the second disc of the output, in the motor cover; None without it.
+    stop_ring
+        Ring on the ring of the drive that supports the outer ring of this bearing, if it has a contact angle: both
+        bearings are then back to back. None for deep groove bearings, whose outer rings have lips at their outer ends.
     """
 
     hub: stock.StockBearing
@@ -129,6 +138,7 @@ class OutputSide:
     flange_bore: float
     retainer: Retainer | None
     motor_bearing: tuple[float, float] | None
+    stop_ring: StopRing | None
 
 
 @dataclass(frozen=True)
@@ -180,6 +190,11 @@ class Casing(MotorSide, OutputSide):
         return *inner, (self.top - width, self.top)
 
     @property
+    def has_outer_lip(self) -> bool:
+        """True if the outer ring of the bearing in the output cover has a lip at its outer end."""
+        return self.motor_bearing is not None and self.stop_ring is None
+
+    @property
     def has_outer_dowels(self) -> bool:
         """True if the dowels are outside of the ring, between both covers."""
         return self.screws.outside and self.dowel is not None and self.dowel_circle == self.screws.circle
@@ -201,14 +216,15 @@ class Casing(MotorSide, OutputSide):
     @property
     def output_cover_end(self) -> float:
         """End of the output cover [m]: a retainer presses on the outer ring, not on the cover; a lip may retain it."""
-        if self.motor_bearing:
+        if self.has_outer_lip:
             return self.top + 2.0 * self.wall
         return self.top - (self.play if self.retainer else 0.0)
 
     @property
     def output_neck(self) -> float:
         """Radius of the output cover beyond the heads of its screws [m], if it is slimmer there."""
-        return max(self.output_cavity + 2.0 * self.wall, self.retainer.cover_radius if self.retainer else 0.0)
+        seat = max(self.output_cavity, 0.5 * self.hub.outside)
+        return max(seat + 2.0 * self.wall, self.retainer.cover_radius if self.retainer else 0.0)
 
     @property
     def boss(self) -> float:
@@ -230,7 +246,12 @@ class Casing(MotorSide, OutputSide):
 
     @property
     def output_cavity(self) -> float:
-        """Radius of the cavity for the disc of the output in the output cover [m]."""
+        """Radius of the cavity for the disc of the output in the output cover [m].
+
+        Next to a stop ring, it is that of the shoulder of the outer ring, which starts at the ring of the drive.
+        """
+        if self.stop_ring:
+            return self.stop_ring.bore
         return max(self.rim + self.wall, 0.5 * self.hub.outside)
 
     @property
@@ -277,7 +298,8 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     _require_cam_joint(reducer)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
-    output_side = _size_output_side(reducer, screws, seat, rim)
+    stop_ring_radius = max_stop_ring_radius(reducer, screws, dowel, dowel_circle, wall)
+    output_side = _size_output_side(reducer, screws, seat, rim, stop_ring_radius)
     return Casing(
         outer=outer,
         wall=wall,
@@ -331,6 +353,8 @@ def _size_motor_side(
     far_seat, near_seat = bearing_seats(reducer, segments)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     seat_of_second_disc = 0.5 * output_side.hub.outside if output_side.motor_bearing else 0.0
+    if output_side.stop_ring:
+        seat_of_second_disc = output_side.stop_ring.radius
     second_disc_end = (
         -half_width - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half_width
     )
@@ -365,20 +389,36 @@ def _size_motor_side(
     )
 
 
-def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> OutputSide:
+def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float, stop_ring_radius: float) -> OutputSide:
     """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
 
-    `screws` are the cover screws; `seat` and `rim` are the radii [m] of the seats of the shaft bearings and of the
-    output's disc. Raises DesignError if no bearing fits.
+    A DesignError is raised if no bearing fits.
+
+    Parameters
+    ----------
+    reducer, screws
+        The reducer, and the screws of its covers.
+    seat, rim
+        Radii of the seats of the shaft bearings, and of the output's disc [m].
+    stop_ring_radius
+        Outer radius of a stop ring [m], if the bearings need one.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
     is_short, has_both = design.output.has_disc_seat, design.output.main_bearing_seat == "both_discs"
     max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     pin_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall  # the inner ring supports it
     pins_end = design.output.pin_circle_radius + design.output.root_radius + pin_wall
-    max_seat = _retaining_radius(reducer) if has_both else design.ring_root_radius
+    bearings, max_seat = _hub_bearings(reducer, max_hub_radius, wall), design.ring_root_radius
+    if has_both:
+        _require_both_seats(reducer, stop_ring_radius)
+        max_seat = _retaining_radius(reducer)
+        if _is_back_to_back(reducer):
+            bearings = tuple(bearing for bearing in bearings if hub_shoulders(bearing)[1] <= max_seat)
+            max_seat = stop_ring_radius - wall
+    if is_short and design.ring.has_sleeves:
+        max_seat = min(max_seat, design.ring.pin_circle_radius - sleeve_core_radius(reducer) - wall)
     hub = _choose_hub_bearing(
-        _hub_bearings(reducer, max_hub_radius, wall),
+        bearings,
         min(max_hub_radius, max_seat),
         math.inf if is_short else rim - wall,
         pins_end if is_short else seat + 2.0 * wall if straddles else 0.0,
@@ -390,6 +430,9 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         flange_circle, flange_screws = choose_flange_pattern(reducer, hub, bolt, wall)
     disc_start = design.gear.stack_width / 2.0 + AXIAL_GAP
     hub_floor = disc_start + (2.0 * wall if is_short else design.output.disc_thickness + AXIAL_GAP)
+    stop_ring = stop_ring_of(hub, stop_ring_radius, wall) if has_both and _is_back_to_back(reducer) else None
+    if stop_ring:
+        hub_floor = ring_end(reducer) + 2.0 * wall
     far_seat, _ = bearing_seats(reducer, crank_segments(reducer))
     far_end = far_seat[1] + RULES.collar if straddles else 0.0
     washer = flange_washer(reducer, bolt)[1]
@@ -400,8 +443,8 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     pattern = flange_circle, flange_screws
     flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
     bores = axial_bores(reducer, bolt, flange_circle, flange_dowel, flange_dowel_circle, wall)
-    motor_bearing = _seat_second_disc(reducer, hub, wall) if has_both else None
-    if has_both:
+    motor_bearing = _seat_second_disc(reducer, hub, stop_ring, wall) if has_both else None
+    if has_both and not stop_ring:
         thickness += 2.0 * wall + axial_play(reducer)
     bearing_widths = _count_cover_bearings(hub, motor_bearing) * hub.width
     if is_short:
@@ -427,34 +470,67 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
         flange_bore=bores[1],
         retainer=retainer,
         motor_bearing=motor_bearing,
+        stop_ring=stop_ring,
     )
 
 
-def _seat_second_disc(reducer: Reducer, hub: stock.StockBearing, wall: float) -> tuple[float, float]:
+def _is_back_to_back(reducer: Reducer) -> bool:
+    """Return whether the output has a pair of bearings with a contact angle, which are back to back."""
+    return reducer.design.output.main_bearings in ("angular_contact", "tapered")
+
+
+def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
+    """Raise DesignError unless bearings around both discs of the output are possible.
+
+    `stop_ring_radius` [m] is the largest outer radius of the stop ring that a bearing with a contact angle needs.
+    """
+    design = reducer.design
+    if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
+        raise DesignError(
+            "bearings around both discs of the output need a second disc, and are a pair of ball or tapered roller "
+            "bearings, because a single crossed roller bearing carries forces and moments alone: set output.support = "
+            '"both_ends" and output.main_bearings = "deep_groove", "angular_contact" or "tapered", or '
+            'output.main_bearing_seat = "disc"'
+        )
+    if _is_back_to_back(reducer) and design.ring.has_sleeves:
+        raise DesignError(
+            "the pins of sleeves stand in both covers, where the stop ring of the bearing around the second disc would "
+            'be: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
+        )
+    support = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
+    if _is_back_to_back(reducer) and stop_ring_radius < support - stock.ROUNDING:
+        raise DesignError(
+            "the ring leaves no room between its pins and the screws and dowels of the covers for the stop ring of the "
+            f"bearing around the second disc, which needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm; "
+            f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available: increase housing.outer_radius_mm, or set "
+            'output.main_bearings = "deep_groove"'
+        )
+
+
+def _seat_second_disc(
+    reducer: Reducer, hub: stock.StockBearing, stop_ring: StopRing | None, wall: float
+) -> tuple[float, float]:
     """Return the ends along z [m] of the bearing `hub` around the second disc of the output.
 
-    The disc has a shoulder of two walls, `wall` [m] each, next to the cycloid discs. Both bearings are face to face
-    between the covers, where the lines of contact of angular contact bearings would meet close to each other.
+    The inner ring of a deep groove bearing is against a shoulder of two walls, `wall` [m] each, next to the cycloid
+    discs. With a stop ring, bearings are back to back: the shoulder is at the other side of the inner ring, and the
+    stop ring next to the outer one.
 
     Raises
     ------
     DesignError
-        There is no second disc, it is too thin for the bearing, or the bearings are no deep groove bearings.
+        The disc is too thin for the bearing.
     """
-    output, min_thickness = reducer.design.output, 2.0 * wall + hub.width
-    if output.support != "both_ends" or output.main_bearings != "deep_groove":
-        raise DesignError(
-            "bearings around both discs of the output need a second disc, and are deep groove bearings, because "
-            'angular contact bearings would be face to face: set output.support = "both_ends" and output.main_bearings '
-            '= "deep_groove", or output.main_bearing_seat = "disc"'
-        )
-    if output.disc_thickness < min_thickness - stock.ROUNDING:
+    thickness, half_width = reducer.design.output.disc_thickness, reducer.design.gear.stack_width / 2.0
+    disc_start = half_width + AXIAL_GAP
+    start = ring_end(reducer) + stop_ring.thickness if stop_ring else disc_start + 2.0 * wall
+    min_thickness = start + hub.width - disc_start + (2.0 * wall if stop_ring else 0.0)
+    if thickness < min_thickness - stock.ROUNDING:
         raise DesignError(
             f"the discs of the output are too thin for the bearings of {MILLIMETRES * hub.width:g} mm around them: set "
             f"output.disc_thickness_mm to at least {MILLIMETRES * min_thickness:.4g}"
         )
-    end = -reducer.design.gear.stack_width / 2.0 - AXIAL_GAP - 2.0 * wall
-    return end - hub.width, end
+    return -start - hub.width, -start
 
 
 def _count_cover_bearings(hub: stock.StockBearing, motor_bearing: tuple[float, float] | None) -> int:
@@ -483,7 +559,12 @@ def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[sto
             if retainer and retainer.cover_radius <= max_radius + 2.0 * wall
         ]
         return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
-    return stock.angular_contact_bearings() if kind == "angular_contact" else stock.thin_ball_bearings()
+    pairs = {
+        "deep_groove": stock.thin_ball_bearings,
+        "angular_contact": stock.angular_contact_bearings,
+        "tapered": stock.tapered_bearings,
+    }
+    return pairs[kind]()
 
 
 def _flange_and_crank_start(

@@ -64,6 +64,7 @@ def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
         names.OUTPUT_COVER: (names.HOUSING, _output_cover(casing)),
         names.FLANGE: (names.OUTPUT, _flange_rounds(casing)),
         names.RETAINER: (names.HOUSING, _retainer_rounds(casing)),
+        names.STOP_RING: (names.HOUSING, _stop_ring_rounds(casing)),
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
@@ -80,7 +81,8 @@ def casing_parts(reducer: Reducer, casing: Casing) -> dict[str, RoundPart]:
 
 def place_casing(reducer: Reducer, casing: Casing) -> Iterator[CasingPosition]:
     """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
-    for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *((names.RETAINER,) if casing.retainer else ())):
+    rings = ((names.RETAINER, casing.retainer), (names.STOP_RING, casing.stop_ring))
+    for name in (names.MOTOR_COVER, names.OUTPUT_COVER, *(name for name, ring in rings if ring)):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPosition(names.FLANGE, names.FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
     for ring in (*crank_rings(reducer, casing), *bearing_spacers(reducer, casing)):
@@ -126,7 +128,7 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
     if name == names.OUTPUT and reducer.design.output.has_disc_seat:
         return part.of(_fit_disc(casing, segments))
     if name == names.SECOND_OUTPUT and casing.motor_bearing:
-        return part.of(_fit_second_disc(casing, casing.motor_bearing[1], segments))
+        return part.of(_fit_second_disc(casing, casing.motor_bearing, segments))
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
@@ -139,22 +141,32 @@ def fit_part(reducer: Reducer, casing: Casing, name: str, part: Part) -> Part:
 
 
 def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
-    """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder."""
+    """Yield the segments of an output whose disc, the first one, is the seat of its bearings, with their shoulder.
+
+    There is no shoulder next to a stop ring: the flange clamps the inner ring towards the other bearing.
+    """
     disc, *others = segments
-    step = casing.bearings[-1 if casing.motor_bearing else 0][0]
-    yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z1=step)
-    yield replace(disc, outline=CircleContour(0.5 * casing.hub.bore), z0=step)
+    seat = CircleContour(0.5 * casing.hub.bore)
+    if casing.stop_ring:
+        yield replace(disc, outline=seat)
+    else:
+        step = casing.bearings[-1 if casing.motor_bearing else 0][0]
+        yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z1=step)
+        yield replace(disc, outline=seat, z0=step)
     yield from others
 
 
-def _fit_second_disc(casing: Casing, step: float, segments: Sequence[Segment]) -> Iterator[Segment]:
-    """Yield the segments of a second disc of the output that is the seat of a bearing, whose shoulder starts at `step`.
+def _fit_second_disc(casing: Casing, bearing: tuple[float, float], segments: Sequence[Segment]) -> Iterator[Segment]:
+    """Yield the segments of a second disc of the output that is the seat of a bearing, with its shoulder.
 
-    The shoulder is next to the cycloid discs; `step` is a position along z [m].
+    The shoulder is next to the cycloid discs, or with a stop ring at the other side of the bearing. `bearing` are the
+    ends of the bearing along z [m].
     """
+    seat, shoulder = CircleContour(0.5 * casing.hub.bore), CircleContour(hub_shoulders(casing.hub)[0])
+    first, second, step = (shoulder, seat, bearing[0]) if casing.stop_ring else (seat, shoulder, bearing[1])
     for disc in segments:
-        yield replace(disc, outline=CircleContour(0.5 * casing.hub.bore), z1=step)
-        yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z0=step)
+        yield replace(disc, outline=first, z1=step)
+        yield replace(disc, outline=second, z0=step)
 
 
 def _lengthen(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
@@ -306,6 +318,12 @@ def _retainer_rounds(casing: Casing) -> tuple[Round, ...]:
     """Return the cylinder of the retainer of a crossed roller bearing; none for a pair of bearings."""
     ring = casing.retainer
     return ((ring.radius, casing.top, casing.top + ring.thickness),) if ring else ()
+
+
+def _stop_ring_rounds(casing: Casing) -> tuple[Round, ...]:
+    """Return the cylinder of the stop ring of the bearing around the second disc of the output; none without it."""
+    ring = casing.stop_ring
+    return ((ring.radius, -casing.end - ring.thickness, -casing.end),) if ring else ()
 
 
 def _flange_rounds(casing: Casing) -> tuple[Round, ...]:

@@ -14,7 +14,10 @@ BEARING_FILL = 0.67
 SEAL_FILL = 0.5
 """Mass of a seal ring relative to a solid ring of steel: a steel ring in rubber, with a hollow lip (assumed)."""
 
-TURNING = {names.OUTPUT: (names.OUTPUT, names.FLANGE), names.HOUSING: (names.HOUSING, *names.COVERS)}
+TURNING = {
+    names.OUTPUT: (names.OUTPUT, names.SECOND_OUTPUT, names.FLANGE),
+    names.HOUSING: (names.HOUSING, names.STOP_RING, *names.COVERS),
+}
 """Parts that rotate with the loaded body, by body."""
 
 

@@ -152,7 +152,7 @@ def _list_moves(reducer: Reducer, casing: Casing, placements: tuple[PlacedPart, 
     `placements` are all parts of the drive with their final positions.
     """
     yield from _list_output_moves(casing, placements)
-    yield from _list_crank_moves(reducer, placements)
+    yield from _list_crank_moves(reducer, casing, placements)
     yield Move((names.MOTOR_COVER,), names.MOTOR_COVER)
     yield Move(_names_of_family(placements, names.SCREW_INSERT), names.MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, names.MOTOR_INSERT), names.MOTOR_COVER, UP)
@@ -201,9 +201,9 @@ def _list_output_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> It
     yield Move((names.OUTPUT_COVER,), DRIVE)
     *inner, outer = sorted(_names_of_family(placements, names.OUTPUT_BEARING))
     yield Move(_names_of_family(placements, names.RETAINER_INSERT), DRIVE, DOWN)
-    yield Move((outer,) if casing.motor_bearing else tuple(inner), DRIVE, UP)
     if not casing.motor_bearing:
-        yield Move((outer,), DRIVE, DOWN)
+        yield Move(tuple(inner), DRIVE, UP)
+    yield Move((outer,), DRIVE, UP if casing.has_outer_lip else DOWN)
     for family in (names.RETAINER, names.RETAINER_SCREW):
         yield Move(_names_of_family(placements, family), DRIVE, DOWN)
     if casing.far:
@@ -223,15 +223,30 @@ def _list_output_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> It
     yield Move(tuple(name for family in rollers for name in _names_of_family(placements, family)), DRIVE, UP)
 
 
-def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_second_disc_moves(casing: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
+    """Yield the moves along the axis that mount a second disc of the output, with its bearing if there is one.
+
+    A bearing that is supported by a stop ring is on the disc before. `placements` are all parts of the drive with their
+    final positions.
+    """
+    disc, bearing = (names.SECOND_OUTPUT,), _names_of_family(placements, names.OUTPUT_BEARING, DOWN)
+    if casing.stop_ring:
+        yield Move(disc, names.SECOND_OUTPUT)
+        yield Move(bearing, names.SECOND_OUTPUT, DOWN)
+        yield Move((names.STOP_RING,), DRIVE, UP)
+        yield Move((names.SECOND_OUTPUT,), DRIVE, UP)
+    elif any(placement.name == names.SECOND_OUTPUT for placement in placements):
+        yield Move(disc, DRIVE, UP)
+        yield Move(bearing, DRIVE, UP)
+
+
+def _list_crank_moves(reducer: Reducer, casing: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves along the axis that insert a single disc and then the crank, or the crank with its several discs.
 
     `placements` are all parts of the drive with their final positions.
     """
     rings, shaft = _names_of_family(placements, names.CRANK_RING), names.SHAFT
-    second_disc = [Move((names.SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
-    if reducer.design.output.main_bearing_seat == "both_discs":
-        second_disc += [Move(_names_of_family(placements, names.OUTPUT_BEARING, DOWN), DRIVE, UP)]
+    second_disc = tuple(_list_second_disc_moves(casing, placements))
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
         yield Move(_names_of_family(placements, names.CAM_BEARING), names.GEAR, UP)

@@ -230,7 +230,7 @@ def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) 
 
 def _cavity_joints(casing: Casing) -> Iterator[Joint]:
     """Yield the clearances of crank and output in the cavities of the covers, as joints with a hole each."""
-    crank = (AXIS, casing.cavity, casing.floor, casing.motor_bearing[0] if casing.motor_bearing else -casing.end)
+    crank = (AXIS, casing.cavity, casing.floor, _second_seat_start(casing) if casing.motor_bearing else -casing.end)
     parts = names.SHAFT, names.MOTOR_COVER
     yield Joint("crank in its cavity", JointKind.CLEARANCE, parts, ((names.MOTOR_COVER, crank),))
     output = (AXIS, casing.output_cavity, casing.end, casing.hub_floor)
@@ -241,15 +241,17 @@ def _cavity_joints(casing: Casing) -> Iterator[Joint]:
 def _output_bearing_joint(casing: Casing) -> Joint:
     """Return the joint of the output's hub and its cover: two bearings on a common shoulder, or a single bearing.
 
-    The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover.
+    The shoulder of a single ball bearing is a lip at the end of the cover; the other bearing is in the motor cover. If
+    both are back to back, the shoulder is next to the ring.
     """
     hub, seat, (*inner, (outer, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
     shoulder = hub_shoulders(hub)[1]
     holes: tuple[Hole, ...] = ((AXIS, seat, casing.hub_floor, top), (AXIS, shoulder, top, casing.output_cover_end))
-    if not casing.motor_bearing:
-        shoulder_start = inner[0][1] if inner else casing.hub_floor
+    if not casing.has_outer_lip:
+        others = () if casing.motor_bearing else inner
+        shoulder_start = others[0][1] if others else casing.hub_floor
         holes = (
-            *((AXIS, seat, *ends) for ends in inner),
+            *((AXIS, seat, *ends) for ends in others),
             (AXIS, shoulder, shoulder_start, outer),
             (AXIS, seat, outer, top),
         )
@@ -262,11 +264,27 @@ def _output_bearing_joint(casing: Casing) -> Joint:
 
 def _second_disc_joint(casing: Casing) -> Iterator[Joint]:
     """Yield the joint of the second disc of the output and the motor cover by a bearing, if there is one around it."""
-    if casing.motor_bearing:
-        hub, bearing = casing.hub, _output_bearings(casing, (casing.motor_bearing,))
-        hole = names.MOTOR_COVER, (AXIS, 0.5 * hub.outside, casing.motor_bearing[0], -casing.end)
-        parts, name = (names.SECOND_OUTPUT, names.MOTOR_COVER), "second disc in the motor cover"
-        yield Joint(name, JointKind.BEARING, parts, (hole,), (bearing,), bearing.fit, 1, hub.bore, hub.width)
+    if not casing.motor_bearing:
+        return
+    hub, bearing, ring = casing.hub, _output_bearings(casing, (casing.motor_bearing,)), casing.stop_ring
+    seat_end = -casing.end - (ring.thickness if ring else 0.0)
+    hole = names.MOTOR_COVER, (AXIS, 0.5 * hub.outside, _second_seat_start(casing), seat_end)
+    parts, name = (names.SECOND_OUTPUT, names.MOTOR_COVER), "second disc in the motor cover"
+    yield Joint(name, JointKind.BEARING, parts, (hole,), (bearing,), bearing.fit, 1, hub.bore, hub.width)
+    if ring:
+        recess = names.MOTOR_COVER, (AXIS, ring.radius + SEAT_PLAY, seat_end, -casing.end)
+        bore = names.STOP_RING, (AXIS, ring.bore, seat_end, -casing.end)
+        ring_parts = names.HOUSING, names.STOP_RING, names.MOTOR_COVER
+        yield Joint("stop ring in the motor cover", JointKind.LOCATED, ring_parts, (recess, bore))
+
+
+def _second_seat_start(casing: Casing) -> float:
+    """Return the start [m] of the seat of the bearing around the second disc, whose ends must be known.
+
+    A seat next to a stop ring has play at its other end, so that the stop ring alone supports the outer ring.
+    """
+    assert casing.motor_bearing
+    return casing.motor_bearing[0] - (casing.play if casing.stop_ring else 0.0)
 
 
 def _output_bearings(casing: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:

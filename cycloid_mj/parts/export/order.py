@@ -33,6 +33,7 @@ ALONG = (
     names.CAM_SCREW,
     names.SPACER,
     names.CAM_BEARING,
+    names.STOP_RING,
     names.GEAR,
     names.PIN,
     names.PRESSED_PIN,
@@ -97,9 +98,11 @@ def _describe_output_bearings(casing: Casing) -> str:
             "crosswise in steps while it is turned."
         )
     if casing.motor_bearing:
+        direction = "within, up to its lip" if casing.has_outer_lip else "outside, up to its shoulder"
+        grease = "" if casing.has_outer_lip else "; pack both with grease"
         return (
-            f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from within, up to its lip; the "
-            f"other one goes on the disc {names.SECOND_OUTPUT} later."
+            f"Press one {names.OUTPUT_BEARING} ({hub}) into the {names.OUTPUT_COVER} from {direction}; the "
+            f"other one goes on the disc {names.SECOND_OUTPUT} later{grease}."
         )
     grease = ", back to back, and pack them with grease" if casing.hub.contact_angle else ""
     return (
@@ -109,10 +112,14 @@ def _describe_output_bearings(casing: Casing) -> str:
 
 
 def _describe_preload(casing: Casing) -> str:
-    """Describe how a pair of angular contact bearings is preloaded; empty for deep groove bearings."""
+    """Describe how a pair of bearings with a contact angle is preloaded; empty for deep groove bearings.
+
+    A pair around both discs is preloaded when the covers are tight.
+    """
     if not casing.hub.contact_angle:
         return ""
-    return "; grind its raised face until the hub turns without play and not harder than by hand"
+    moment = ", when the covers are tight," if casing.stop_ring else ""
+    return f"; grind its raised face{moment} until the hub turns without play and not harder than by hand"
 
 
 def _describe_motor_cover(reducer: Reducer, casing: Casing) -> str:
@@ -247,5 +254,11 @@ def _describe_second_disc(reducer: Reducer) -> str:
     output = reducer.design.output
     if output.support != "both_ends":
         return ""
-    bearing = f", and one {names.OUTPUT_BEARING} on it" if output.main_bearing_seat == "both_discs" else ""
-    return f"; press the disc {names.SECOND_OUTPUT} on the pins{bearing}"
+    if output.main_bearing_seat != "both_discs":
+        return f"; press the disc {names.SECOND_OUTPUT} on the pins"
+    if output.main_bearings == "deep_groove":
+        return f"; press the disc {names.SECOND_OUTPUT} on the pins, and one {names.OUTPUT_BEARING} on it"
+    return (
+        f"; press one {names.OUTPUT_BEARING} on the disc {names.SECOND_OUTPUT}, up to its shoulder; put the "
+        f"{names.STOP_RING} on the {names.HOUSING}, and press the disc on the pins"
+    )

@@ -70,7 +70,7 @@ def material_part(reducer: Reducer, part: str) -> str:
         return names.SHAFT
     if family == names.PRESSED_PIN:
         return names.PIN
-    if family in names.COVERS:
+    if family in (*names.COVERS, names.STOP_RING):
         return names.HOUSING
     if family in (names.OUTPUT, names.FLANGE):
         return names.HOUSING if is_printed(reducer, names.HOUSING) else names.OUTPUT
