@@ -381,12 +381,12 @@ class FitProblem:
         return float(solution.cost), np.clip(insert_free(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the v scaled values within their intervals, (v,), with the least rms deviation of the deflections.
+        """Fit the scaled parameters to the measured deflections, within their 95 % intervals; return them, (v,).
 
-        `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. Values on
-        which the deflections hardly depend remain near their start, because changes are penalised: a change by a
-        quarter of the interval, about a standard deviation, contributes as much as a loop with an rms residual of
-        `MODEL_ERROR`.
+        The rms difference between measured and computed deflections is minimised. `start` are the initial scaled
+        parameters, `low` and `high` the ends of their 95 % intervals, shape (v,) each. Parameters on which the
+        deflections hardly depend remain near their start, because changes are penalised: a change by a quarter of the
+        interval, about a standard deviation, contributes as much as a loop with an rms residual of `MODEL_ERROR`.
         """
         from scipy.optimize import least_squares
 

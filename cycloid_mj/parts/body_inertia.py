@@ -59,7 +59,9 @@ def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
     rotating = [masses[body.part] for body in mechanism.turning_along]
     rotation_inertia = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *rotating))
-    return rotation_inertia + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
+    return rotation_inertia + sum(
+        masses[body.part].mass * float(body.position @ body.position) for body in mechanism.carried
+    )
 
 
 def play_inertia(reducer: Reducer) -> float:

@@ -1,7 +1,7 @@
 """Mechanism of a reducer: bodies with their degrees of freedom, surfaces, and mating pairs.
 
 The gaps (``gaps``), the MuJoCo model and the columns of a log follow from it. Manufacturing errors and clearances are
-in the places and radii of its surfaces, nowhere else; the modification is in the profile of the teeth. Masses and
+in the positions and radii of its surfaces, nowhere else; the modification is in the profile of the teeth. Masses and
 contact laws stand on solids and are attached above. Written for D discs at phases on the one crank.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.design import Design, Ring
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import Deviations, deviations
@@ -48,7 +49,7 @@ class Body:
         Its solid, a key of ``parts.body_solids``.
     joints
         Its degrees of freedom by name: none, its turn about the axis of its frame, or x, y and turn in the plane.
-    place
+    position
         Position of its frame at the crank angle 0 [m], shape (2,).
     origin
         Values of its joints x and y there [m], shape (2,).
@@ -62,10 +63,12 @@ class Body:
     name: str
     part: str
     joints: tuple[str, ...]
-    place: Array
+    position: Array
     origin: Array
     plane: float = 0.0
     carrier: str = ""
+
+    place = deprecated_attribute("Body", "place", "position")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +82,8 @@ class Surfaces:
     role
         Kind of the surfaces.
     angle
-        Clockwise angle from +y [rad], shape (n,): of its ideal place, or by which the teeth are turned on their disc.
-    place
+        Clockwise angle from +y [rad], shape (n,): of the ideal position, or by which teeth are turned on their disc.
+    position
         Position in the body's frame, with manufacturing errors [m], shape (n, 2).
     radius
         Radius as manufactured, including clearance [m], shape (n,); of teeth, the largest radius of the ring.
@@ -97,11 +100,13 @@ class Surfaces:
     bodies: tuple[str, ...]
     role: Role
     angle: Array
-    place: Array
+    position: Array
     radius: Array
     play: Array
     disc: int | None = None
     half_angle: float = math.pi
+
+    place = deprecated_attribute("Surfaces", "place", "position")
 
 
 @dataclass(frozen=True)
@@ -369,7 +374,7 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
         bodies=(_of_disc(design, names.GEAR, disc),),
         role=Role.TEETH,
         angle=np.array([phases(design)[disc] / design.lobes]),
-        place=np.zeros((1, 2)),
+        position=np.zeros((1, 2)),
         radius=np.array([design.ring_root_radius]),
         play=np.zeros(1),
         disc=disc,

@@ -300,7 +300,7 @@ def _rv_inner_parts(reducer: RvReducer, poses_by_part: Mapping[str, Array], ring
     cranks, ring_design = crank_names(reducer), reducer.design.ring
     crank_poses = np.stack([poses_by_part[name] for name in cranks], axis=1)
     eccentric_centres_by_disc = [
-        reducer.mechanism.mating(names.CRANK_BEARING, disc).by.place for disc in range(reducer.design.gear.discs)
+        reducer.mechanism.mating(names.CRANK_BEARING, disc).by.position for disc in range(reducer.design.gear.discs)
     ]
     eccentrics = np.stack(
         [transform(crank_poses, eccentric_centres) for eccentric_centres in eccentric_centres_by_disc], axis=1

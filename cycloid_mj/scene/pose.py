@@ -86,7 +86,7 @@ def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Arra
     x, y, angle = (columns.get(name, zeros) for name in names.planar_joints(names.SUN))
     poses_by_part = {names.SUN: _pose(x, y, angle)}
     for crank in crank_names(reducer):
-        centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).place, (carrier.size, 2)), carrier)
+        centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).position, (carrier.size, 2)), carrier)
         poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], carrier + columns[crank_joint(crank)])
     return poses_by_part
 

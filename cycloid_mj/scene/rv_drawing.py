@@ -86,9 +86,9 @@ def draw_rv_poses(
     cranks = np.stack([poses_by_part[name] for name in crank_names(reducer)], axis=1)
     mesh = magnify_mesh(reducer, measure_mesh(reducer, poses_by_part, cranks[..., 2].mean(axis=1), disc), magnification)
     gear = poses_by_part[reducer.gears[disc]][:, np.newaxis]
-    displacement = transform(cranks, bearing.by.place) - transform(gear, bearing.on.place)
+    displacement = transform(cranks, bearing.by.position) - transform(gear, bearing.on.position)
     eccentrics = transform(mesh.gear[:, np.newaxis], crank_centres(reducer)) + magnification * displacement
-    axes = eccentrics - rotate(bearing.by.place, cranks[..., 2])
+    axes = eccentrics - rotate(bearing.by.position, cranks[..., 2])
     return RvDrawing(
         **vars(mesh),
         eccentric_radius=reducer.bore_radius - magnification * max(reducer.bearing_clearance, 0.0),

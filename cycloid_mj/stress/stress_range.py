@@ -80,9 +80,9 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     tuple
         Amplitude [Pa], mean [Pa] and index of each of m nodes, shape (m,) each.
     """
-    bulk_nodes = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
-    bound = rank_by_range(states[:, :, bulk_nodes])
-    candidates = bulk_nodes[np.argsort(bound)[-1500:]]  # the others cannot be critical
+    nodes_with_state = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
+    bound = rank_by_range(states[:, :, nodes_with_state])
+    candidates = nodes_with_state[np.argsort(bound)[-1500:]]  # the others cannot be critical
     histories = states[:, :, candidates].astype(np.float64)
     columns, largest_range = np.arange(len(candidates)), np.zeros(len(candidates))
     first_instant, second_instant = np.zeros(len(candidates), int), np.zeros(len(candidates), int)

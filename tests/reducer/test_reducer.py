@@ -127,27 +127,27 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     mesh = made.mating("pin_gear")
     np.testing.assert_allclose(mesh.by.radius, 2.25e-3 + wrong.pin_radius, rtol=1e-14)
     if made.pins:
-        np.testing.assert_allclose([pin.place for pin in made.pins], home, rtol=0.0, atol=1e-17)
-        assert not mesh.by.place.any()
+        np.testing.assert_allclose([pin.position for pin in made.pins], home, rtol=0.0, atol=1e-17)
+        assert not mesh.by.position.any()
     else:
-        np.testing.assert_allclose(mesh.by.place, home, rtol=0.0, atol=1e-17)
+        np.testing.assert_allclose(mesh.by.position, home, rtol=0.0, atol=1e-17)
     assert mesh.on.radius[0] > ring.pin_circle_radius + design.gear.eccentricity + wrong.largest
     np.testing.assert_allclose(mesh.by.play, 4e-6 - wrong.pin_radius if pins == "massless" else 0.0, atol=1e-18)
     if pins == "free":
         seats = made.mating("pin_socket").by
         np.testing.assert_allclose(seats.radius, 2.254e-3, rtol=1e-14)
-        np.testing.assert_allclose(seats.place, home, rtol=0.0, atol=1e-17)
+        np.testing.assert_allclose(seats.position, home, rtol=0.0, atol=1e-17)
     if pins == "sleeved":
         sleeves = made.mating("pin_sleeve")
         np.testing.assert_allclose(sleeves.on.radius, 1.5e-3, rtol=1e-14)
         np.testing.assert_allclose(sleeves.by.radius, 1.495e-3, rtol=1e-14)
     cam, holes = made.mating("cam"), made.mating("output")
-    np.testing.assert_allclose(cam.by.place, [[0.0, 1.003e-3]], rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(cam.by.position, [[0.0, 1.003e-3]], rtol=0.0, atol=1e-17)
     np.testing.assert_allclose([cam.by.radius[0], cam.on.radius[0]], [15e-3, 15.002e-3], rtol=1e-14)
     turned = 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
     circle = design.output.pin_circle_radius * np.stack([np.sin(turned), np.cos(turned)], axis=1)
-    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_displacement[0], rtol=0.0, atol=1e-17)
-    np.testing.assert_allclose(holes.by.place, circle, rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(holes.on.position, circle + wrong.hole_displacement[0], rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(holes.by.position, circle, rtol=0.0, atol=1e-17)
     np.testing.assert_allclose([holes.on.radius[0], holes.by.radius[0]], [5.003e-3, 4e-3], rtol=1e-14)
 
 

@@ -37,10 +37,10 @@ def eccentric_offsets(reducer: RvReducer, sun: float) -> Array:
     for disc, gear in enumerate(reducer.gears):
         mating = mechanism.mating("crank_bearing", disc)
         centre = np.array([position[f"{gear}_x"], position[f"{gear}_y"]])
-        bores = centre + turned(mating.on.place, position[f"{gear}_angle"])
+        bores = centre + turned(mating.on.position, position[f"{gear}_angle"])
         eccentrics = [
-            turned(mechanism.body(crank).place, carrier) + turned(place, carrier + position[f"{crank}_angle"])
-            for crank, place in zip(mating.by.bodies, mating.by.place, strict=True)
+            turned(mechanism.body(crank).position, carrier) + turned(place, carrier + position[f"{crank}_angle"])
+            for crank, place in zip(mating.by.bodies, mating.by.position, strict=True)
         ]
         offsets.append(np.array(eccentrics) - bores)
     return np.array(offsets)
@@ -86,7 +86,9 @@ def test_errors_displace_eccentrics_as_in_statics() -> None:
 
 def test_an_offset_of_the_axes_displaces_the_ring() -> None:
     sockets = rv({"crank_errors": {"axis_x": 1e-5}}).mechanism.mating("pin_socket").by
-    np.testing.assert_allclose(sockets.place - rv({}).mechanism.mating("pin_socket").by.place, [[-1e-5, 0.0]] * 40)
+    np.testing.assert_allclose(
+        sockets.position - rv({}).mechanism.mating("pin_socket").by.position, [[-1e-5, 0.0]] * 40
+    )
 
 
 def test_masses_of_bodies_are_those_of_the_assembly() -> None:

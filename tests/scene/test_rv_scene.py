@@ -37,7 +37,7 @@ def test_eccentrics_are_in_the_bores_of_the_discs(member: str) -> None:
     found = poses(reducer, ideal_columns(reducer, np.linspace(0.0, 700.0, 23)))
     for disc, gear in enumerate(reducer.gears):
         bearing = reducer.mechanism.mating("crank_bearing", disc)
-        for crank, eccentric, bore in zip(bearing.by.bodies, bearing.by.place, bearing.on.place, strict=True):
+        for crank, eccentric, bore in zip(bearing.by.bodies, bearing.by.position, bearing.on.position, strict=True):
             np.testing.assert_allclose(transform(found[crank], eccentric), transform(found[gear], bore), atol=1e-12)
 
 

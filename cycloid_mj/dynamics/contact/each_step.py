@@ -58,7 +58,16 @@ _STAGES = [
         "mj_energyVel",
     )
 ]
-_integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
+(
+    _integrate,
+    _position,
+    _velocity,
+    _actuation,
+    _acceleration,
+    _constraint,
+    _compute_potential_energy,
+    _compute_kinetic_energy,
+) = _STAGES
 
 
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
@@ -147,16 +156,16 @@ class EachStep:
         self._sources = np.array([*sources, *energies], dtype=np.int64)
         self._drags = np.array(drags, dtype=np.int32)
         self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
-        self._orbits, self._circling = np.array(orbit_dofs, dtype=np.int32), np.zeros(model.nv)
+        self._orbits, self._orbit_velocity = np.array(orbit_dofs, dtype=np.int32), np.zeros(model.nv)
         self._film = film
-        self._on_pins = np.zeros((2, film.pins if film else 0))
+        self._pin_forces_and_cosines = np.zeros((2, film.pins if film else 0))
         self._timestep = np.array([model.opt.timestep])
-        self._peak = np.zeros(len(index.origin))
-        self._sum = np.zeros_like(self._peak)
+        self._peak_forces = np.zeros(len(index.origin))
+        self._force_sums = np.zeros_like(self._peak_forces)
         self._commands = np.zeros((0, len(data.ctrl)))
         self._half_timestep, self._saved_qvel = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
-        self.copied, self.solver, self.pairs, self.drags, self._width = sample_layout.sample_slices(
-            self._sources.size, self._peak.size, self._drags.size
+        self.copied, self.solver, self.pairs, self.drags, self._sample_width = sample_layout.sample_slices(
+            self._sources.size, self._peak_forces.size, self._drags.size
         )
         self._every = every
         self._state = self._state_record()
@@ -172,7 +181,7 @@ class EachStep:
 
     def advance(self, samples: int) -> Array:
         """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns)."""
-        rows = np.zeros((samples, self._width))
+        rows = np.zeros((samples, self._sample_width))
         self._state["rows"] = rows.ctypes.data
         self._state["left"] = self._state["due"] - 1 + (samples - 1) * self._every
         mujoco.mj_step(self._model, self._data)
@@ -199,11 +208,11 @@ class EachStep:
             "warning_kinds": data.warning.number.size,
             "warning_stride": data.warning.number.strides[0],
             "impact": self._impacts.ctypes.data if self._impacts.size else 0,
-            "pins": self._on_pins.shape[1],
+            "pins": self._pin_forces_and_cosines.shape[1],
             "second_plane": self._film.second_plane if self._film else 0,
             "due": 1,
             "every": self._every,
-            "width": 8 * self._width,
+            "width": 8 * self._sample_width,
         }
         arrays = {name: getattr(data, name) for name in ARRAYS} | {name: getattr(index, name) for name in INDEX}
         arrays |= {
@@ -212,15 +221,15 @@ class EachStep:
             "half_timestep": self._half_timestep,
             "saved_qvel": self._saved_qvel,
             "orbits": self._orbits,
-            "circling": self._circling,
+            "circling": self._orbit_velocity,
             "sources": self._sources,
             "drags": self._drags,
-            "sum": self._sum,
-            "peak": self._peak,
+            "sum": self._force_sums,
+            "peak": self._peak_forces,
         }
         if self._film is not None:
             arrays |= {"film": self._film.table, "film_kind": self._film.kind, "film_pin": self._film.pin}
-            arrays |= {"pin_force": self._on_pins[0], "pin_cosine": self._on_pins[1]}
+            arrays |= {"pin_force": self._pin_forces_and_cosines[0], "pin_cosine": self._pin_forces_and_cosines[1]}
         record = np.zeros((), STEP_STATE)
         for name, value in (values | {name: array.ctypes.data for name, array in arrays.items()}).items():
             record[name] = value
@@ -321,8 +330,8 @@ def _end_step(model: int, data: int, run: StepState) -> None:
         run.due = run.every
         _advance_speeds(run)
         multiply_jacobian(model, data, read_address(run.efc_vel), run.qvel)
-        _place_energy(model, data)
-        _motion_energy(model, data)
+        _compute_potential_energy(model, data)
+        _compute_kinetic_energy(model, data)
         _write_sample(run)
         for dof in range(run.nv):
             write_float(run.qvel + 8 * dof, read_float(run.saved_qvel + 8 * dof))

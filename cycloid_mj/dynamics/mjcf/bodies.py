@@ -38,7 +38,7 @@ def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.mechanism.bodies:
         parent = spec.body(body.carrier) if body.carrier else spec.worldbody
-        element = parent.add_body(name=body.name, pos=mujoco_position(body.place, body.plane))
+        element = parent.add_body(name=body.name, pos=mujoco_position(body.position, body.plane))
         _add_joints(element, body, reducer, tilting_pins and body.part == names.PIN)
         if body.joints:
             set_inertia(element, masses[body.part])
@@ -69,7 +69,7 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CYLINDER,
                 size=[surfaces.radius[i], half_width, 0.0],
-                pos=mujoco_position(surfaces.place[i], centre_z - planes[surfaces.bodies[i]]),
+                pos=mujoco_position(surfaces.position[i], centre_z - planes[surfaces.bodies[i]]),
                 priority=int(surfaces.role),
                 group=CONTACT_GROUP,
                 contype=0,

@@ -399,7 +399,7 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
                 size=[round_parts.radius[i], half_length, 0.0],
                 contype=bits,
-                pos=mujoco_position(round_parts.place[i], centre_z),
+                pos=mujoco_position(round_parts.position[i], centre_z),
             )
 
 

@@ -47,7 +47,7 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
         mating = reducer.mechanism.mating(names.CRANK_BEARING, disc)
         for i, name in enumerate(mating.names):
             for part in (mating.on, mating.by):
-                position = mujoco_position(part.place[i], plane - reducer.mechanism.body(part.bodies[i]).plane)
+                position = mujoco_position(part.position[i], plane - reducer.mechanism.body(part.bodies[i]).plane)
                 spec.body(part.bodies[i]).add_site(name=part.names[i], pos=position, group=4)
             clearance, law = reducer.bearing_clearance, laws[names.CRANK_BEARING]
             tendon = _add_spring(spec, name, law, 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)

@@ -73,10 +73,10 @@ def make_crank_train(reducer: RvReducer) -> CrankTrain:
     laws = stiffest(laws_of_discs(reducer))
     bearing_law = law_of_needle(law_record(laws[names.CRANK_BEARING]), reducer.separate_needles)
     return CrankTrain(
-        axes=np.array([mechanism.body(name).place for name in bearings[0].by.bodies]),
-        eccentrics=np.array([bearing.by.place for bearing in bearings]),
-        bores=np.array([bearing.on.place for bearing in bearings]),
-        runouts=mechanism.mating(names.PLANET_MESH).by.place,
+        axes=np.array([mechanism.body(name).position for name in bearings[0].by.bodies]),
+        eccentrics=np.array([bearing.by.position for bearing in bearings]),
+        bores=np.array([bearing.on.position for bearing in bearings]),
+        runouts=mechanism.mating(names.PLANET_MESH).by.position,
         laws=np.concatenate([bearing_law, law_record(laws[names.PLANET_MESH])]),
         eccentric_radius=reducer.cranks.eccentric_radius,
         clearance=reducer.bearing_clearance,
@@ -105,4 +105,6 @@ def total_output_inertia(reducer: RvReducer) -> float:
     """Compute the inertia of the output about its axis with the cranks that a carrier takes along [kg m2]."""
     mechanism, masses = reducer.mechanism, moving_masses(reducer)
     carried = [body for body in mechanism.carried if body.part == names.CRANK]
-    return output_inertia(reducer) + sum(masses[body.part].mass * float(body.place @ body.place) for body in carried)
+    return output_inertia(reducer) + sum(
+        masses[body.part].mass * float(body.position @ body.position) for body in carried
+    )

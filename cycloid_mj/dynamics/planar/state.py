@@ -39,7 +39,7 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
     sine, cosine = np.sin(ring_angle), np.cos(ring_angle)
     other_planes = len(pin_mass_matrix(reducer)) - 1 if reducer.mechanism.pins else 0
     for pin in reducer.mechanism.pins:
-        x, y = pin.place + [position.get(joint, 0.0) for joint in pin.joints[:2]]
+        x, y = pin.position + [position.get(joint, 0.0) for joint in pin.joints[:2]]
         x, y = cosine * x - sine * y, sine * x + cosine * y
         positions += [x, y, ring_angle + position.get(pin.joints[2], 0.0), *[x, y] * other_planes]
         speeds += [-ring_speed * y, ring_speed * x, ring_speed, *[-ring_speed * y, ring_speed * x] * other_planes]

@@ -15,7 +15,8 @@ from cycloid_mj.parts.inertia import region_moments
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
     """Measure how far convex pieces of a prism protrude from its walls (overfill) or stay below them (underfill) [m].
 
-    Deviations are measured along the wall normals at half the height of the prism.
+    Deviations are measured along the wall normals at half the height of the prism; see `Quality` for their statistics,
+    the number of pieces and the error of their volume.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     mid_height = 0.5 * (region.z0 + region.z1)
     points_3d, normals_3d = np.insert(points, 2, mid_height, axis=1), np.insert(normals, 2, 0.0, axis=1)
     bodies = [hull_body(piece.vertices) for piece in pieces]
-    ends = union_heights(
+    union_ends = union_heights(
         points_3d,
         normals_3d,
         bodies,
@@ -40,7 +41,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
     true_volume = region_moments(region).area * region.height
     return summarize_quality(
-        np.minimum(ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0
+        np.minimum(union_ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0
     )
 
 

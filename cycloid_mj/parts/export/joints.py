@@ -207,9 +207,9 @@ def _hub_bearing_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
 
 
 def _shaft_bearings(reducer: Reducer, casing: Casing, numbers: tuple[int, ...]) -> BoughtPart:
-    """Return the shaft bearings with the given `numbers` as bought parts.
+    """Return one bought part with a position for each shaft bearing in `numbers`.
 
-    Number 1 is far from the discs or in the hub, 2 is near the discs.
+    Number 1 is the bearing far from the discs (with a straddled shaft, in the hub), 2 is near the discs.
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
     middles = [0.5 * (low + high) for low, high in seats]

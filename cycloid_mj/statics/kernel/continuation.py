@@ -18,7 +18,7 @@ from cycloid_mj.statics.kernel.newton import (
     newton,
     solve_linear,
 )
-from cycloid_mj.statics.kernel.system import RATE, System, assemble, cam_at
+from cycloid_mj.statics.kernel.system import CONTACT_STIFFNESS, System, assemble, cam_at
 
 
 class ContinuationSettings(NamedTuple):
@@ -62,14 +62,14 @@ _CONTINUATION = ContinuationSettings()
 class Path(NamedTuple):
     """Workspace of a continuation path with an `order` of its parameters (`search.PARAMETER_ORDERS`).
 
-    Its points are the u displacements over a `unit` [m], and the parameter [1]. `point`, the `next_point`, the unit
-    `tangent`, the `previous_tangent` and that at a corner, the Newton `step`, the `residual` and the unit vector
+    Its points are the u displacements over a `length_unit` [m], and the parameter [1]. `point`, the `next_point`, the
+    unit `tangent`, the `previous_tangent` and that at a corner, the Newton `step`, the `residual` and the unit vector
     `last_axis` have shape (u + 1,). `clearance` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the
     derivative of the residual by the parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
     """
 
     order: float
-    unit: float
+    length_unit: float
     clearance: Array
     point: Array
     next_point: Array
@@ -106,13 +106,13 @@ def solve_by_arclength(
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
     solve_scaled(springs, 0.0, 0.0, k, load, z, tolerance, TRUE, path.clearance, system)
     for j in range(unknown_count):
-        point[j] = z[j] / path.unit
+        point[j] = z[j] / path.length_unit
     path.tangent[unknown_count] = path.last_axis[unknown_count] = 1.0
     norm, length = augmented_residual(springs, k, load, point, path, system), 0.5
     sign = _update_tangent(springs, k, load, point, 1.0, path, system)
     for j in range(unknown_count + 1):
         path.tangent[j] *= sign
-    farthest = _CONTINUATION.max_distance * (1.0 + largest(point)) + springs.trochoid[1] / path.unit
+    farthest = _CONTINUATION.max_distance * (1.0 + largest(point)) + springs.trochoid[1] / path.length_unit
     for _ in range(_CONTINUATION.max_points if norm <= path_tolerance else 0):
         if not _predict_and_correct(springs, k, load, length, sign, path_tolerance, path, system):
             length *= 0.5
@@ -124,7 +124,7 @@ def solve_by_arclength(
         if next_point[unknown_count] >= end_parameter:
             share = (end_parameter - point[unknown_count]) / (next_point[unknown_count] - point[unknown_count])
             for j in range(unknown_count):
-                z[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
+                z[j] = (point[j] + share * (next_point[j] - point[j])) * path.length_unit
             norm = solve_scaled(springs, 1.0, 1.0, k, load, z, tolerance, FALSE, path.clearance, system)
             if norm <= tolerance:
                 return norm
@@ -229,14 +229,14 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
     """Write the residual at a point of a continuation path, and its derivatives, to `path`; return its norm [N].
 
-    The `point` (u + 1,) consists of the displacements divided by `path.unit`, and the parameter. The residual forces of
-    equilibrium are written to ``path.residual``, their derivatives by the elements of `point` to ``path.matrix``.
+    The `point` (u + 1,) consists of the displacements over `path.length_unit`, and the parameter. The residual forces
+    of equilibrium are written to ``path.residual``, their derivatives by the elements of `point` to ``path.matrix``.
     `system` is workspace. `springs` are the contact springs, `k` is the index of the crank angle, and `load` (u,) [N]
     the generalised load on the u unknowns.
     """
     unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.last_solution
     for j in range(unknown_count):
-        z[j] = point[j] * path.unit
+        z[j] = point[j] * path.length_unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
     friction, clearance = _continuation_factors(order, parameter)
     scaled_springs = scale_clearances(springs, clearance, path.clearance)
@@ -255,8 +255,8 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
     for j in range(unknown_count):
         path.residual[j] = residual[j]
         for column in range(unknown_count):
-            matrix[j, column] = system.tangent[j, column] * path.unit
-        matrix[j, j] += RIGID_BODY_STIFFNESS * springs.cam_stiffness * path.unit
+            matrix[j, column] = system.tangent[j, column] * path.length_unit
+        matrix[j, j] += RIGID_BODY_STIFFNESS * springs.cam_stiffness * path.length_unit
         matrix[j, unknown_count] = -path.rate[j]
     return largest(residual)
 
@@ -294,7 +294,9 @@ def _add_clearance_rate(
         for component in range(4):
             unknown = 3 * springs.disc[i] + component if component < 3 else unknown_count - 1
             friction_rate = friction * springs.friction_per_force[k, i, unknown] if has_friction else 0.0
-            rate[unknown] -= system.row[i, RATE] * springs.clearance[i] * (system.row[i, component] + friction_rate)
+            rate[unknown] -= (
+                system.row[i, CONTACT_STIFFNESS] * springs.clearance[i] * (system.row[i, component] + friction_rate)
+            )
     for disc in range(springs.cam_position.shape[1]):
         cam = cam_at(scaled_springs, k, disc, z)
         if cam.total_depth > 0.0 and springs.cam_clearance > 0.0:

@@ -286,7 +286,7 @@ def _continue_by_arclength(
         z[:] = system.path_start
         path = allocate_path(springs, z.size, order)
         norm = solve_by_arclength(springs, k, load, z, tolerance, path, system)
-        if not (has_friction and _is_wedged(springs, k, z, float(np.abs(load).max()) or 1.0, path.unit)):
+        if not (has_friction and _is_wedged(springs, k, z, float(np.abs(load).max()) or 1.0, path.length_unit)):
             smallest_norm = min(smallest_norm, norm)
         if smallest_norm <= tolerance:
             return smallest_norm

@@ -18,7 +18,7 @@ from cycloid_mj.statics.kernel.contacts import (
     gap_at,
 )
 
-RATE = 4
+CONTACT_STIFFNESS = 4
 """Column of a contact's stiffness, after those of its gradient."""
 
 
@@ -297,7 +297,7 @@ def _sum_contacts(
         energy -= 0.5 * force * gap.width
         if has_friction or use_foot_points:
             row[i, 0], row[i, 1], row[i, 2], row[i, 3] = gap.normal
-            row[i, RATE] = stiffness
+            row[i, CONTACT_STIFFNESS] = stiffness
         sums = _add_contact(sums, gap, force, stiffness, force / radius, rotates[i])
     return sums, energy
 
@@ -522,9 +522,11 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
         i = first_contact + disc * springs.pins + pin
         if not is_active[disc]:
             continue
-        force, system.row[i, RATE] = forces[disc], 0.0
+        force, system.row[i, CONTACT_STIFFNESS] = forces[disc], 0.0
         for other_disc in range(discs):
-            system.row[i, RATE] += stiffness[disc, other_disc]  # the clearances of all discs on a pin grow together
+            system.row[i, CONTACT_STIFFNESS] += stiffness[
+                disc, other_disc
+            ]  # the clearances of all discs on a pin grow together
         normal_rotation, rotation_term = -force * rate[disc], -force / springs.radius
         for component in range(4):
             system.row[i, component] = normal[disc, component]
@@ -658,5 +660,5 @@ def _add_friction(springs: KernelSprings, k: int, friction: float, system: Syste
             residual[unknown] += force * rate
             for column_index in range(4):
                 tangent[unknown, x + column_index if column_index < 3 else output] += (
-                    row[i, RATE] * rate * row[i, column_index]
+                    row[i, CONTACT_STIFFNESS] * rate * row[i, column_index]
                 )
