@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads
 from cycloid_mj.statics.springs import Springs
@@ -83,7 +84,8 @@ def torque_at_pressure(
     """Find the output torque at which the first contact reaches its allowed pressure, to a relative accuracy of 0.001.
 
     The first step assumes that the pressure rises with the square root of the torque; the others are secant steps of
-    the logarithms, with the exponent limited to `PRESSURE_TORQUE`.
+    the logarithms, with the exponent limited to `PRESSURE_TORQUE`. A step to a torque without equilibrium is halved
+    (logarithmically): steps are long where few contacts carry, and the teeth skip at such a torque.
 
     Parameters
     ----------
@@ -108,12 +110,21 @@ def torque_at_pressure(
     Raises
     ------
     RunError
-        There is no equilibrium at an iterate.
+        There is no equilibrium at the initial torque, or the pressure exceeds that of the largest torque with an
+        equilibrium.
     """
     settings = PRESSURE_TORQUE
     previous_torque, previous_share = math.nan, math.nan
+    failure: RunError | None = None
     for iteration in range(settings.max_iterations):
-        contact_loads = contact_loads or loads(reducer, springs, torque, warm_start)
+        try:
+            contact_loads = contact_loads or loads(reducer, springs, torque, warm_start)
+        except RunError as error:
+            if math.isnan(previous_torque):
+                raise
+            torque, failure = math.copysign(math.sqrt(torque * previous_torque), torque), error
+            continue
+        failure = None
         shares = {
             kind: peak_pressure(reducer, springs, contact_loads, kind) / pressure
             for kind, pressure in pressures.items()
@@ -129,6 +140,8 @@ def torque_at_pressure(
         )
         if abs(torque / previous_torque - 1.0) < (settings.secant_rtol if iteration else settings.rtol):
             break
+    if failure is not None:
+        raise RunError(f"no contact reaches its pressure limit up to {abs(previous_torque):.4g} N m: {failure}")
     return torque, kind
 
 

@@ -7,12 +7,15 @@ import pytest
 from designs import CENTRAL, UNLIKE, unlike
 
 from cycloid_mj import statics
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.materials import YIELD_PRESSURE
+from cycloid_mj.design.model import HEATED
 from cycloid_mj.measure import rigid_backlash
 from cycloid_mj.measure.loads import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.kernel import gap
+from cycloid_mj.statics.sheet import sheet_part
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.validate import equilibrium, rig
 
@@ -137,3 +140,19 @@ def test_a_protruding_pin_carries_more():
     _, thick = carried(override(PRESETS["pin"], ["errors.pin_dr_um={5 = 0.9}"]))
     assert thick.teeth[:, 4].max() > found.teeth[:, 4].max() + 50.0
     assert math.isclose(thick.teeth[:, 22].max(), found.teeth[:, 22].max(), rel_tol=0.2)
+
+
+def test_torque_at_first_yield_does_not_depend_on_the_load_where_it_starts() -> None:
+    """At 60 °C, PLA has a tenth of its modulus: the second step from 3 % of the torque is 256 N m, where teeth skip."""
+    design = override(unlike("nonpin-n33-d2-ring-60um"), [f"thermal.{part}_c=60" for part in HEATED])
+    nominal, light = (
+        sheet_part(Reducer(design), "loads", share * design.rated_torque)["capacity"].value for share in (1.0, 0.03)
+    )
+    assert light == pytest.approx(nominal, rel=0.02)
+
+
+def test_a_pressure_that_no_equilibrium_reaches_is_an_error_with_the_largest_torque() -> None:
+    design = override(unlike("nonpin-n33-d2-ring-60um"), [f"thermal.{part}_c=60" for part in HEATED])
+    reducer = Reducer(design)
+    with pytest.raises(RunError, match=r"no contact reaches its pressure limit up to .* N m: no static equilibrium"):
+        statics.torque_at_pressure(reducer, statics.springs_of(reducer, [0.0]), {"tooth": 1e9}, design.rated_torque)
