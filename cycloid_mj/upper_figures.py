@@ -165,9 +165,10 @@ UPPER_FIGURES = (
     ], layouts=BOTH),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("drive_efficiency", "%", "efficiency with all bearings",
-         f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}."),
+         f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}; with film "
+         "friction at the steady temperatures."),
         ("temperature_rise", "K", "temperature rise",
-         f"Temperature of the housing above ambient, {_RATED}."),
+         f"Temperature of the housing above ambient, {_RATED}; with film friction in the steady state."),
     ]),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("momentary_torque", "N m", "momentary torque",

@@ -1,7 +1,7 @@
 """The rolling bearings of cams, shaft, output and output rollers: life, static factor and friction."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,11 +177,16 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
     return rolling.magnitudes(force)[:, np.newaxis]
 
 
-def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
+def rate_bearings(
+    reducer: Reducer,
+    loadings: Sequence[Loading],
+    peak_torque: float,
+    temperatures: Mapping[str, float] | None = None,
+) -> Iterator[RatedItem]:
     """Rate each rolling bearing: its life over a duty cycle, and its static safety factor in an emergency stop.
 
     `loadings` are the solved forces at each point of the duty. `peak_torque` is the output torque of the emergency stop
-    [N m].
+    [N m]. `temperatures` of the parts [°C] determine the viscosity of the oil; by default they are those of the design.
 
     Yields
     ------
@@ -194,7 +199,8 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
         weighted_speeds = np.array(
             [bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings]
         )
-        yield from _rate_bearing(reducer, bearing, forces, weighted_speeds, loadings, peak_torque)
+        viscosity = oil_viscosity(reducer, temperatures=temperatures)
+        yield from _rate_bearing(reducer, bearing, forces, weighted_speeds, loadings, peak_torque, viscosity)
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
@@ -348,6 +354,7 @@ def _rate_bearing(
     weighted_speeds: Array,
     loadings: Sequence[Loading],
     peak_torque: float,
+    viscosity: float,
 ) -> Iterator[RatedItem]:
     """Yield life, modified life and static safety factor of the most loaded of several equal bearings.
 
@@ -363,6 +370,8 @@ def _rate_bearing(
         Solved loads at each point of the duty, for its torque and share of time.
     peak_torque
         Output torque for the static factor [N m]; forces are scaled in proportion to the torque.
+    viscosity
+        Kinematic viscosity of the oil [m2/s]; 0 if it is unknown.
     """
     settings, ratings = reducer.design.bearing, bearing.ratings
     load = bearing_load(reducer, forces, weighted_speeds, ratings.exponent)
@@ -377,7 +386,7 @@ def _rate_bearing(
         f"{float(weighted_speeds.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    if (viscosity := oil_viscosity(reducer)) and weighted_speeds.any():
+    if viscosity and weighted_speeds.any():
         speed = float(weighted_speeds.sum()) / sum(load_case.point.share for load_case in loadings)
         yield rate_modified_life(bearing.key, bearing.name, ratings, viscosity, settings.cleanliness, load, life, speed)
     forces_per_torque = (
@@ -397,17 +406,18 @@ def _rate_bearing(
     )
 
 
-def oil_viscosity(reducer: Reducer, pair: str = "cam") -> float:
+def oil_viscosity(reducer: Reducer, pair: str = "cam", temperatures: Mapping[str, float] | None = None) -> float:
     """Return the kinematic viscosity of the oil in the bearings [m2/s]; 0 if the design states no lubricant.
 
     If the design file states no viscosity, the lubricant of the friction law ``film`` determines it, at its temperature
-    in the contacts of `pair`: "teeth", "output" or "cam" (`lubricant_temperature`).
+    in the contacts of `pair`: "teeth", "output" or "cam" (`lubricant_temperature`). `temperatures` are those of the
+    parts [°C], by default those of the design.
     """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:
         return design.bearing.viscosity
     oil = lubricant(design.friction.lubricant)
-    return oil.kinematic_viscosity(lubricant_temperature(reducer, pair)) / MM2
+    return oil.kinematic_viscosity(lubricant_temperature(reducer, pair, temperatures)) / MM2
 
 
 def rate_modified_life(

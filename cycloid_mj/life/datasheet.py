@@ -56,9 +56,11 @@ from cycloid_mj.life.sheet_rows import (
     nominal_torque_row,
     ratio_row,
     torques_without_load,
+    warm_text,
     with_interval,
     with_name,
 )
+from cycloid_mj.life.steady_state import at_steady_temperatures
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import body_solids, input_inertia, mass_properties, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
@@ -68,7 +70,7 @@ from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.film import film_text
-from cycloid_mj.statics.sheet import Sheet, sampled_efficiency, sampled_losses, sheet
+from cycloid_mj.statics.sheet import Sheet, sampled_efficiency, sampled_losses, sheet, sheet_part
 from cycloid_mj.statics.springs import at_rest
 
 
@@ -244,7 +246,7 @@ def _central_contents(reducer: Reducer, life: float, static: Sheet, advance: Cal
     advance()
     curves = (
         life_curve(reducer, life, momentary, life_limit[0], advance),
-        _efficiency_curve(reducer),
+        _efficiency_curve(at_steady_temperatures(reducer)),
         _wind_up_curve(reducer),
         *no_load_curves(reducer),
     )
@@ -272,7 +274,7 @@ def _rv_contents(reducer: RvReducer, life: float, static: Sheet, advance: Callab
     advance()
     curves = (
         life_curve(reducer, life, limits.momentary[0], limits.rated_alone[0], advance),
-        rv_efficiency_curve(reducer, CURVES.torque_shares),
+        rv_efficiency_curve(at_steady_temperatures(reducer), CURVES.torque_shares),
         rv_wind_up_curve(reducer, CURVES.torsion_shares),
         *(no_load_curves(reducer) if reducer.design.has_film else ()),
     )
@@ -389,17 +391,18 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     `static` is the data sheet computed by statics at the nominal torque.
     """
     design = reducer.design
-    quantities = static.quantities
-    film_note, speed_text = f", {film_text(reducer)}" if design.has_film else "", describe_speed(reducer)
-    condition = f"{design.rated_torque:.4g} N m, {speed_text}{film_note}"
+    warm_reducer, quantities = at_steady_temperatures(reducer), static.quantities
+    film_note, warm_note = (f", {film_text(item)}" if design.has_film else "" for item in (reducer, warm_reducer))
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}{warm_note}"
     film_condition = "with seals, and grease in the cams, without bearings of shaft and output"
     contact_note = f"{film_condition}{film_note}" if design.has_film else "without seals, grease and bearings"
+    contact_efficiency = sheet_part(warm_reducer, "losses", design.rated_torque)["efficiency"]
     housing = rate_at_rated_load(reducer).items["temperature"]
     ambient, cooling_text = design.service.ambient_temperature, f"{describe_cooling(design)}, {describe_duty(design)}"
     return (
-        _drive_efficiency(reducer, f"{condition}, all bearings included"),
+        _drive_efficiency(reducer, warm_reducer, f"{condition}, all bearings included"),
         with_name(
-            quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
+            contact_efficiency, "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
         with_name(
             quantities["back_driving_torque_rated"], "Back-driving torque", f"{contact_note}; against drive.torque_nm"
@@ -419,19 +422,19 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     )
 
 
-def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
+def _drive_efficiency(reducer: Reducer, warm_reducer: Reducer, condition: str) -> Quantity:
     """Return the data-sheet row of the efficiency [%] at the nominal torque, including losses of all bearings.
 
-    With the friction law ``film``, it has a 5 to 95 % interval. `condition` is the note of the row: torque and speed in
-    words.
+    With the friction law ``film``, it has a 5 to 95 % interval, that of `warm_reducer`, the reducer at the
+    temperatures of its losses. `condition` is the note of the row: torque and speed in words.
     """
     efficiency = figure_row(reducer, "drive_efficiency_percent", "Efficiency", condition)
     torque = reducer.design.rated_torque
     if not reducer.design.has_film:
         return efficiency
     output_power = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    bearing_loss = output_power * (100.0 / efficiency.value - 1.0) - sampled_losses(reducer, torque)[0]
-    return with_interval(efficiency, sampled_efficiency(reducer, torque, further_loss=bearing_loss))
+    bearing_loss = output_power * (100.0 / efficiency.value - 1.0) - sampled_losses(warm_reducer, torque)[0]
+    return with_interval(efficiency, sampled_efficiency(warm_reducer, torque, further_loss=bearing_loss))
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
@@ -629,7 +632,8 @@ def life_curve(
 def _efficiency_curve(reducer: Reducer) -> Curve:
     """Compute the efficiency [%] over the output torque [N m] at the design's speed, with the losses of all bearings.
 
-    The losses of the bearings are interpolated linearly between the smallest and the largest torque.
+    All points have the temperatures of the reducer. The losses of the bearings are interpolated linearly between the
+    smallest and the largest torque.
     """
     design = reducer.design
     torques, speed = np.array(CURVES.torque_shares) * design.rated_torque, abs(design.drive.speed)
@@ -643,10 +647,8 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
     for torque, bearing_loss in zip(torques, np.interp(torques, end_torques, end_losses), strict=True):
         contact_powers = powers(reducer, float(torque))
         efficiencies.append(contact_powers.delivered / (contact_powers.supplied + bearing_loss))
-    panel = f"Efficiency at {describe_speed(reducer)}"
-    return Curve(
-        panel, "all bearings included", torques, 100.0 * np.array(efficiencies), "output torque [N m]", "efficiency [%]"
-    )
+    panel, name = f"Efficiency at {describe_speed(reducer)}", f"all bearings included{warm_text(reducer)}"
+    return Curve(panel, name, torques, 100.0 * np.array(efficiencies), "output torque [N m]", "efficiency [%]")
 
 
 def _wind_up_curve(reducer: Reducer) -> Curve:

@@ -5,11 +5,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.units import FREEZING_POINT
-from cycloid_mj.design import PARTNERS, PARTS, Design
+from cycloid_mj.design import PARTS, Design
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.design.model import REFERENCE_TEMPERATURE, Service
+from cycloid_mj.design.model import Service
 from cycloid_mj.life.bearings import bearing_losses
-from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
@@ -32,82 +31,6 @@ STILL_AIR = 8.0, 15.0
 COOLING = {"still": 12.0, "mounted": 18.0, "fan": 30.0}
 """Heat transfer coefficient of the housing [W/(m2 K)]: in still air, bolted to a machine that conducts as much again as
 half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air has 8 to 15)."""
-
-
-def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate heat over a duty cycle: power lost [W], housing temperature [°C], loss of clearance by expansion [um].
-
-    `loadings` are the solved forces at each point of the duty. For the clearances of teeth, output pins and cam, all
-    parts are assumed to have the temperature of the housing.
-    """
-    design = reducer.design
-    service = design.service
-    losses = mean_losses(reducer, loadings)
-    loss = sum(losses.values())
-    area = cooling_area(reducer)
-    share = running_share(reducer, loadings)
-    temperature = housing_temperature(reducer, share * loss)
-    film_coefficient = heat_transfer_coefficient(reducer, temperature)
-    yield RatedItem(
-        "power_lost",
-        "power lost",
-        loss,
-        math.nan,
-        "W",
-        None,
-        None,
-        "friction of teeth, cam, output pins and seals, mu F d/2 of the bearings of shaft and output; mean of the duty",
-        ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
-        + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
-    )
-    highest_temperature, lowest_temperature = (
-        service.ambient_temperature + share * loss / (coefficient * area) for coefficient in STILL_AIR
-    )
-    yield rate_housing_temperature(
-        reducer,
-        temperature,
-        "dT = losses/(h A)",
-        f"{loss:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
-        f"at h = {film_coefficient:.3g} W/(m2 K) (assumed; {highest_temperature:.3g} to {lowest_temperature:.3g} °C "
-        f"at 8 to 15) on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
-        f"ambient {service.ambient_temperature:g} °C",
-    )
-    for kind in design.pair_kinds:
-        growth = clearance_growth(reducer, kind) * (temperature - REFERENCE_TEMPERATURE)
-        clearance = getattr(design.clearance, kind)
-        materials = " on ".join(design.material_of(part).name or "unnamed" for part in PARTNERS[kind])
-        yield RatedItem(
-            f"{kind}_hot_clearance",
-            f"clearance of {kind.replace('_', ' ')} lost by heat",
-            0.0 - 1e6 * growth,
-            1e6 * clearance,
-            "um",
-            clearance / -growth if growth < 0.0 else math.inf,
-            None,
-            "thermal expansion of both parts from 20 °C; safety factor of the clearance",
-            f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}; negative: the clearance grows",
-        )
-
-
-def rate_housing_temperature(reducer: Reducer, temperature: float, source: str, note: str) -> RatedItem:
-    """Rate a temperature of the housing [°C] against the lowest temperature limit of grease, seals and materials.
-
-    `source` is the formula of the temperature. `note` states its conditions, to which all limits are added.
-    """
-    limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
-    lowest_limit, ambient = limits[0], reducer.design.service.ambient_temperature
-    return RatedItem(
-        "temperature",
-        f"housing temperature, {lowest_limit.name}",
-        temperature,
-        lowest_limit.temperature,
-        "°C",
-        (lowest_limit.temperature - ambient) / (temperature - ambient) if temperature > ambient else math.inf,
-        None,
-        f"{source}; safety factor of the temperature rise",
-        f"{note}; limits: {', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
-        ItemKind.HEAT,
-    )
 
 
 def running_share(reducer: Reducer, loadings: Sequence[Loading]) -> float:
@@ -203,11 +126,6 @@ def cooling_area(reducer: Reducer) -> float:
         )
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
-
-
-def _describe_cooled_outside(reducer: Reducer) -> str:
-    """Return the name of the body whose outside is `cooling_area`, for messages."""
-    return "the covers, without their flanges" if has_casing(reducer) else "ring and output disc"
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:

@@ -13,15 +13,15 @@ from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty, describe_condition
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
-from cycloid_mj.life.heat import rate_heat
+from cycloid_mj.life.heat_items import rate_heat, rate_jam_difference, rate_thermal_limits
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
 from cycloid_mj.life.joints import rate_joints
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.rv import rate_rv
+from cycloid_mj.life.steady_state import film_steady_state, oil_temperatures
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
-from cycloid_mj.life.thermal import rate_jam_difference, rate_thermal_limits
 from cycloid_mj.life.wear import rate_wear
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
@@ -36,6 +36,7 @@ def rate(
     stops: bool = True,
     give: bool | None = None,
     parts: Parts = "perfect",
+    steady: bool = True,
 ) -> Rating:
     """Rate a design that can be built: life, safety factors, wear and heat of its parts.
 
@@ -55,6 +56,9 @@ def rate(
         Number of crank angles; whether to rate emergency stops and joints too, which takes half of the time.
     parts
         Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
+    steady
+        Whether, with the friction law ``film``, losses, temperatures and viscosity of the oil are those of the steady
+        state. Otherwise, and if ``[thermal]`` sets temperatures, they are those at the temperatures of the design.
 
     Returns
     -------
@@ -78,12 +82,15 @@ def rate(
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
     if parts == "toleranced":
         samples = select_rated_samples(reducer)
-        ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
+        ratings = [
+            rate(sample, duty, life, ranges, compliance, poses, stops, steady=steady) for sample in samples.designs
+        ]
         return _merge_sample_ratings(design.name, ratings, samples.words)
     if isinstance(reducer, RvReducer):
-        rating = rate_rv(reducer, duty, life)
+        state = film_steady_state(reducer, duty) if steady else None
+        rating = rate_rv(reducer, duty, life, oil_temperatures(reducer, state))
         return _add_thermal_limits(rating, design, duty) if compliance else rating
-    return _rate_parts(reducer, duty, life, ranges, compliance, poses, stops)
+    return _rate_parts(reducer, duty, life, ranges, compliance, poses, stops, steady)
 
 
 def _rate_parts(
@@ -94,15 +101,17 @@ def _rate_parts(
     compliance: bool,
     poses: int,
     stops: bool,
+    steady: bool,
 ) -> Rating:
     """Rate the parts of one reducer over a duty cycle for a required life [h], without samples within the tolerances.
 
     `ranges` are stress ranges of disc or ring from a finite-element study, by name of the part. `compliance` is whether
     to compute the cam load for several stiffnesses of its bearing, too, and the torque at steady temperatures. `poses`
     is the number of crank angles per point of the duty, and `stops` is whether to rate emergency stops and joints.
+    `steady` is whether heat is rated in the steady state with the friction law ``film``.
     """
     design = reducer.design
-    items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
+    items, work = _rate_all_items(reducer, duty, ranges, poses, stops, steady)
     sorted_items = sort_by_margin(items, life)
     cam_compliance = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([cam_compliance.words] if cam_compliance else [])
@@ -146,7 +155,12 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
 
 
 def _rate_all_items(
-    reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, crank_angles: int, with_stops: bool
+    reducer: Reducer,
+    duty: Duty,
+    ranges: dict[str, StressRange] | None,
+    crank_angles: int,
+    with_stops: bool,
+    steady: bool,
 ) -> tuple[list[RatedItem], float]:
     """Rate bearings, surfaces, strength, wear, heat, emergency stops and joints over a duty cycle.
 
@@ -158,6 +172,8 @@ def _rate_all_items(
         Number of crank angles per turn.
     with_stops
         Whether emergency stops and joints are rated.
+    steady
+        Whether heat is rated in the steady state with the friction law ``film``.
 
     Returns
     -------
@@ -178,12 +194,14 @@ def _rate_all_items(
         )
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    state = film_steady_state(reducer, duty) if steady else None
+    temperatures = oil_temperatures(reducer, state)
     by_kind = {
-        ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak),
+        ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak, temperatures),
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),
         ItemKind.STRENGTH: rate_strength(reducer, worst, ranges),
         ItemKind.WEAR: rate_wear(reducer, loadings),
-        ItemKind.HEAT: chain(rate_heat(reducer, loadings), rate_jam_difference(reducer, loadings)),
+        ItemKind.HEAT: chain(rate_heat(reducer, loadings, state), rate_jam_difference(reducer, loadings, state)),
     }
     if with_stops:
         by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)

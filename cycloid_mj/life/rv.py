@@ -1,7 +1,7 @@
 """Rating of an RV reducer: bearings of the cranks, teeth on pins, and planet teeth."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,11 +41,12 @@ class _Row:
     forces: tuple[Array, ...]
 
 
-def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
+def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[str, float] | None = None) -> Rating:
     """Rate an RV reducer over a duty cycle for a life [h]: life and safety of crank bearings, cycloid and planet teeth.
 
     The speeds of the duty are speeds of the sun. Crank bearings carry the larger of the forces of ideal load sharing
-    and of the static equilibrium with clearances and errors.
+    and of the static equilibrium with clearances and errors. `temperatures` of the parts [°C] determine the viscosity
+    of the oil in the bearings; by default they are those of the design.
 
     Raises
     ------
@@ -69,7 +70,13 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
             item
             for row in _crank_bearing_rows(reducer, torques)
             for item in _rate_bearing(
-                reducer, row, torques, weighted_speeds, duty.peak, sum(point.share for point in points)
+                reducer,
+                row,
+                torques,
+                weighted_speeds,
+                duty.peak,
+                sum(point.share for point in points),
+                oil_viscosity(reducer, row.pair, temperatures),
             )
         ),
         *_rate_teeth(reducer, torques, weighted_speeds, duty.peak, speed_ratios),
@@ -166,13 +173,14 @@ def _rate_bearing(
     weighted_speeds: Array,
     peak_torque: float,
     running_share: float,
+    viscosity: float,
 ) -> Iterator[RatedItem]:
     """Yield life and modified life (ISO 281) and static safety factor (ISO 76) of the most loaded of equal bearings.
 
     `bearing_row` has the equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds`
     are the bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these
-    shares [1]. The static safety factor is that at `peak_torque` [N m]. The modified life requires a known viscosity of
-    the oil.
+    shares [1]. The static safety factor is that at `peak_torque` [N m]. The modified life requires a known kinematic
+    `viscosity` of the oil [m2/s]; it is 0 if unknown.
     """
     settings = reducer.design.bearing
     mean_loads = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -193,7 +201,7 @@ def _rate_bearing(
         "radial forces only",
         ItemKind.BEARING,
     )
-    if viscosity := oil_viscosity(reducer, bearing_row.pair):
+    if viscosity:
         key, name, ratings = bearing_row.key, bearing_row.name, bearing_row.ratings
         speed = float(weighted_speeds.sum()) / running_share
         yield rate_modified_life(key, name, ratings, viscosity, settings.cleanliness, load, life, speed)

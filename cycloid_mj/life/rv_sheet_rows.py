@@ -23,19 +23,20 @@ from cycloid_mj.life.sheet_rows import (
     grease_rows,
     nominal_torque_row,
     ratio_row,
+    warm_text,
     with_interval,
     with_name,
 )
+from cycloid_mj.life.steady_state import at_steady_temperatures
 from cycloid_mj.life.thermal import thermal
-from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.parts import input_inertia
 from cycloid_mj.parts.export.rv_assembly import rv_mass
 from cycloid_mj.parts.rv import axial_layout
-from cycloid_mj.reducer import RvReducer, once
+from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.film import film_text
 from cycloid_mj.statics.rv_sheet import solve_rv_equilibrium
-from cycloid_mj.statics.sheet import Sheet, shaft_powers
+from cycloid_mj.statics.sheet import Sheet, shaft_powers, sheet_part
 
 ERROR_SAMPLES = 2_000
 """Samples of the transmission error of toleranced parts: its 95 % percentile scatters by less than 3 %."""
@@ -93,7 +94,7 @@ def rv_performance_groups(
     return {
         "Ratings": tuple(_rating_rows(reducer, life, limits)),
         "Accuracy and stiffness": tuple(_accuracy_rows(reducer, static)),
-        "Efficiency and heat": tuple(_efficiency_rows(reducer, static)),
+        "Efficiency and heat": tuple(_efficiency_rows(reducer)),
         **({"Without load": tuple(_no_load_rows(reducer))} if reducer.design.has_film else {}),
     }
 
@@ -179,16 +180,14 @@ def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
     )
 
 
-def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
-    """Yield the data-sheet rows of efficiency, no-load torques, temperature rise and thermal limits.
-
-    `static` is the data sheet computed by statics at the nominal torque.
-    """
+def _efficiency_rows(reducer: RvReducer) -> Iterator[Quantity]:
+    """Yield the data-sheet rows of efficiency, no-load torques, temperature rise and thermal limits."""
     design = reducer.design
     losses_text = "main bearings and seal without their load" if design.has_film else "without main bearings and seals"
-    film_note = f"; {film_text(reducer)}" if design.has_film else ""
-    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {losses_text}{film_note}"
-    yield with_name(static.quantities["efficiency"], "Efficiency", condition)
+    warm_reducer = at_steady_temperatures(reducer)
+    film_note, warm_note = (f"; {film_text(item)}" if design.has_film else "" for item in (reducer, warm_reducer))
+    condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}; {losses_text}{warm_note}"
+    yield with_name(sheet_part(warm_reducer, "losses", design.rated_torque)["efficiency"], "Efficiency", condition)
     if design.has_film:
         shaft_note = f"on the sun, main bearings without preload{film_note}"
         speed_note = f"{describe_speed(reducer)}, {shaft_note}"
@@ -198,15 +197,9 @@ def _efficiency_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
         yield from _thermal_rows(reducer)
 
 
-@once
-def _solve_nominal_state(reducer: RvReducer, share: float) -> ThermalState:
-    """Return the steady state at nominal torque and speed, with load for a `share` of the time [1]."""
-    return thermal(reducer.design.but(service={"duty_share": share}))
-
-
 def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     """Yield the data-sheet rows of the steady temperature rises [K] and the torque [N m] and speed [rpm] they allow."""
-    state = _solve_nominal_state(reducer, reducer.design.service.duty_share)
+    state = thermal(reducer.design)
     temperatures = state.temperatures
     cooling_text = f"{describe_cooling(reducer.design)}, {describe_duty(reducer.design)}"
     condition = f"{reducer.design.rated_torque:.4g} N m, {describe_speed(reducer)}, {cooling_text}"
@@ -222,7 +215,7 @@ def _thermal_rows(reducer: RvReducer) -> Iterator[Quantity]:
     if math.isfinite(state.torque):
         note = f"{describe_speed(reducer)}, {cooling_text}; limit: {state.limited_by}"
         yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=note)
-    if math.isfinite(speed := _solve_nominal_state(reducer, 1.0).speed):
+    if math.isfinite(speed := thermal(reducer.design.but(service={"duty_share": 1.0})).speed):
         note = f"nominal torque, {describe_cooling(reducer.design)}, S1; limited by heat only"
         yield Quantity("continuous_speed_rpm", "Continuous input speed", speed / RPM, "rpm", note=note)
     note = f"{condition}; {state.jam_difference:.3g} K close the teeth"
@@ -275,7 +268,7 @@ def _environment_rows(reducer: RvReducer) -> Iterator[Quantity]:
     if design.thermal.applied:
         return
     duty_share, ambient = design.service.duty_share, design.service.ambient_temperature
-    state = _solve_nominal_state(reducer, duty_share)
+    state = thermal(design)
     limit = min(heat_limits(reducer), key=lambda item: item.temperature)
     max_rise = max(state.temperatures.values()) - ambient
     condition = f"{design.rated_torque:.4g} N m, {describe_speed(reducer)}, {describe_cooling(reducer.design)}"
@@ -297,8 +290,9 @@ def rv_efficiency_curve(reducer: RvReducer, shares: tuple[float, ...]) -> Curve:
     efficiency = 100.0 * np.array(
         [shaft_powers(reducer.but(load={"torque": torque}), torque).efficiency for torque in torques.tolist()]
     )
-    name = "all bearings included" if reducer.design.has_film else "without main bearings and seals"
+    included = "all bearings included" if reducer.design.has_film else "without main bearings and seals"
     panel = f"Efficiency at {describe_speed(reducer)}"
+    name = f"{included}{warm_text(reducer)}"
     return Curve(panel, name, torques, efficiency, "output torque [N m]", "efficiency [%]")
 
 

@@ -26,7 +26,7 @@ from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.film import state_seals
+from cycloid_mj.statics.film import lubricant_temperature, state_seals
 from cycloid_mj.statics.film_spread import Spread
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 from cycloid_mj.statics.sheet import Sheet
@@ -61,6 +61,14 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 def describe_speed(reducer: Reducer) -> str:
     """Format the design's speed."""
     return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
+
+
+def warm_text(reducer: Reducer) -> str:
+    """Return the temperature of the lubricant in the teeth for the name of a curve with film friction, or ""."""
+    design = reducer.design
+    if not design.has_film:
+        return ""
+    return f", lubricant at {lubricant_temperature(reducer, design.tooth_pair):.3g} °C"
 
 
 def ratio_row(design: Design) -> Quantity:

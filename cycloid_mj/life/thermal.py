@@ -6,90 +6,29 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj.base.errors import DesignError, RunError
-from cycloid_mj.base.units import RPM
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, describe_condition
 from cycloid_mj.life.heat import (
     heat_limits,
-    heat_transfer_coefficient,
-    mean_losses,
-    rate_housing_temperature,
-    running_share,
 )
-from cycloid_mj.life.item import ItemKind, RatedItem
-from cycloid_mj.life.loading import Loading, solve_loading
-from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
+from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction
+from cycloid_mj.life.steady_state import (
+    SETTINGS,
+    SteadyState,
+    ThermalSettings,
+    mean_of_points,
+    solve_losses,
+    solve_steady_state,
+    turning_points,
+)
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
-from cycloid_mj.life.thermal_network import Network, build_network, heat_by_node, heat_capacities
+from cycloid_mj.life.thermal_network import heat_by_node
 from cycloid_mj.life.thermal_state import ThermalState, TightestTime
-from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 from cycloid_mj.statics.film import state_seals
-from cycloid_mj.statics.springs import POSES
-
-
-@dataclass(frozen=True)
-class ThermalSettings:
-    """Settings of the fixed point of losses and temperatures, and of the search for the limits.
-
-    Attributes
-    ----------
-    tolerance
-        Change of every temperature in a round at which it ends [K]; far below what the assumed conductances leave open.
-    rounds
-        Largest number of rounds.
-    hottest
-        Temperature at which the rounds end [°C], as the largest of a design file: no drive gets so hot.
-    largest
-        Largest multiple of torque or speed that is searched.
-    solved, corrections, resolution
-        Up to this multiple of the duty or of the nominal torque, a limit is corrected by the losses there, so many
-        times at most, or until the losses and the limit change by no more than the relative resolution.
-    approach
-        Share of the temperature rises at a limit at which these losses are computed: the parts do not yet jam.
-    smallest_step
-        Smallest share of the way to the temperatures of the next round if the parts would jam there.
-    crank_angles
-        Number of crank angles of the losses and conductances.
-    samples, time_constants
-        Steps of the warm-up, and its duration over the slowest time constant.
-    duty_shares
-        Shares of the time of intermittent duties (S3) whose torque limit is reported: those of IEC 60034-1.
-    light_load
-        Load over that of the duty which, with the duty's own, determines how losses grow with the torque. The nominal
-        torque is used instead if it is less than half or more than twice the torque of the duty.
-    """
-
-    tolerance: float = 0.05
-    rounds: int = 12
-    hottest: float = 300.0
-    largest: float = 100.0
-    solved: float = 3.0
-    corrections: int = 8
-    resolution: float = 0.01
-    approach: float = 0.99
-    smallest_step: float = 0.125
-    crank_angles: int = POSES
-    samples: int = 120
-    time_constants: float = 4.0
-    duty_shares: tuple[float, ...] = (0.15, 0.25, 0.4, 0.6, 1.0)
-    light_load: float = 0.25
-
-
-SETTINGS = ThermalSettings()
-
-
-def _running_points(design: Design, duty: Duty) -> list[DutyPoint]:
-    """Return the points of a duty cycle at which the crank turns; raise DesignError if there are none."""
-    points = [point for point in duty.points if point.speed]
-    if not points:
-        raise DesignError(
-            f"{design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed "
-            "other than 0, such as 1640 rpm"
-        )
-    return points
 
 
 def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings = SETTINGS) -> ThermalState:
@@ -114,11 +53,16 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     RunError
         No static equilibrium at 20 °C under a torque of the duty.
     """
-    reducer = state_seals(reducer_of(resolve(design).at_reference))
-    duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
-    duty = add_rests(duty, reducer.design.service.duty_share)
-    points = _running_points(reducer.design, duty)
-    steady_state = _solve_steady_state(reducer, points, settings)
+    cold = reducer_of(resolve(design).at_reference)
+    duty = duty or constant_duty(cold.design.rated_torque, cold.design.drive.speed)
+    return _solve_thermal_state(cold, add_rests(duty, cold.design.service.duty_share), settings)
+
+
+@once
+def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -> ThermalState:
+    """Compute the `ThermalState` of a drive at 20 °C under a duty that states its rests."""
+    steady_state, reducer = solve_steady_state(cold, duty, settings), state_seals(cold)
+    points = turning_points(reducer.design, duty)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
     warm_design = at_temperatures(reducer.design, temperatures)
     ambient = reducer.design.service.ambient_temperature
@@ -130,11 +74,11 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     return ThermalState(
         design=reducer.design.name,
         condition=f"{describe_condition(reducer.design, duty)}, ambient {ambient:g} °C",
-        temperatures=temperatures,
-        losses=steady_state.losses,
+        temperatures=dict(temperatures),
+        losses=dict(steady_state.losses),
         heat=heat,
         network=steady_state.network,
-        difference=temperatures["disc"] - temperatures["ring"],
+        difference=steady_state.difference,
         jam_difference=jam_difference(reducer.design),
         clearances=warm_clearances(warm_design),
         play=tooth_play(warm_design),
@@ -157,7 +101,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 
 
 def _find_speed_limit(
-    reducer: Reducer, points: Sequence[DutyPoint], steady_state: "_Steady", settings: ThermalSettings
+    reducer: Reducer, points: Sequence[DutyPoint], steady_state: SteadyState, settings: ThermalSettings
 ) -> float:
     """Return the largest crank speed [rad/s] that heat allows, if all speeds of a duty cycle are scaled equally.
 
@@ -175,111 +119,9 @@ def _find_speed_limit(
     return speed_factor * max(point.speed for point in points)
 
 
-@dataclass(frozen=True)
-class _Steady:
-    """Temperatures, losses and network of a steady state.
-
-    Attributes
-    ----------
-    temperatures
-        Temperature of each part [°C].
-    losses
-        Mean losses of the duty by source [W].
-    network
-        Conductances, and heat capacities of the parts at 20 °C.
-    converged
-        Whether losses and temperatures agree.
-    cold, warm
-        Losses by source while the drive is at each point of the duty [W], at 20 °C and at the temperatures of `losses`.
-    warm_temperature
-        Temperature of the disc of `warm` [°C].
-    """
-
-    temperatures: dict[str, float]
-    losses: dict[str, float]
-    network: Network
-    converged: bool
-    cold: tuple[dict[str, float], ...]
-    warm: tuple[dict[str, float], ...]
-    warm_temperature: float
-
-
-def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve for the steady losses and temperatures of the parts under a duty cycle, by fixed-point iteration.
-
-    It starts at 20 °C. `settings` are those of the iteration. `points` are the points of the duty cycle. Losses and
-    conductances depend on the temperatures, also through the clearances. If the parts would jam at the next
-    temperatures, the step is shortened. If they jam after the shortest step as well, the result has the losses before
-    that step and is not converged.
-    """
-    ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
-    temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
-    for _ in range(settings.rounds):
-        point_losses, network = _solve_losses(reducer, points, temperatures, capacities, settings)
-        losses, cold, previous = (_mean(points, point_losses), cold or point_losses, temperatures)
-        rises = network.rises(heat_by_node(reducer, losses))
-        temperatures = {part: ambient + rise for part, rise in rises.items()}
-        if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
-            has_converged = True
-            break
-        step_size = 1.0
-        while step_size >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
-            step_size *= 0.5
-            temperatures = {part: 0.5 * (previous[part] + value) for part, value in temperatures.items()}
-        if step_size < settings.smallest_step:
-            break
-    final = {part: ambient + rise for part, rise in rises.items()}
-    return _Steady(final, losses, network, has_converged, cold or point_losses, point_losses, previous["disc"])
-
-
-def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
-    """Return whether the parts jam at temperatures [°C], or are hotter than the rounds allow."""
-    if max(temperatures.values()) > settings.hottest or design.layout == RvReducer.LAYOUT:
-        return max(temperatures.values()) > settings.hottest
-    hot_design = at_temperatures(design, temperatures)
-    return tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
-
-
-def _solve_losses(
-    reducer: Reducer,
-    points: Sequence[DutyPoint],
-    temperatures: Mapping[str, float],
-    capacities: Mapping[str, float],
-    settings: ThermalSettings,
-) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses [W] by source at each point of a duty cycle, and the thermal network at the largest torque.
-
-    Parameters
-    ----------
-    points
-        Points of the duty; their shares of time are not used.
-    temperatures
-        Temperature of each part [°C].
-    capacities
-        Heat capacity of each node of the network [J/K].
-    settings
-        Number of crank angles.
-    """
-    if isinstance(reducer, RvReducer):
-        return solve_rv_losses(reducer, points, temperatures, capacities, settings.crank_angles)
-    loadings = [
-        solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
-        for point in points
-    ]
-    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    point_losses = tuple(mean_losses(reducer, [loading]) for loading in loadings)
-    return point_losses, build_network(reducer, worst, temperatures["housing"], capacities)
-
-
-def _mean(points: Sequence[DutyPoint], by_point: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the mean losses of a duty by source [W] from those at each of its points."""
-    return {
-        source: sum(point.share * losses[source] for point, losses in zip(points, by_point, strict=True))
-        for source in by_point[0]
-    }
-
-
-def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings: ThermalSettings) -> TemperatureCourse:
+def _solve_warm_up(
+    reducer: Reducer, duty: Duty, steady_state: SteadyState, settings: ThermalSettings
+) -> TemperatureCourse:
     """Compute the temperature rises of the parts [K] over time [s] from a start at the temperature of the air.
 
     The losses at each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
@@ -290,7 +132,7 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     duration = settings.time_constants * steady_state.network.time_constant
     cycle = duty.period if len(duty.points) > 1 else duration
     reference = design.thermal.disc
-    span = steady_state.warm_temperature - reference
+    span = steady_state.warm_temperatures["disc"] - reference
     cold_losses = steady_state.cold if steady_state.converged else steady_state.warm
     loss_pairs = iter(zip(cold_losses, steady_state.warm, strict=True))
     heating = []
@@ -336,7 +178,7 @@ class _TorqueLimit:
 def _find_torque_limit(
     reducer: Reducer,
     points: Sequence[DutyPoint],
-    steady_state: _Steady,
+    steady_state: SteadyState,
     tightest: TightestTime | None,
     settings: ThermalSettings,
 ) -> _TorqueLimit:
@@ -359,7 +201,7 @@ def _find_torque_limit(
         Settings of the search.
     """
     max_torque, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
-    loaded_losses = _mean(points, steady_state.warm if steady_state.converged else steady_state.cold)
+    loaded_losses = mean_of_points(points, steady_state.warm if steady_state.converged else steady_state.cold)
     growth_by_source = _loss_growth(reducer, points, steady_state, loaded_losses, settings)
     factor, name = _find_scale_limit(
         reducer,
@@ -388,7 +230,7 @@ def _find_torque_limit(
 def _loss_growth(
     reducer: Reducer,
     points: Sequence[DutyPoint],
-    steady_state: _Steady,
+    steady_state: SteadyState,
     losses: Mapping[str, float],
     settings: ThermalSettings,
 ) -> dict[str, float]:
@@ -400,13 +242,13 @@ def _loss_growth(
     """
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
-        temperatures = steady_state.temperatures
+        temperatures = dict(steady_state.temperatures)
     nominal_ratio = reducer.design.rated_torque / max(abs(point.torque) for point in points)
     factors = [settings.light_load] if 0.5 <= nominal_ratio <= 2.0 else [nominal_ratio, settings.light_load]
     for factor in factors:
         scaled_points = [replace(point, torque=factor * point.torque) for point in points]
         try:
-            point_losses, _ = _solve_losses(
+            point_losses, _ = solve_losses(
                 reducer, scaled_points, temperatures, steady_state.network.capacities, settings
             )
         except RunError:
@@ -416,7 +258,7 @@ def _loss_growth(
         break
     return {
         source: (changed_loss - losses[source]) / (factor - 1.0)
-        for source, changed_loss in _mean(points, point_losses).items()
+        for source, changed_loss in mean_of_points(points, point_losses).items()
     }
 
 
@@ -447,7 +289,7 @@ def _find_scale_limit(
     reducer: Reducer,
     scale_duty: Callable[[float], Sequence[DutyPoint]],
     growth: Mapping[str, float],
-    steady_state: _Steady,
+    steady_state: SteadyState,
     largest_corrected: float,
     settings: ThermalSettings,
 ) -> tuple[float, str]:
@@ -482,10 +324,10 @@ def _find_scale_limit(
             break
         points = scale_duty(scale)
         try:
-            point_losses, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
+            point_losses, network = solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
         except RunError:
             break
-        losses = _mean(points, point_losses)
+        losses = mean_of_points(points, point_losses)
         limit = _find_loss_factor_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
         excess = 1.0 / limit.factor - 1.0  # relative; linear in the factor where losses are
         scale_step = (limit.factor - 1.0) * (sum(losses.values()) / loss_slope if loss_slope > 0.0 else scale)
@@ -502,7 +344,7 @@ def _find_scale_limit(
 
 
 def _estimate_scale_limit(
-    reducer: Reducer, steady_state: _Steady, growth: Mapping[str, float], settings: ThermalSettings
+    reducer: Reducer, steady_state: SteadyState, growth: Mapping[str, float], settings: ThermalSettings
 ) -> "_LossLimit":
     """Return the factor on torque or speed at which a thermal limit is reached, for losses linear in the factor.
 
@@ -564,7 +406,7 @@ def _find_loss_factor_limit(
     return _LossLimit(factor, tightest_margin(factor)[1], temperatures_at(settings.approach * factor))
 
 
-def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
+def _assumptions(reducer: Reducer, steady_state: SteadyState) -> Iterator[str]:
     """Yield the assumptions of a computation of steady temperatures, a sentence each.
 
     `steady_state` is its result.
@@ -594,68 +436,4 @@ def _friction_text(reducer: Reducer) -> str:
     return (
         f"friction: film of {design.friction.lubricant} at the temperature of the parts in contact; bearings of shaft "
         "and output by mu F d/2"
-    )
-
-
-def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the temperature difference of disc and ring [K] against that at which the teeth jam.
-
-    `loadings` are the solved forces at each point of the duty; with rests (``service.duty_share``), the difference is
-    the mean over running and rest. Losses and conductances are computed at 20 °C, without the iteration of `thermal`.
-    """
-    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
-    rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
-    running_part = running_share(reducer, loadings)
-    difference, limit = running_part * (rises["disc"] - rises["ring"]), jam_difference(reducer.design)
-    yield RatedItem(
-        "jam_difference",
-        "disc warmer than the ring",
-        difference,
-        limit,
-        "K",
-        limit / difference if difference > 0.0 else math.inf,
-        None,
-        "thermal network; limit: play/(alpha (E - rho)) of the teeth",
-        f"{'' if running_part == 1.0 else f'running for {running_part:.0%} of the time, mean of the cycles; '}"
-        "conductances of grease, bearings and joints are assumed ([thermal]); all temperatures: `cycloid-mj thermal`",
-    )
-
-
-def rate_thermal_limits(design: Design, duty: Duty) -> Iterator[RatedItem]:
-    """Rate heat: the largest torque of a duty [N m] against the torque that the steady temperatures allow.
-
-    For an RV reducer, which `rate_heat` does not support, the housing temperature [°C] is rated too.
-
-    Raises
-    ------
-    DesignError
-        The crank does not turn.
-    RunError
-        No static equilibrium exists under a torque of the duty.
-    """
-    state = thermal(design, duty)
-    torque = max(abs(point.torque) for point in duty.points)
-    yield RatedItem(
-        "thermal_torque",
-        "thermal torque limit",
-        torque,
-        state.torque,
-        "N m",
-        state.torque / torque,
-        None,
-        f"steady state of the thermal network; limit: {state.limited_by}",
-        f"disc {state.difference:.3g} K warmer than the ring, {state.jam_difference:.3g} K close the teeth; up to "
-        f"{state.speed / RPM:.4g} rpm at this torque; conductances are assumed ([thermal]): see `cycloid-mj thermal`",
-        ItemKind.HEAT,
-    )
-    if design.layout != RvReducer.LAYOUT:
-        return
-    reducer, housing = reducer_of(design), max(state.temperatures["housing"], state.peaks["housing"])
-    yield rate_housing_temperature(
-        reducer,
-        housing,
-        "thermal network with the losses of the duty",
-        f"{sum(state.losses.values()):.3g} W at h = {heat_transfer_coefficient(reducer, housing):.3g} W/(m2 K) "
-        f"(assumed); {state.condition}",
     )

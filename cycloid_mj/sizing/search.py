@@ -171,7 +171,8 @@ def rate_drive(
         The drive, and its output torque [N m].
     sample
         Index of the tolerance sample that determines the tooth forces; emergency stops and joints of metal drives are
-        then left out. By default, the tooth forces are the governing ones within the tolerances, as in `rate`.
+        then left out, and heat is rated with the friction at 20 °C instead of that in the steady state, which would
+        take three times as long. By default, the rating is that of `rate`, within the tolerances.
     poses
         Number of crank angles of a turn at which tooth forces are computed.
     """
@@ -182,7 +183,15 @@ def rate_drive(
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
         parts: Parts = "toleranced" if zones and sample is None else "perfect"
         with_stops = sample is None or Material(name=requirement.made_of).is_plastic
-        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, stops=with_stops, parts=parts)
+        rating = rate(
+            design,
+            requirement.duty_at(torque),
+            requirement.life,
+            poses=poses,
+            stops=with_stops,
+            parts=parts,
+            steady=sample is None,
+        )
         low, high = casing(loaded, requirement.motor).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
         if requirement.backlash < math.inf:

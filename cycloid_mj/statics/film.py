@@ -5,6 +5,7 @@ journal bearings. A free pin rolls on the disc while its seat has less friction 
 stops. Rolling bearings have Palmgren's friction torques M0 and M1.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -373,11 +374,14 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     )
 
 
-def lubricant_temperature(reducer: Reducer, pair: str) -> float:
-    """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of both parts."""
-    thermal = reducer.design.thermal
+def lubricant_temperature(reducer: Reducer, pair: str, temperatures: Mapping[str, float] | None = None) -> float:
+    """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of both parts.
+
+    `temperatures` are those of the parts [°C], by default those of the design.
+    """
+    thermal = vars(reducer.design.thermal) if temperatures is None else temperatures
     part, other_part = PART_OF_PAIR.get(pair, ("disc", "ring"))
-    return 0.5 * float(getattr(thermal, part) + getattr(thermal, other_part))
+    return 0.5 * float(thermal[part] + thermal[other_part])
 
 
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
@@ -409,7 +413,7 @@ def film_text(reducer: Reducer) -> str:
     design = reducer.design
     if not design.has_film:
         return design.friction.words
-    return f"{design.friction.words} at {lubricant_temperature(reducer, design.tooth_pair):g} °C"
+    return f"{design.friction.words} at {lubricant_temperature(reducer, design.tooth_pair):.4g} °C"
 
 
 def film_assumption(reducer: Reducer) -> str:

@@ -281,6 +281,15 @@ def test_thermal_expansion_changes_clearances() -> None:
     rise = found.items["temperature"].value - 20.0
     assert item.value == pytest.approx(-1e6 * rise * clearance_growth(Reducer(plastic), "pin_gear"))
     assert item.safety == pytest.approx(item.limit / item.value)
+    assert item.limit == pytest.approx(1e6 * (plastic.clearance.pin_gear + plastic.clearance.pin_socket))
+    assert "clearance of pin socket" in item.note
+    fixed = rate(override(plastic, {"drive.torque_nm": 0.1, "ring.pins": "fixed"})).items["pin_gear_hot_clearance"]
+    assert fixed.limit == pytest.approx(1e6 * plastic.clearance.pin_gear)
+    grown = override(plastic, {"pin_material.name": "POM", "drive.torque_nm": 0.1})
+    by_pins = clearance_growth(Reducer(grown), "pin_gear") + clearance_growth(Reducer(grown), "pin_socket")
+    swollen = rate(grown).items
+    rise = swollen["temperature"].value - 20.0
+    assert swollen["pin_gear_hot_clearance"].value == pytest.approx(-1e6 * rise * by_pins)
     assert found.items["temperature"].limit == 90.0
     assert found.items["cam_hot_clearance"].safety == math.inf
 

@@ -10,10 +10,12 @@ from commands import told
 from designs import CENTRAL, cases
 
 import cycloid_mj as cm
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Material, override
+from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
-from cycloid_mj.life import datasheet
+from cycloid_mj.life import datasheet, steady_state
 from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
 from cycloid_mj.life.heat import cooling_area, still_air_coefficient
 from cycloid_mj.life.loading import solve_loading
@@ -21,6 +23,7 @@ from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_course import HeatingPoint, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, build_network, line_contact_conductance
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import sheet, sheet_part
 
 STEEL = Material(name="alloy steel")
 
@@ -267,6 +270,55 @@ def test_a_rating_and_a_sheet_state_the_thermal_torque() -> None:
     rows = {row.key: row for row in datasheet._thermal_rows(Reducer(PRESETS["pin"]))}
     assert rows["thermal_torque"].value == pytest.approx(state.torque)
     assert rows["disc_over_ring"].value == pytest.approx(state.difference)
+
+
+def test_rate_and_data_sheet_have_the_steady_state_of_film_friction() -> None:
+    """The second method: `rate` at the temperatures of `thermal`, set in the design. At 20 °C, `pin` loses 39.6 W."""
+    design = override(PRESETS["pin"], ["friction.law=film"])
+    state, items = thermal(design), cm.rate(design, stops=False).items
+    assert items["power_lost"].value == pytest.approx(sum(state.losses.values()), rel=1e-12)
+    assert items["temperature"].value == pytest.approx(state.temperatures["housing"], rel=1e-12)
+    assert items["jam_difference"].value == pytest.approx(state.difference, rel=1e-12)
+    assert "steady temperatures: disc 81.9, " in items["power_lost"].note
+    set_by_hand = design.but(thermal=dict(state.temperatures))
+    hand = cm.rate(set_by_hand, stops=False).items
+    assert items["power_lost"].value == pytest.approx(hand["power_lost"].value, rel=5e-3)
+    assert items["power_lost"].value < 0.65 * cm.rate(design, stops=False, steady=False).items["power_lost"].value
+    rows = {row.key: row for row in datasheet._efficiency_rows(Reducer(design), sheet(Reducer(design)))}
+    static = sheet_part(Reducer(set_by_hand), "losses", design.rated_torque)["efficiency"]
+    assert rows["efficiency"].value == pytest.approx(static.value, abs=0.05)
+    assert rows["drive_efficiency_percent"].value < rows["efficiency"].value
+    assert "at 80.7" in rows["efficiency"].note
+    assert rows["temperature_rise"].value == pytest.approx(state.temperatures["housing"] - 20.0, rel=1e-12)
+
+
+def test_oil_in_bearings_has_the_steady_temperature_at_most_the_permissible() -> None:
+    """`pin` runs at 84.3 °C between crank and disc; `twodisc` would reach 200 °C, its grease withstands 100 °C."""
+    oil = lubricant("lithium grease 100")
+    for name, temperature in (("pin", 84.3), ("twodisc", 100.0)):
+        design = override(PRESETS[name], ["friction.law=film"])
+        note = cm.rate(design, stops=False).items["cam_bearing_modified"].note
+        viscosity = float(note.partition(" = ")[2].partition(" mm2/s")[0])
+        assert viscosity == pytest.approx(oil.kinematic_viscosity(temperature), rel=0.01), name
+
+
+def test_temperatures_without_equilibrium_count_as_a_jam(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Errors of the parts jam a drive before its clearances are lost: steps to such temperatures are halved."""
+    solve = steady_state.solve_losses
+
+    def jams_above_40_degrees(
+        reducer: Reducer, points: object, temperatures: dict[str, float], *others: object
+    ) -> object:
+        if temperatures["disc"] > 40.0:
+            raise RunError("no equilibrium")
+        return solve(reducer, points, temperatures, *others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(steady_state, "solve_losses", jams_above_40_degrees)
+    design = override(PRESETS["pin"], ["friction.law=film", "service.ambient_temperature_c=21"])
+    state = steady_state.solve_steady_state(Reducer(design), constant_duty(30.0, design.drive.speed))
+    assert not state.converged
+    assert 30.0 < state.warm_temperatures["disc"] <= 40.0
+    assert state.words.endswith("beyond which the parts jam")
 
 
 def test_a_constant_duty_ends_at_its_steady_temperatures() -> None:

@@ -1,0 +1,252 @@
+"""Steady temperatures of the parts of a drive under a duty, where losses, temperatures and clearances agree."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.design import Design
+from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
+from cycloid_mj.geometry.expansion import at_temperatures, tooth_play, warm_clearances
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
+from cycloid_mj.life.heat import heat_limits, mean_losses
+from cycloid_mj.life.loading import solve_loading
+from cycloid_mj.life.rv_thermal import solve_rv_losses
+from cycloid_mj.life.thermal_network import Network, build_network, heat_by_node, heat_capacities
+from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.reducer.reducer import Drive
+from cycloid_mj.statics.film import state_seals
+from cycloid_mj.statics.springs import POSES
+
+
+@dataclass(frozen=True)
+class ThermalSettings:
+    """Settings of the fixed point of losses and temperatures, and of the search for the limits.
+
+    Attributes
+    ----------
+    tolerance
+        Change of every temperature in a round at which it ends [K]; far below what the assumed conductances leave open.
+    rounds
+        Largest number of rounds.
+    hottest
+        Temperature at which the rounds end [°C], as the largest of a design file: no drive gets so hot.
+    largest
+        Largest multiple of torque or speed that is searched.
+    solved, corrections, resolution
+        Up to this multiple of the duty or of the nominal torque, a limit is corrected by the losses there, so many
+        times at most, or until the losses and the limit change by no more than the relative resolution.
+    approach
+        Share of the temperature rises at a limit at which these losses are computed: the parts do not yet jam.
+    smallest_step
+        Smallest share of the way to the temperatures of the next round if the parts would jam there.
+    crank_angles
+        Number of crank angles of the losses and conductances.
+    samples, time_constants
+        Steps of the warm-up, and its duration over the slowest time constant.
+    duty_shares
+        Shares of the time of intermittent duties (S3) whose torque limit is reported: those of IEC 60034-1.
+    light_load
+        Load over that of the duty which, with the duty's own, determines how losses grow with the torque. The nominal
+        torque is used instead if it is less than half or more than twice the torque of the duty.
+    """
+
+    tolerance: float = 0.05
+    rounds: int = 12
+    hottest: float = 300.0
+    largest: float = 100.0
+    solved: float = 3.0
+    corrections: int = 8
+    resolution: float = 0.01
+    approach: float = 0.99
+    smallest_step: float = 0.125
+    crank_angles: int = POSES
+    samples: int = 120
+    time_constants: float = 4.0
+    duty_shares: tuple[float, ...] = (0.15, 0.25, 0.4, 0.6, 1.0)
+    light_load: float = 0.25
+
+
+SETTINGS = ThermalSettings()
+
+
+def turning_points(design: Design, duty: Duty) -> tuple[DutyPoint, ...]:
+    """Return the points of a duty cycle at which the crank turns; raise DesignError if there are none."""
+    points = tuple(point for point in duty.points if point.speed)
+    if not points:
+        raise DesignError(
+            f"{design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed "
+            "other than 0, such as 1640 rpm"
+        )
+    return points
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """Temperatures, losses and network of a steady state.
+
+    Attributes
+    ----------
+    temperatures
+        Temperature of each part [°C].
+    losses
+        Mean losses of the duty by source [W], with its rests.
+    network
+        Conductances, and heat capacities of the parts at 20 °C.
+    converged
+        Whether losses and temperatures agree.
+    cold, warm
+        Losses by source while the drive is at each point of the duty [W], at 20 °C and at the temperatures of `losses`.
+    warm_temperatures
+        Temperature of each part at which `losses` were computed [°C]; those of the last round without a jam if the
+        result is not converged.
+    """
+
+    temperatures: Mapping[str, float]
+    losses: Mapping[str, float]
+    network: Network
+    converged: bool
+    cold: tuple[dict[str, float], ...]
+    warm: tuple[dict[str, float], ...]
+    warm_temperatures: Mapping[str, float]
+
+    @property
+    def difference(self) -> float:
+        """Difference of the temperatures of disc and ring [K]."""
+        return self.temperatures["disc"] - self.temperatures["ring"]
+
+    @property
+    def words(self) -> str:
+        """Temperatures at which the losses were computed, as a condition of results."""
+        text = ", ".join(f"{part} {value:.3g}" for part, value in self.warm_temperatures.items() if part != "housing")
+        return f"steady temperatures: {text} °C{'' if self.converged else ', beyond which the parts jam'}"
+
+
+def solve_steady_state(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> SteadyState:
+    """Solve for the steady losses and temperatures of the parts of a drive at 20 °C under a duty cycle.
+
+    A constant duty has rests if ``service.duty_share`` is below 1. The result is cached, so that all commands have the
+    same temperatures of a drive.
+
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
+    RunError
+        No static equilibrium exists at 20 °C.
+    """
+    points = turning_points(reducer.design, add_rests(duty, reducer.design.service.duty_share))
+    return _iterate_temperatures(state_seals(reducer), points, settings)
+
+
+def film_steady_state(reducer: Reducer, duty: Duty) -> SteadyState | None:
+    """Return the steady state whose temperatures determine the losses that `rate` and the data sheet state.
+
+    None stands for the temperatures of the design: with the friction law ``coulomb``, whose coefficients do not depend
+    on them; if ``[thermal]`` sets other temperatures than 20 °C; and if the sizes are those of warm parts.
+    """
+    thermal = reducer.design.thermal
+    if not reducer.design.has_film or thermal.applied or thermal.words:
+        return None
+    return solve_steady_state(reducer, duty)
+
+
+def oil_temperatures(reducer: Reducer, state: SteadyState | None) -> dict[str, float] | None:
+    """Return the temperatures of the parts [°C] for the viscosity of the oil in bearings; None without a steady state.
+
+    They are at most the permissible temperature of the drive (`heat_limits`): a hotter drive fails by heat, not by the
+    life of its bearings.
+    """
+    if state is None:
+        return None
+    hottest = min(limit.temperature for limit in heat_limits(reducer))
+    return {part: min(value, hottest) for part, value in state.warm_temperatures.items()}
+
+
+def at_steady_temperatures(reducer: Drive) -> Drive:
+    """Return a reducer at its steady temperatures under the nominal torque at the design's speed.
+
+    It is unchanged where `film_steady_state` has none. The temperatures are those of the losses, at which no part jams.
+    """
+    design = reducer.design
+    state = film_steady_state(reducer, constant_duty(design.rated_torque, design.drive.speed))
+    if state is None:
+        return reducer
+    return type(reducer)(at_temperatures(state_seals(reducer).design, state.warm_temperatures))
+
+
+@once
+def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> SteadyState:
+    """Solve for the steady state by fixed-point iteration from 20 °C, at the points of a duty at which the crank turns.
+
+    Losses and conductances depend on the temperatures, also through the clearances. If the parts jam at the next
+    temperatures, or have no equilibrium there, the step is shortened. If this is so after the shortest step as well,
+    the result has the losses before that step and is not converged.
+    """
+    ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
+    temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
+    point_losses, network = solve_losses(reducer, points, temperatures, capacities, settings)
+    cold, has_converged = point_losses, False
+    for remaining in range(settings.rounds, 0, -1):
+        losses = mean_of_points(points, point_losses)
+        steady = {part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()}
+        has_converged = max(abs(steady[part] - temperatures[part]) for part in HEATED) < settings.tolerance
+        step = 1.0
+        while not has_converged and step >= settings.smallest_step and remaining > 1:
+            following = {part: value + step * (steady[part] - value) for part, value in temperatures.items()}
+            with suppress(CycloidError):
+                if not _is_inadmissible(reducer.design, following, settings):
+                    point_losses, network = solve_losses(reducer, points, following, capacities, settings)
+                    break
+            step *= 0.5
+        else:
+            break
+        temperatures = following
+    return SteadyState(steady, losses, network, has_converged, cold, point_losses, temperatures)
+
+
+def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
+    """Return whether the parts jam at temperatures [°C], or are hotter than the rounds allow."""
+    if max(temperatures.values()) > settings.hottest or design.layout == RvReducer.LAYOUT:
+        return max(temperatures.values()) > settings.hottest
+    hot_design = at_temperatures(design, temperatures)
+    return tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
+
+
+def solve_losses(
+    reducer: Reducer,
+    points: Sequence[DutyPoint],
+    temperatures: Mapping[str, float],
+    capacities: Mapping[str, float],
+    settings: ThermalSettings,
+) -> tuple[tuple[dict[str, float], ...], Network]:
+    """Return the losses [W] by source at each point of a duty cycle, and the thermal network at the largest torque.
+
+    Parameters
+    ----------
+    points
+        Points of the duty; their shares of time are not used.
+    temperatures
+        Temperature of each part [°C].
+    capacities
+        Heat capacity of each node of the network [J/K].
+    settings
+        Number of crank angles.
+    """
+    if isinstance(reducer, RvReducer):
+        return solve_rv_losses(reducer, points, temperatures, capacities, settings.crank_angles)
+    loadings = [
+        solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
+        for point in points
+    ]
+    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    point_losses = tuple(mean_losses(reducer, [loading]) for loading in loadings)
+    return point_losses, build_network(reducer, worst, temperatures["housing"], capacities)
+
+
+def mean_of_points(points: Sequence[DutyPoint], point_losses: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the mean losses of a duty by source [W] from those at each of its points."""
+    return {
+        source: sum(point.share * losses[source] for point, losses in zip(points, point_losses, strict=True))
+        for source in point_losses[0]
+    }
