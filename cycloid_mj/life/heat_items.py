@@ -73,6 +73,15 @@ def rate_heat(
         f"at 8 to 15) on {1e4 * area:.3g} cm2, the outside of {_describe_cooled_outside(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C",
     )
+    yield from _rate_hot_clearances(reducer, temperature)
+
+
+def _rate_hot_clearances(reducer: Reducer, temperature: float) -> Iterator[RatedItem]:
+    """Rate the loss of clearance [um] of each kind of mating pair if all parts have a temperature [°C].
+
+    The clearance of the teeth includes that of moving pins in their seats.
+    """
+    design = reducer.design
     for kind in design.pair_kinds:
         clearance, growth, note = getattr(design.clearance, kind), clearance_growth(reducer, kind), ""
         if kind == design.tooth_pair and design.seat_pair:  # pins recede within their seats

@@ -1,7 +1,7 @@
 """The rating of a design for a duty cycle."""
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
 
@@ -19,7 +19,7 @@ from cycloid_mj.life.joints import rate_joints
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.rv import rate_rv
-from cycloid_mj.life.steady_state import film_steady_state, oil_temperatures
+from cycloid_mj.life.steady_state import estimate_temperatures, film_steady_state, oil_temperatures, warms_up
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
 from cycloid_mj.life.wear import rate_wear
@@ -58,7 +58,8 @@ def rate(
         Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
     steady
         Whether, with the friction law ``film``, losses, temperatures and viscosity of the oil are those of the steady
-        state. Otherwise, and if ``[thermal]`` sets temperatures, they are those at the temperatures of the design.
+        state. Otherwise, losses are those at 20 °C, and the temperature of the oil is estimated by them (RV reducer:
+        20 °C). If ``[thermal]`` sets temperatures, all are at these temperatures.
 
     Returns
     -------
@@ -88,7 +89,7 @@ def rate(
         return _merge_sample_ratings(design.name, ratings, samples.words)
     if isinstance(reducer, RvReducer):
         state = film_steady_state(reducer, duty) if steady else None
-        rating = rate_rv(reducer, duty, life, oil_temperatures(reducer, state))
+        rating = rate_rv(reducer, duty, life, oil_temperatures(reducer, state.temperatures) if state else None)
         return _add_thermal_limits(rating, design, duty) if compliance else rating
     return _rate_parts(reducer, duty, life, ranges, compliance, poses, stops, steady)
 
@@ -195,7 +196,10 @@ def _rate_all_items(
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     state = film_steady_state(reducer, duty) if steady else None
-    temperatures = oil_temperatures(reducer, state)
+    temperatures: Mapping[str, float] | None = None
+    if warms_up(reducer.design):
+        steady_temperatures = state.temperatures if state else estimate_temperatures(reducer, loadings)
+        temperatures = oil_temperatures(reducer, steady_temperatures)
     by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak, temperatures),
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),

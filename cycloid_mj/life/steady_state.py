@@ -9,8 +9,8 @@ from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
-from cycloid_mj.life.heat import heat_limits, mean_losses
-from cycloid_mj.life.loading import solve_loading
+from cycloid_mj.life.heat import heat_limits, housing_temperature, mean_losses, running_share
+from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import solve_rv_losses
 from cycloid_mj.life.thermal_network import Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.reducer import Reducer, RvReducer, once
@@ -145,22 +145,34 @@ def film_steady_state(reducer: Reducer, duty: Duty) -> SteadyState | None:
     None stands for the temperatures of the design: with the friction law ``coulomb``, whose coefficients do not depend
     on them; if ``[thermal]`` sets other temperatures than 20 °C; and if the sizes are those of warm parts.
     """
-    thermal = reducer.design.thermal
-    if not reducer.design.has_film or thermal.applied or thermal.words:
-        return None
-    return solve_steady_state(reducer, duty)
+    return solve_steady_state(reducer, duty) if warms_up(reducer.design) else None
 
 
-def oil_temperatures(reducer: Reducer, state: SteadyState | None) -> dict[str, float] | None:
-    """Return the temperatures of the parts [°C] for the viscosity of the oil in bearings; None without a steady state.
+def warms_up(design: Design) -> bool:
+    """Return whether results with film friction depend on the steady state: the design sets no temperatures."""
+    return design.has_film and not (design.thermal.applied or design.thermal.words)
+
+
+def oil_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> dict[str, float]:
+    """Return the temperatures of the parts [°C] for the viscosity of the oil in bearings.
 
     They are at most the permissible temperature of the drive (`heat_limits`): a hotter drive fails by heat, not by the
     life of its bearings.
     """
-    if state is None:
-        return None
     hottest = min(limit.temperature for limit in heat_limits(reducer))
-    return {part: min(value, hottest) for part, value in state.warm_temperatures.items()}
+    return {part: min(value, hottest) for part, value in temperatures.items()}
+
+
+def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
+    """Estimate the steady temperatures of the parts [°C] by the losses at 20 °C: the first round of the iteration.
+
+    `loadings` are the solved forces at each point of a duty, at 20 °C.
+    """
+    losses, share = mean_losses(reducer, loadings), running_share(reducer, loadings)
+    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    network = build_network(reducer, worst, housing_temperature(reducer, share * sum(losses.values())))
+    rises, ambient = network.rises(heat_by_node(reducer, losses)), reducer.design.service.ambient_temperature
+    return {part: ambient + share * rise for part, rise in rises.items()}
 
 
 def at_steady_temperatures(reducer: Drive) -> Drive:
