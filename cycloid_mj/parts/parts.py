@@ -130,7 +130,7 @@ def roller_positions(reducer: Reducer) -> dict[str, tuple[str, Array]]:
 
 def crank_segments(reducer: Reducer) -> Mapping[str, Segment]:
     """Return the segments of the entire crank by name, balanced for mass properties; errors as `shaft_segments`."""
-    return _segments(reducer.shape)
+    return shaft_segments(reducer)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
@@ -155,11 +155,6 @@ def _output_with_rollers(reducer: Reducer) -> Solid:
     ]
     output = parts[names.OUTPUT]
     return Solid(names.OUTPUT, (*output.prisms, *rollers), output.density)
-
-
-@once
-def _segments(reducer: Reducer) -> Mapping[str, Segment]:
-    return shaft_segments(reducer)
 
 
 @once

@@ -17,7 +17,7 @@ from cycloid_mj.parts.gear import section_area
 from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.polygon import arc, area_moments
 from cycloid_mj.parts.prism import Solid
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
@@ -62,10 +62,17 @@ def shaft_segments(reducer: Reducer, chord_error: float | None = None) -> Mappin
     With one disc they are journal, counterweight (which includes the shaft), journal across the gap, and cam. With
     several discs they are journal, cam 1, neck with the spacer around it, cam 2 and so on. A crank of two discs in one
     piece has a collar, with the name of the spacer, instead of neck and spacer. A straddled shaft also has a journal
-    beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is explained in `crank_part`.
+    beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is explained in `crank_part`. The
+    result is cached.
     """
+    return _build_segments(reducer.shape, checked_chord_error(reducer, chord_error))
+
+
+@once
+def _build_segments(reducer: Reducer, chord_error: float) -> Mapping[str, Segment]:
+    """Build the segments of the crank for `shaft_segments`; `chord_error` [m] is explained in `crank_part`."""
     if reducer.design.gear.discs == 1:
-        crank_segments = _single_disc_crank(reducer, checked_chord_error(reducer, chord_error))
+        crank_segments = _single_disc_crank(reducer, chord_error)
     else:
         crank_segments = _multi_disc_crank(reducer)
     return {segment.name: segment for segment in crank_segments}

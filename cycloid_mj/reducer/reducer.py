@@ -123,10 +123,15 @@ class Reducer:
     def at_rated_load(self) -> Self:
         """Reducer `working_at` its own load, or at the nominal torque if it has no load.
 
-        With a preloaded ring, the larger of both torques is used.
+        With a preloaded ring, the larger of both torques is used. The result is cached.
         """
-        load, rated = abs(self.design.load.torque), self.design.rated_torque
-        return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
+
+        def loaded() -> Reducer | None:
+            load, rated = abs(self.design.load.torque), self.design.rated_torque
+            reducer = self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
+            return None if reducer.design == self.design else reducer
+
+        return cast("Self", self.kept("at_rated_load", loaded) or self)  # not cached on itself, as in `shape`
 
     @property
     def for_slices(self) -> Self:

@@ -10,7 +10,7 @@ from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
-from cycloid_mj.parts import crank_segments, mass_properties
+from cycloid_mj.parts import crank_segments, mass_properties, shaft_segments
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
 from cycloid_mj.parts.export.printing import separate_parts
@@ -78,3 +78,12 @@ def test_a_straddled_crank_ends_at_its_bearing_and_receives_the_motor_shaft(name
     assert min(end, sizes.face + sizes.motor.shaft_length) - start >= 1.5 * 2.0 * radius
     coupled = casing(reducer, "circle")
     assert coupled.journal == pytest.approx(crank_segments(reducer)["journal"].z0), "its end stays for a coupling"
+
+
+def test_the_segments_of_a_crank_are_built_once_for_all_loads() -> None:
+    """The balance of the counterweight took a seventh of the time of rating a drive in a search."""
+    reducer = Reducer(PRESETS["pin"])
+    segments = shaft_segments(reducer)
+    assert segments is shaft_segments(reducer.with_nominal_torque(1.0)) is crank_segments(reducer)
+    coarse = shaft_segments(reducer, 1e-4)
+    assert coarse["counterweight"].z0 != segments["counterweight"].z0

@@ -179,11 +179,12 @@ def test_cached_values_are_released_when_other_designs_are_used() -> None:
     try:
         one = Reducer(design)
         assert one.shape.shape.mechanism
-        kept = [weakref.ref(found.mechanism) for found in (one, one.shape)]
+        assert one.at_rated_load.at_rated_load.mechanism
+        kept = [weakref.ref(found.mechanism) for found in (one, one.shape, one.at_rated_load)]
         del one
         assert all(found() is not None for found in kept)
         for number in range(2 * reducer.CACHED_DESIGNS):
             assert Reducer(VARIANTS["nonpin"].but(name=f"other-{number}")).shape.share
-        assert [found() for found in kept] == [None] * 2
+        assert [found() for found in kept] == [None] * 3
     finally:
         gc.enable()

@@ -76,6 +76,13 @@ def test_an_unloaded_design_works_at_the_rated_load():
     assert Reducer(loaded(10.0)).at_rated_load.contacts.working_load == 10.0
 
 
+def test_the_reducer_at_the_rated_load_is_cached():
+    """A rating uses it some 80 times, and validated a design each time."""
+    reducer = Reducer(loaded(10.0))
+    assert reducer.at_rated_load is reducer.at_rated_load
+    assert reducer.at_rated_load.at_rated_load is reducer.at_rated_load
+
+
 @pytest.mark.parametrize("design", [PIN, NONPIN, loaded(RATED), override(NONPIN, ["working_force.cam_n=900"])])
 def test_a_run_states_its_working_forces(design):
     told = provenance(Reducer(design))["working_forces"]
