@@ -89,15 +89,15 @@ def build(
     files = model_files(reducer, settings)
     directory = claim_folder(out, "the model", files, output_flags.force)
     write_folder(files, directory)
-    figures = _surface_deviations(files[MANIFEST])
+    deviations = _surface_deviations(files[MANIFEST])
     if plain_coacd:
-        figures |= _measure_plain_coacd(reducer, seed)
-    rows = tuple(_tabulate_deviations(*item) for item in figures.items())
+        deviations |= _measure_plain_coacd(reducer, seed)
+    rows = tuple(_tabulate_deviations(*item) for item in deviations.items())
     outcome = Outcome(
         title=f"model: {reducer.design.name}",
         text=[str(directory / SCENE)],
         tables=[Table("convex pieces against the true surfaces [um]", HEADER, rows)],
-        result={"scene": str(directory / SCENE), "files": sorted(files), "quality": figures},
+        result={"scene": str(directory / SCENE), "files": sorted(files), "quality": deviations},
     )
     return deliver(outcome, Destination("model", None, page), output_flags)
 

@@ -283,7 +283,11 @@ def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
 
 
 def _list_length(reducer: RvReducer, field: str) -> int:
-    """Return the number of values in the error field named `field` of a design; 0 if it is a number, not a list."""
+    """Return how many values the field `field` of the manufacturing errors needs in a design.
+
+    There is one value for each ring pin, for each crank, or for each crank and disc; 0 denotes a field that is a single
+    number.
+    """
     if field in PIN_FIELDS:
         return reducer.design.ring.teeth
     if isinstance(CrankErrors.model_fields[field].default, float):

@@ -357,8 +357,8 @@ class _Log:
         KeyboardInterrupt
             The computation was interrupted before the first step.
         """
-        records = self._drive.settings.records
-        record_times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
+        record_count = self._drive.settings.records
+        record_times = (self._hours * (np.arange(1, record_count + 1) / record_count) ** 2).tolist()
         hours: list[float] = []
         lost_motions: list[float] = []
         end_reason = f"{self._hours:g} h are over"

@@ -710,7 +710,7 @@ def _rate_press_fit(
 def _pin_press_fit(reducer: Reducer, seat: tuple[float, float, str, Material]) -> tuple[strength.PressFit, float]:
     """Return the press fit of a pin in its hole, and the largest pressure [Pa] that the material around it withstands.
 
-    `seat` is as for `_rate_press_fit`.
+    `seat` has radius and length of the fit [m], the name of the part that the pin is, and the material of the hole.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)

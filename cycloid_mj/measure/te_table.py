@@ -197,10 +197,12 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
 def _cause_quantities(
     reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics, turns: int
 ) -> Iterator[Quantity]:
-    """Yield the rms value of the orders of each cause [arcsec], with its strongest order in the note.
+    """Yield the rms transmission error [arcsec] in the orders of each cause, such as the meshing of teeth.
 
-    `traces` and `statics` are the simulated and static errors by condition over crank `turns`; `finer` are runs with
-    half the time step, by load and pace.
+    There is one quantity for each condition (load and speed) and each cause; its note has the strongest order.
+    `traces` and `statics` are the simulated and static errors by condition over crank `turns`; the static value is the
+    reference. `finer` are runs with half the time step, from which the numerical error follows; without them it is
+    None.
     """
     turns_text = f"{turns} of {reducer.design.lobes} crank turns"
     neighbour_note = (

@@ -298,7 +298,9 @@ class FilmContacts:
         return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
-        """Compute the friction of all lubricated contacts under known normal forces.
+        """Compute the friction coefficients of all lubricated contacts under known normal forces.
+
+        The result also has the state of each sliding contact (`MixedFriction`), and which free pins roll on the disc.
 
         Parameters
         ----------
@@ -308,12 +310,15 @@ class FilmContacts:
         cam
             Magnitude of the force of each of D cams [N], shape (m, D).
         """
-        tooth_friction, rolls = self.surfaces.smaller_friction(teeth)
+        tooth_friction, pin_rolls = self.surfaces.smaller_friction(teeth)
         output_friction = self.surfaces.output_friction(output)
-        rolling = self.surfaces.reducer.design.friction_of("output")
-        coefficient = rolling if output_friction is None else output_friction.coefficient
-        contacts = np.concatenate([tooth_friction.coefficient, np.broadcast_to(coefficient, output.shape)], axis=1)
-        return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
+        roller_coefficient = self.surfaces.reducer.design.friction_of("output")
+        output_coefficient = roller_coefficient if output_friction is None else output_friction.coefficient
+        coefficients = np.concatenate(
+            [tooth_friction.coefficient, np.broadcast_to(output_coefficient, output.shape)], axis=1
+        )
+        mean_cam_friction = self.surfaces.mean_cam_friction(cam)
+        return FilmFriction(coefficients, mean_cam_friction, tooth_friction, output_friction, pin_rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
         """Compute the friction of all lubricated contacts under the ideal peak forces at the design's load.
