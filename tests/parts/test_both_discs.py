@@ -15,7 +15,7 @@ from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import assembly_order, casing
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.casing_rules import hub_shoulders
-from cycloid_mj.parts.export.drive import drive_length
+from cycloid_mj.parts.export.drive import TURNING, casing_inertia, drive_length
 from cycloid_mj.parts.export.insertion import assembly_moves
 from cycloid_mj.reducer import Reducer
 
@@ -80,6 +80,18 @@ def test_bearings_on_both_sides_carry_a_larger_tilting_moment_in_a_shorter_drive
     assert wide.moment > 5.0 * narrow.moment
     assert wide.tilting_stiffness() > (26.0 / 12.0) ** 2 * narrow.tilting_stiffness()
     assert drive_length(both) < drive_length(one_sided)
+
+
+def test_the_second_disc_with_its_bearing_seat_is_in_the_inertia(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its radius grows from that of the rim to 30 and 32.7 mm: pi rho r^4 h/2 of both cylinders less that disc."""
+    reducer = drive("pin")
+    whole = casing_inertia(reducer)
+    monkeypatch.setitem(TURNING, "output", ("output", "output_flange"))
+    missing = (whole - casing_inertia(reducer)) * reducer.design.reduction**2
+    sizes, density = casing(reducer), reducer.design.material_of("output").density
+    inner, outer, rim = hub_shoulders(sizes.hub)[0], 0.5 * sizes.hub.bore, sizes.rim
+    by_hand = 0.5 * math.pi * density * (2e-3 * inner**4 + 10e-3 * outer**4 - 12e-3 * rim**4)
+    assert missing == pytest.approx(by_hand, rel=0.01)
 
 
 def test_forces_on_both_bearings_balance_those_of_discs_and_shaft() -> None:
