@@ -87,7 +87,8 @@ def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Arra
     poses_by_part = {names.SUN: _pose(x, y, angle)}
     for crank in crank_names(reducer):
         centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).position, (carrier.size, 2)), carrier)
-        poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], carrier + columns[crank_joint(crank)])
+        crank_angle = usable(carrier) + usable(columns[crank_joint(crank)])
+        poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], crank_angle)
     return poses_by_part
 
 
