@@ -99,7 +99,11 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
-    """Run all checks of a design at its load; return the failed checks, the warnings and a summary as JSON values."""
+    """Run all checks of a design at its load; return the failed checks, the warnings and a summary as JSON values.
+
+    ``failed`` has the failed checks and warnings, ``count`` is the number of all checks, and ``judgement`` the gravest
+    verdict; ``words`` is the summary.
+    """
     loaded_reducer = at_load(reducer)
     results = check_reducer(loaded_reducer)
     return {

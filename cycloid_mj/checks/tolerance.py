@@ -57,9 +57,10 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
 def _check_error(
     reducer: Reducer, name: str, quantity: str, error: float, pair: str, available_clearance: float
 ) -> Iterator[Check]:
-    """Yield the check that an error [m] is at most the `available_clearance` clearance [m]; nothing without an error.
+    """Yield the check that a manufacturing error [m] is at most `available_clearance` [m]; nothing without an error.
 
-    `pair` is the kind of pair whose clearance the remedy increases, `quantity` what deviates, in words.
+    `name` is that of the check, `pair` the kind of pair whose clearance the remedy increases, and `quantity` what
+    deviates, in words.
     """
     if error == 0.0:
         return

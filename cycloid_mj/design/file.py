@@ -161,6 +161,7 @@ class Base:
 def base_design(tables: Mapping[str, Any], source: str) -> Base:
     """Return the preset that the table ``[base]`` of a design file names, scaled to the file's pin circle if requested.
 
+    The result has the preset's name, its design, and the factor on its lengths, which is None if they are not scaled.
     `tables` are those of the file, and `source` names it in errors. Raises DesignError if ``preset`` is not the name of
     a preset, ``scaled`` is not true or false, or there is another key.
     """

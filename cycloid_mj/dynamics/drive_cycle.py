@@ -79,7 +79,7 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 
 
 def braked_output(model: Held, reducer: Reducer, torque: Signal) -> DriveCycle:
-    """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank.
+    """Return a drive cycle with a torque on the crank, and the constant output speed of the design's crank speed.
 
     The servo of the `model` must be on the output: ``build(design, held="output")``. The crank starts at angle 0 and at
     full speed; `torque` is a function of the times (n,) [s], with values [N m].

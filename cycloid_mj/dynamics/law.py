@@ -83,7 +83,7 @@ class SolverParameters:
 def contact_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactParameters:
-    """Compute the law of a contact between two bodies with an effective mass.
+    """Compute the parameters of the law of a contact: a spring, a damper and friction between two bodies.
 
     Parameters
     ----------
@@ -122,14 +122,14 @@ def contact_law(
 def settling_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactParameters:
-    """Compute the law of a contact that settles within a step that is too long to follow its oscillation.
+    """Compute the parameters of the law of a contact for a time step that is too long to follow its oscillation.
 
     Parameters are those of `contact_law`: stiffness K [N/m], damping ratio [1], effective mass [kg], friction
-    coefficient [1], creep [N s/m] and time step dt [s]. With such a step, the method of Fox and Goodwin would oscillate
-    and lift light parts off their seats. This law is implicit Euler instead (Hairer and Wanner, Solving Ordinary
-    Differential Equations II, IV.3). The force f at the end of the step follows from the gap r, speed v and
-    acceleration a: f = -K (r + dt v + dt^2 a) - C (v + dt a). In MuJoCo's terms, the added mass 1/R is K dt^2 + C dt,
-    the damping is C + K dt, and the stiffness stays K.
+    coefficient [1], creep [N s/m] and time step dt [s]. The contact settles within a step. With such a step, the method
+    of Fox and Goodwin would oscillate and lift light parts off their seats. This law is implicit Euler instead (Hairer
+    and Wanner, Solving Ordinary Differential Equations II, IV.3). The force f at the end of the step follows from the
+    gap r, speed v and acceleration a: f = -K (r + dt v + dt^2 a) - C (v + dt a). In MuJoCo's terms, the added mass 1/R
+    is K dt^2 + C dt, the damping is C + K dt, and the stiffness stays K.
     """
     law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
     damping = law.damping + stiffness * timestep

@@ -220,7 +220,10 @@ def stiffness_ratio(law: ContactParameters, seconds: float) -> float:
 
 
 def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
-    """Yield a warning for each part whose rolling in its clearance the time step `timestep_s` [s] does not resolve."""
+    """Yield a warning for each part whose rolling in its clearance the time step `timestep_s` [s] does not resolve.
+
+    Such parts are the discs on their cams and moving pins in their seats (`rolling_limits`).
+    """
     for part, max_step in rolling_limits(reducer).items():
         if timestep_s > max_step * (1.0 + ROUNDING):
             yield (

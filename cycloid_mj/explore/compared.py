@@ -69,6 +69,7 @@ class RunPlan:
     ) -> list[Trial]:
         """Return a `Trial` for each of `designs` with a changed parameter: the measured quantities of all its runs.
 
+        A trial has the quantities of the first run, and those of its repetitions.
         Each design has several runs, from independent initial states. In `self.starts`, these are copies of the design
         with gravity in other directions. `variation` is the change of a parameter of all of them. `measures_by_design`
         has the measured quantities of each run, by the copy of the design after the variation.

@@ -84,7 +84,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     zones
         Its tolerances by key.
     seed
-        Random seed of the study.
+        Random seed of the tolerance study.
     jams
         Which of the study's first samples jam, shape (samples,); at least one.
     """

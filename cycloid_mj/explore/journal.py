@@ -36,7 +36,7 @@ def has_study(folder: Path, study: str) -> bool:
 
 
 def remove_study(folder: Path, study: str) -> None:
-    """Delete the plan and the results of the study named `study` in a folder, so that it can start again.
+    """Delete the plan and the results of a study ("sweep" or "optimize") in a folder, so that it can start again.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def remove_study(folder: Path, study: str) -> None:
 
 
 def create_folder(folder: Path) -> Path:
-    """Create the folder of a study unless it exists, and return its path; raise CycloidError if that fails."""
+    """Create the folder of a sweep or optimisation unless it exists; return its path, raise CycloidError on failure."""
     try:
         make_folder(folder)
     except OSError as problem:
@@ -75,7 +75,7 @@ class Journal:
         self._stream = stream
 
     def add(self, index: int, row: PointResult) -> None:
-        """Append the result of a point of a study to its file of rows.
+        """Append the result of a point of a sweep or optimisation to its file of rows.
 
         Parameters
         ----------
@@ -106,8 +106,8 @@ class Journal:
 def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
     """Open the record of a study in a folder, new or interrupted; a context manager that yields its `Journal`.
 
-    The record has a row for each evaluated point. The folder gets the study's plan, and a lock against other processes
-    for as long as the context is open.
+    A study is a sweep or an optimisation. The record has a row for each evaluated point. The folder gets the study's
+    plan, and a lock against other processes for as long as the context is open.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> I
 
 
 def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
-    """Return whether a folder already has this study: True for the same plan, False for an empty folder.
+    """Return whether a folder already has this sweep or optimisation: True for the same plan, False without a plan.
 
     `plan` identifies the study by its inputs and versions, and `study` is its name for messages.
 
@@ -177,9 +177,9 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
 
 @contextmanager
 def _lock_study(rows: Path, folder: Path, study: str) -> Iterator[None]:
-    """Lock the file `rows` of a study against other processes while the context is open.
+    """Lock the file `rows` of a sweep or optimisation against other processes while the context is open.
 
-    Raise UsageError if another process has locked it. `folder` and `study`, the name of the study, are for the message.
+    Raise UsageError if another process has locked it. `folder` and `study`, its name, are for the message.
     """
     try:
         release = lock_file(rows)
@@ -194,7 +194,7 @@ def _lock_study(rows: Path, folder: Path, study: str) -> Iterator[None]:
 
 
 def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Read the rows of a study from a file open for reading and writing, by index of the point from 0.
+    """Read the results of a sweep or optimisation from a file open for reading and writing, by index of the point.
 
     The first line of `stream` that is not valid, and all after it, are cut from the file. A line is incomplete if the
     process was killed while writing, or if the disk was full.

@@ -75,7 +75,8 @@ class Link:
     def apply(self, nominal: Reducer, reducer: Reducer) -> Design:
         """Set a key of the design that follows other keys, by its formula or rule, and return the new design.
 
-        `nominal` is the drive from which the study starts, `reducer` the drive at one point of it, with varied keys.
+        `nominal` is the drive from which a sweep or optimisation starts, `reducer` that at one of its points, with
+        varied keys.
 
         Raises
         ------
@@ -101,7 +102,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
     Parameters
     ----------
     reducer
-        The drive from which the study starts.
+        The drive from which the sweep or optimisation starts.
     requested
         Texts in the order in which the keys are set; a later formula may use an earlier key.
     varied_keys
@@ -157,8 +158,8 @@ def default_links(reducer: Reducer, requested: Iterable[Link], varied_keys: Iter
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
     """Set all keys of a design that follow other keys by their formulas, in order, and return the new design.
 
-    `links` are the keys with their formulas. `nominal` is the drive from which the study starts, `reducer` the drive at
-    one point of it, with varied keys.
+    `links` are the keys with their formulas. `nominal` is the drive from which a sweep or optimisation starts,
+    `reducer` that at one of its points, with varied keys.
 
     Raises
     ------

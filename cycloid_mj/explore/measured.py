@@ -46,7 +46,7 @@ class MeasuredFigures:
 
 
 def _columns_from_quantities(quantities: Iterable[Quantity], **other_fields: Any) -> MeasuredFigures:
-    """Return the values and units of quantities as columns of a study's table, by the name of the column.
+    """Return the values and units of quantities as columns of the table of a sweep, by their names.
 
     The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
     `other_fields` are the other fields of `MeasuredFigures`: assumptions and warnings.
@@ -62,7 +62,7 @@ def _columns_from_quantities(quantities: Iterable[Quantity], **other_fields: Any
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Compute all quantities of the static data sheet of a reducer, as columns of a study's table under their keys.
+    """Compute all quantities of the static data sheet of a reducer, as columns of a sweep's table under their keys.
 
     The keys are those of `cycloid_mj.figures.FIGURES`. The settings have no effect.
     """
@@ -148,7 +148,7 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Convert the results of all checks of a design to columns of a study's table; the settings have no effect.
+    """Convert the results of all checks of a design to columns of a sweep's table; the settings have no effect.
 
     The columns are the numbers of failed checks with the severity error and warning, the names of failed checks, and
     the values of checks that have a value. If no check with the severity error fails, the columns of

@@ -185,7 +185,7 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
 
 
 def parse_axis(key: str, requested_values: Wanted) -> Axis:
-    """Parse the values of a design key in a study: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
+    """Parse the values of a varied design key: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
 
     `requested_values` are in the unit of the design file, as values or text.
 
@@ -246,7 +246,7 @@ def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) ->
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """Return the values of a key of the design file in a study; `axis` is the list or the range of the key.
+    """Return the values of a varied key of the design file; `axis` is the list or the range of the key.
 
     A range has `Axis.count` evenly spaced values. With a count of 0, the values are both ends of the range; this
     applies to a range ``lo:hi``, of which `draw_points` draws samples.

@@ -283,10 +283,10 @@ def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
 
 
 def _list_length(reducer: RvReducer, field: str) -> int:
-    """Return how many values the field `field` of the manufacturing errors needs in a design.
+    """Return how many values the list `field` of manufacturing errors, such as ``bore_x``, needs in the design.
 
-    There is one value for each ring pin, for each crank, or for each crank and disc; 0 denotes a field that is a single
-    number.
+    There is a value for each ring pin, for each crank, or for each crank and disc. The result is 0 if `field` is a
+    single number instead of a list.
     """
     if field in PIN_FIELDS:
         return reducer.design.ring.teeth
@@ -297,8 +297,9 @@ def _list_length(reducer: RvReducer, field: str) -> int:
 
 
 def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
-    """Return the nominal errors of the error field named `field` [m], zeros for an empty list.
+    """Return the manufacturing errors that the nominal design has in the list `field` [m], zeros for an empty list.
 
+    `field` is a name such as ``bore_x``; if it is a single number, the result has one item.
     For positions of pins they include the errors that the design itself draws at random.
     """
     if field in PIN_FIELDS:

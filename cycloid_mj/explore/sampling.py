@@ -221,7 +221,7 @@ def has_design_file(reducer: Reducer, samples: Samples) -> Mask:
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
-    """Draw a sample of a study again, and return it as a design with its number in its name.
+    """Draw a sample of a tolerance study again, and return it as a design with its number in its name.
 
     The design lists the errors of each part, and has the clearances of the sample.
 

@@ -101,7 +101,10 @@ class Figure:
         return compute
 
     def as_json(self) -> dict[str, str | list[str]]:
-        """Convert the description of a catalogue quantity to JSON values: key, name, unit, definition and need."""
+        """Convert a quantity of the catalogue to JSON values: name, unit, definition, aliases, and ``need``.
+
+        The key is not included. ``need`` is the kind of computation that the quantity requires (`Need`).
+        """
         return {
             "name": self.name,
             "unit": self.unit,

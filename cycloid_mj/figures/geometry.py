@@ -66,9 +66,9 @@ def _make_entry(
 ) -> Figure:
     """Return the catalogue entry (`Figure`) of a quantity that depends on dimensions and materials only.
 
-    `function` computes the quantity from a reducer, or is the name of a function that does. `aliases` and `deprecated`
-    are further keys; `name`, `unit` and `definition` are texts for the user, `layouts` the types of reducer that have
-    the quantity.
+    `function` computes the quantity from a reducer, or is the name ``module:function`` of such a function. `aliases`
+    and `deprecated` are further keys; `name`, `unit` and `definition` are texts for the user, `layouts` the types of
+    reducer that have the quantity.
     """
     return Figure(
         key=key,

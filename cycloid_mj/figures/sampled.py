@@ -47,8 +47,9 @@ def solve_states(
 ) -> dict[State, SampleFigures]:
     """Solve for static equilibrium of many samples of a reducer, loaded and unloaded, without friction and weight.
 
-    A sample is a drive with its own manufacturing errors. `states` are those of `STATES` to solve for, and `angles` is
-    the number of crank angles over a turn. Inertia is negligible because the crank turns at `CREEP_SHARE` of its speed.
+    A sample is a drive with its own manufacturing errors. `states` are keys of `STATES`, each a torque on the output:
+    "loaded" is the nominal torque, "ahead" and "back" are small torques in either direction. `angles` is the number of
+    crank angles over a turn. Inertia is negligible because the crank turns at `CREEP_SHARE` of its speed.
 
     Returns
     -------
@@ -80,7 +81,8 @@ def _make_entry(key: str, name: str, unit: str, definition: str, sampled: Sample
     """Return the catalogue entry (`Figure`) of a quantity that can be computed for many random samples at once.
 
     For the design itself, it is computed from a single sample without random deviations.
-    Key, name, unit and definition are attributes of `Figure`; `sampled` computes the value.
+    Key, name, unit and definition are attributes of `Figure`. `sampled` names the states (torques) to solve for, and
+    computes the value from their equilibria.
     """
 
     def compute(reducer: Reducer) -> float:

@@ -204,7 +204,7 @@ def rate_bearings(
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Compute the friction loss of each bearing of shaft and output [W], by key.
+    """Compute the friction loss of the bearings of shaft and output [W], by their keys in `bearings_of`.
 
     `loading` has the solved forces. Bearings of cams and output rollers are left out, because statics includes their
     losses.

@@ -350,7 +350,8 @@ def _rating_rows(
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque [N m] of drives with errors within the tolerances; empty without tolerances.
 
-    They are extrapolated from the rating at the nominal torque for a `life` [h].
+    The drives are the samples at the percentile of the largest forces (`select_rated_samples`). Torques are
+    extrapolated from the rating at the nominal torque for a `life` [h].
     """
     design = reducer.design
     if not has_tolerances(reducer):

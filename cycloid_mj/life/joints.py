@@ -636,7 +636,10 @@ def _rate_second_disc(reducer: Reducer, loading: Loading, force_scale: float) ->
 
 
 def second_disc_seat(reducer: Reducer) -> "AxialSeat":
-    """Return the axial force that the press fits of all output pins in the second disc of the output transmit."""
+    """Return the axial force [N] that the press fits of all output pins in the second disc of the output transmit.
+
+    The result has the force at the mean interference, and a text with the fit and the range of the force.
+    """
     output, zones = reducer.design.output, output_pin_fit(reducer)
     disc = _material(reducer, names.SECOND_OUTPUT)
     fit, max_pressure = _pin_press_fit(reducer, (output.root_radius, output.disc_thickness, names.OUTPUT, disc))

@@ -143,7 +143,10 @@ class OutputBearings:
 
     @property
     def stiffness_note(self) -> str:
-        """Condition of the tilting stiffness, in words; without preload the stiffness with the usual clearance."""
+        """Return the conditions under which the tilting stiffness applies, in words: preload, plastic seats.
+
+        For bearings without preload, the text states the stiffness with the usual clearance [N m/arcmin] as well.
+        """
         seats = "" if math.isinf(self.seat_stiffness) else "; with the plastic of their seats"
         if self.bearing.contact_angle:
             bound = "; rollers alone, an upper bound" if self.bearing.has_tapered_rollers else ""
@@ -339,9 +342,10 @@ def balls_of(bearing: StockBearing) -> BallRow:
 
 
 def tapered_row_of(bearing: StockBearing) -> TaperedRow:
-    """Estimate the rollers of a tapered roller bearing from its dimensions and its static rating.
+    """Estimate number, diameter, length and pitch diameter of the rollers of a tapered roller bearing.
 
-    Their length follows from C0 = 44 (1 - D cos(a)/d_pw) Z L D cos(a) (ISO 76), with the contact angle a.
+    They follow from its dimensions and its static rating. Their length follows from C0 = 44 (1 - D cos(a)/d_pw) Z L D
+    cos(a) (ISO 76), with the contact angle a.
     """
     size = TAPERED_ROLLERS.diameter_share * (bearing.outside - bearing.bore)
     pitch, cosine = 0.5 * (bearing.outside + bearing.bore), math.cos(bearing.contact_angle)

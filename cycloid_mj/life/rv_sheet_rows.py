@@ -162,7 +162,10 @@ def _accuracy_rows(reducer: RvReducer, static: Sheet) -> Iterator[Quantity]:
 
 
 def toleranced_error_rows(reducer: RvReducer) -> tuple[Quantity, ...]:
-    """Return the data-sheet row of the transmission error [arcsec] within the tolerances; empty without tolerances."""
+    """Return the data-sheet row of the transmission error [arcsec] within the tolerances; empty without tolerances.
+
+    It is a percentile (`as_built.SETTINGS`) of the peak-to-peak errors of random drives within the tolerances.
+    """
     percentile = TOLERANCE_SETTINGS.percentile
     try:
         samples = draw_rv_samples(reducer, ERROR_SAMPLES, TOLERANCE_SETTINGS.seed, 0)

@@ -178,7 +178,8 @@ def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict
 def at_steady_temperatures(reducer: Drive) -> Drive:
     """Return a reducer at its steady temperatures under the nominal torque at the design's speed.
 
-    It is unchanged where `film_steady_state` has none. The temperatures are those of the losses, at which no part jams.
+    The temperatures are those of the losses, at which no part jams. The reducer is returned unchanged with the friction
+    law ``coulomb``, or if its design sets other temperatures than 20 °C (`film_steady_state`).
     """
     design = reducer.design
     state = film_steady_state(reducer, constant_duty(design.rated_torque, design.drive.speed))

@@ -148,10 +148,10 @@ def _solve_warm_up(
 
 
 def _follow_clearances(design: Design, course: TemperatureCourse) -> list[TightestTime]:
-    """Compute tooth play [m], tightest pair and temperature rises [K] at the times of a warm-up and a steady cycle.
+    """Compute tooth play [m], tightest pair and temperature rises [K] at each time of a warm-up and a steady cycle.
 
-    `course` has the temperature rises over time, and those over a cycle of the duty in the periodic state. The times
-    of this cycle are stated as the end of the warm-up.
+    The result has an item for each time, not only for the tightest. `course` has the temperature rises over time, and
+    those over a cycle of the duty in the periodic state. The times of this cycle are stated as the end of the warm-up.
     """
     ambient = design.service.ambient_temperature
     moments = []
@@ -236,9 +236,11 @@ def _loss_growth(
 ) -> dict[str, float]:
     """Return the increase of the losses by source [W] if all torques of a duty are doubled, by linear extrapolation.
 
-    It is the slope between the mean `losses` [W] of the duty and those at the nominal torque, or at a quarter of the
-    duty's torques (`ThermalSettings.light_load`), at the steady temperatures, or at 20 °C if there is no steady state.
-    `points` are those of the duty, `settings` those of the thermal computation.
+    It is the slope between the mean `losses` [W] of the duty and those with all torques scaled by a common factor. The
+    largest torque is scaled to the nominal torque. If both differ by at most a factor of 2, or there is no equilibrium
+    at the nominal torque, all are scaled by `ThermalSettings.light_load` (a quarter) instead. Losses are those at the
+    steady temperatures, or at 20 °C if there is no steady state. `points` are those of the duty, `settings` those of
+    the thermal computation.
     """
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
@@ -268,7 +270,8 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
     Yields
     ------
     tuple
-        The limit in words, and its relative margin [1], negative if it is exceeded.
+        The limit in words, and its relative margin [1], negative if it is exceeded: the difference of limit and
+        temperature over the limit in °C, or the clearance over that at the design's own temperatures.
     """
     design = reducer.design
     hottest = max(temperatures.values())

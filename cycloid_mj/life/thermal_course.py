@@ -63,7 +63,8 @@ def solve_course(
     """Compute the temperature rises [K] over time [s] of the nodes of a thermal network in a warm-up.
 
     The start is at the temperature of the air. The solution is exact at the returned times (matrix exponential of each
-    point of the duty). The periodic state is the one that a cycle maps to itself.
+    point of the duty). The result also has the rises over a cycle of the periodic state that follows the warm-up, in
+    which each cycle ends at the temperatures at which it began.
 
     Parameters
     ----------

@@ -187,6 +187,8 @@ def lost_motion(reducer: Reducer) -> float:
 def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -> Iterator[WearState]:
     """Yield the state of a new drive, then that after each time step of its wear (explicit Euler method).
 
+    A state has the hours, the depth of wear along each surface, the worn reducer, and its lost motion.
+
     Parameters
     ----------
     drive, case

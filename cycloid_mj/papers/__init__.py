@@ -109,8 +109,9 @@ def published_torques(reducer: "Reducer") -> "list[Published]":
 def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
     """Return the conclusions that the first paper with such an evaluation draws from the runs of a comparison.
 
-    They are empty if no paper evaluates runs. `trials` are the runs with their measures. `varied` maps each variation
-    of a parameter to the runs that were repeated with it.
+    A paper is an installed package that compares this project with a publication. The conclusions are sentences, JSON
+    values and diagrams; they are empty if no paper evaluates runs. `trials` are the runs with their measures. `varied`
+    maps each variation of a parameter to the runs that were repeated with it.
     """
     for _, judgement in _results_of_papers(
         lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None
@@ -146,10 +147,10 @@ def _results_of_papers(evaluate: Callable[[Paper], Answer]) -> Iterator[tuple[Pa
 
 
 def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) -> Answer | None:
-    """Call a function of a paper; return its result, or None with a warning if it raises any error.
+    """Call a function of the package of a paper; return its result, or None with a warning if it raises any error.
 
-    `name` is the name of the paper, and `ask_paper` the function. `consequence` states in the warning what happens to
-    the paper, such as "ignored".
+    `name` is the name of the paper, and `ask_paper` the function, without arguments. `consequence` states in the
+    warning what happens to the paper, such as "ignored".
     """
     try:
         with redirect_stdout(sys.stderr):  # results alone go to stdout

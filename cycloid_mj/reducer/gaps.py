@@ -107,6 +107,7 @@ def unknowns(reducer: "Reducer") -> int:
 def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
     """Compute the gaps of teeth and output pins of all discs at one crank angle in the frame of the ring [rad].
 
+    Each gap is a linear function of the pose of discs and output: a value at the ideal pose, and a gradient.
     The teeth come first, then the output pins. With an internal gear, the gaps of its flanks follow, 4 or 5 per disc.
     The cams are not included, because their gaps are not linear in the pose: see `cam_displacements`.
     """

@@ -35,7 +35,7 @@ def joint_page(
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
-    """Return the report of a reduced joint as the text of one HTML page that needs no network.
+    """Return the report of a reduced joint, the model of a drive for robot simulators, as one HTML page.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def joint_page(
     scene
         Trial of the time step in scene.xml.
     bam
-        Parameters of the friction models of BAM, from `fit_bam_models`.
+        Parameters of the friction models of BAM (Better Actuator Models), from `fit_bam_models`.
     drives
         Joints of drives with randomly drawn tolerances, if they were computed.
     """
@@ -214,7 +214,7 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
 def _bam_table(bam: Mapping[str, Any]) -> TextTable:
     """Tabulate the parameters of BAM's friction models M3 and M5, and the largest errors of their friction [N m].
 
-    `bam` is the result of `fit_bam_models`.
+    BAM (Better Actuator Models) simulates the motors of robot joints. `bam` is the result of `fit_bam_models`.
     """
     models = [bam["m3"], bam["m5"]]
     keys = [key for key in models[1] if key != "model"]

@@ -31,7 +31,9 @@ def _data_url(picture: Picture) -> str:
 
 
 def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[str] = ()) -> str:
-    """Return a calibration as one HTML page: parameters with intervals, loops, residuals and remarks.
+    """Return a calibration of a design by measured hysteresis loops as one HTML page.
+
+    The page has the fitted parameters with their intervals, the loops, the residuals and the remarks.
 
     Parameters
     ----------

@@ -211,8 +211,9 @@ def _manifest_json(
 def quality_um(quality: Quality) -> dict[str, float]:
     """Return the errors of the convex decomposition of a part, rounded: lengths [um], and a share of the volume [1].
 
-    `quality` has the errors in SI units. ``parts`` is the number of convex parts, ``normals`` that of the sampled
-    points.
+    `quality` has the errors in SI units. The lengths are the largest and the rms distance by which the convex parts
+    extend beyond the surface (overfill) or fall short of it (underfill). ``parts`` is the number of convex parts,
+    ``normals`` that of the sampled points.
     """
     return {
         "parts": quality.parts,

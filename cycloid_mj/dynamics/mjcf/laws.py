@@ -23,10 +23,11 @@ def stiffest(laws: Sequence[Laws]) -> Laws:
 def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     """Compute the contact law of each kind of pair on a `disc`, for one line of contact at the working force.
 
-    With massless pins the pair of gear and pin has the stiffness of both contacts of a pin in series, and the smaller
-    friction. The bending of an output pin at its disc's plane is in series with its contact; its bending at another
-    disc's plane is neglected (docs/decisions.md). Laws of the kind IMPACT have the secant stiffness and damping at the
-    working force, which a run replaces at every step (`contact.each_step`). If the time step is too long for the
+    A law consists of stiffness, damping, added mass and friction (`ContactParameters`). `disc` is the index of the
+    disc. With massless pins the pair of gear and pin has the stiffness of both contacts of a pin in series, and the
+    smaller friction. The bending of an output pin at its disc's plane is in series with its contact; its bending at
+    another disc's plane is neglected (docs/decisions.md). Laws of the kind IMPACT have the secant stiffness and damping
+    at the working force, which a run replaces at every step (`contact.each_step`). If the time step is too long for the
     oscillation of moving pins, their contacts have `law.settling_law`, where `may_settle` allows it.
     """
     design, step = reducer.design, timestep(reducer)
