@@ -184,8 +184,9 @@ def fill_form(requirement: Requirement) -> dict[str, Any]:
 
 
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for the requirement in the start form of the page; return the answer as JSON values.
+    """Find drives for the requirement in the start form of the page; return the answer as JSON values (`_answer_json`).
 
+    `form` maps the names of the form's fields to values.
     `on_progress` is called with the preliminary answer, and again after each alternative that is added to it.
     """
     on_progress({"doing": "searching for proportions that meet the requirements"})
@@ -234,6 +235,8 @@ def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
 def _drive_json(drive: SizedDrive, requirement: Requirement, motor: MotorName) -> dict[str, Any]:
     """Convert a drive that the search returned to JSON values, with verdicts on the requirement.
 
+    ``title`` and ``why`` describe it in words, ``design`` are its values as the page stores them, ``figures`` its
+    quantities by key, ``life`` its life as text, ``verdicts`` those by field of the form, and ``verdict`` the gravest.
     Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
     """
     form, reason, kind = fill_form(requirement), "", FORM_KINDS[requirement.LAYOUT]

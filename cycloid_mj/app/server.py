@@ -156,7 +156,10 @@ def application(page: Page, token: str) -> ASGIApp:
 
 
 def start_values(design: Design) -> dict[str, Any]:
-    """Return what the page shows first, as JSON values: the design, and the choices of its start form and menus."""
+    """Return what the page shows first, as JSON values: the design, and the choices of its start form and menus.
+
+    ``design`` has the values in which the design differs from its preset; ``fresh`` is true for the preset ``pin``.
+    """
     return {
         "design": changed_values(with_load(design)),
         "fresh": design == PRESETS["pin"],

@@ -164,11 +164,12 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
     """Rate a valid design at its load; return load capacity of its parts, life, and rated torque as JSON values.
 
-    The rated torque is that for the required life. ``verdicts`` compares rated torque, diameter and length with
-    `required`, the values in the start form of the app by field name, and the life with the required life of the
-    design. The torque counts as met if twice as much is allowed as a peak. Diameter and length are those with covers
-    for the motor. If the covers do not fit, the requirements on diameter and length count as not met. An RV reducer has
-    no covers: ``length_mm`` is the length of the drive.
+    ``items`` are the rated parts, each with a kind of failure, ``life_h`` is the shortest of their lives, and
+    ``limited_by`` names what limits the rated torque, which is that for the required life. ``verdicts`` compares rated
+    torque, diameter and length with `required`, the values in the start form of the app by field name, and the life
+    with the required life of the design. The torque counts as met if twice as much is allowed as a peak. Diameter and
+    length are those with covers for the motor. If the covers do not fit, the requirements on diameter and length count
+    as not met. An RV reducer has no covers: ``length_mm`` is the length of the drive.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))

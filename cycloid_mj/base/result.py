@@ -90,9 +90,10 @@ class Quantity:
         return f"{self.low:.4g} to {self.high:.4g} (5 to 95 %), mostly from {inputs}"
 
     def interval_json(self) -> dict[str, Any]:
-        """Convert the interval of a quantity to JSON values: both ends, and main causes with shares of the variance.
+        """Convert the interval of a quantity to JSON values: both ends, and the uncertain inputs that cause most of it.
 
-        There are at most two causes. The dict is empty if there is no interval.
+        ``causes`` has at most two of these inputs, each with its share of the variance. The dict is empty if there is
+        no interval.
         """
         if self.low is None:
             return {}
@@ -422,8 +423,8 @@ class Claim:
         """Convert a claim of a paper, with our value for it, to JSON values.
 
         ``paper`` is the claim with the value that the paper states, ``ours`` our value with its ``numerical_error``,
-        and ``at_rated_load`` our value at the rated load, or None. ``ranges_searched`` is the attribute `searched`; the
-        other keys are names of attributes.
+        and ``at_rated_load`` our value at the rated load, or None. ``ranges_searched`` are the ranges of unpublished
+        inputs in which agreement was searched (`searched`). The other keys are names of attributes.
         """
         return {
             "key": self.key,

@@ -203,7 +203,11 @@ class Tolerances(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return sentences on a tolerance study: jams, missing distributions, error budget, omissions, failed runs."""
+        """Return remarks on a tolerance study, a sentence each.
+
+        They are on missing distributions and error budget, parts that are pressed without a load, quantities that were
+        computed for each sample alone, omissions in the design files of the worst samples, and failed runs.
+        """
         failed_checks = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]

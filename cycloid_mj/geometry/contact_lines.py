@@ -41,7 +41,8 @@ class ContactLines:
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
     """Compute every contact line of disc and ring at several crank angles [rad], for parts without clearance.
 
-    `gear` is the profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
+    The result has a row for each line, with its crank angle, tooth, position and relative curvature. `gear` is the
+    profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
 
     Raises
     ------

@@ -90,7 +90,8 @@ def ideal_rv_loads(
 ) -> IdealRvLoads:
     """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at m crank angles [rad].
 
-    `stage` has the geometry; the angles have the shape (m,). The torque on the ring, T (R - 1)/R with the ratio R =
+    The result has the forces of pins and cranks on the discs, and the torques on the cranks. `stage` has the geometry;
+    the angles have the shape (m,). The torque on the ring, T (R - 1)/R with the ratio R =
     `RvStage.to_carrier`, is shared equally by the discs, and by the pins of each disc as in `ideal_loads.share_load`.
     The crank bearings are equally stiff: their forces are the least-squares forces in equilibrium with the pins on each
     disc. With a floating sun, the cranks also have equal torques.

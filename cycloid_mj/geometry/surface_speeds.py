@@ -46,6 +46,8 @@ class SurfaceSpeeds:
 def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
     """Compute the surface speeds [m/s] of disc and ring at the teeth, for pins that do not rotate or an internal gear.
 
+    They are speeds past the contact line, from which sliding and entrainment speed follow (`SurfaceSpeeds`).
+
     Parameters
     ----------
     gear
@@ -64,7 +66,7 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
 
 
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve.
+    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve, past the contact line.
 
     The seat's `radius` [m] is that of the pin in a socket, or of the bore of a sleeve. The speeds are those of
     `tooth_speeds` at the tooth, times the seat's radius over the pin radius. `B` are phases of the pins [rad], angles
@@ -76,7 +78,7 @@ def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius:
 
 
 def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] of a hole of the disc on an output pin without roller.
+    """Compute the surface speeds [m/s] of a hole of the disc on an output pin without roller, past the contact line.
 
     `pin_radius` and `hole_radius` are in [m]. The contact line moves around pin and hole at the speed of the crank
     relative to the disc, which is N/(N - 1) times `crank_speed` [rad/s], with N ring teeth. `gear` is the profile of

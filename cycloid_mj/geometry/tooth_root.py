@@ -57,10 +57,10 @@ def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float
 def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
     """Compute thickness, fillet radius, bending arm and force angle at the critical section of a gear tooth's root.
 
-    The tooth of `gear` is loaded at the outer point of single contact with its `mate`. `centre_distance` is the
-    distance of the axes [m]. In the code, `rack`, `depth` and `offset` are the auxiliary values E (over the module), G
-    and H of the standard, and `tangent` is its angle theta [rad]. The rack is profile A of ISO 53. Thinning for
-    backlash is included as a smaller profile shift.
+    Lengths in the result are relative to the module [1]. The tooth of `gear` is loaded at the outer point of single
+    contact with its `mate`. `centre_distance` is the distance of the axes [m]. In the code, `rack`, `depth` and
+    `offset` are the auxiliary values E (over the module), G and H of the standard, and `tangent` is its angle theta
+    [rad]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile shift.
     """
     teeth, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))

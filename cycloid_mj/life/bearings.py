@@ -262,10 +262,10 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the catalogued load ratings C (dynamic) and C0 (static) of a bearing of the output's hub [N].
+    """Return the load ratings C (dynamic) and C0 (static) of a bearing of the output's hub [N].
 
-    Each has its source. For a deep groove bearing it also states the rating of its estimated balls by ISO 281, for
-    comparison.
+    They are catalogued, except for angular contact bearings, where they are estimated. Each has its source. For a deep
+    groove bearing it also states the rating of its estimated balls by ISO 281, for comparison.
     """
     bearing = casing(reducer).hub
     if bearing.has_crossed_rollers:

@@ -424,7 +424,11 @@ def _hole_source(reducer: Reducer, joint: Joint) -> str:
 
 
 def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
-    """Compute the torque [N m] that the dowels of a `joint` transmit: the sum of pin force times radius."""
+    """Compute the torque [N m] that the dowels of a `joint` transmit: the sum of dowel force times radius.
+
+    The force is that at which a dowel shears or its hole yields; in plastic parts it is that at which the dowel shears,
+    or tilts in both holes.
+    """
     (part,) = joint.bought
     materials = [_material(reducer, name) for name in joint.parts]
     strengths = [material.yield_strength for material in materials]

@@ -181,7 +181,11 @@ class ThermalState(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert temperatures [°C], losses [W], torque limits [N m] and warm-up to JSON; infinite limits are None."""
+        """Convert temperatures [°C], losses [W], torque limits [N m] and warm-up to JSON; infinite limits are None.
+
+        ``losses_w`` are by source, ``heat_w`` is the heat into each part, and ``thermal_torque_by_duty`` lists the
+        torque limit for several shares of the time.
+        """
         content = {
             "design": self.design,
             "condition": self.condition,

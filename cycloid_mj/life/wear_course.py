@@ -121,10 +121,10 @@ class WearingDrive:
         return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
-        """Compute the rate of pressure times sliding speed [Pa m/s] in each cell of each wearing surface.
+        """Compute pressure times sliding distance per time [Pa m/s] in each cell of each wearing surface.
 
         A cell is a small interval along the surface. `worn_reducer` has the gaps of the worn parts. The rates are means
-        over the points of the duty, shape (cells,), by the key of the surface.
+        over the duty, shape (cells,), by the key of the surface.
 
         Raises
         ------

@@ -138,7 +138,8 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
 def _results_of_papers(evaluate: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
     """Call a function, `evaluate`, with every paper; yield each paper with its result, unless the result is None.
 
-    A paper that fails is skipped with a warning.
+    A paper is an installed package that compares this project with a publication. A paper that fails is skipped with a
+    warning.
     """
     for paper in papers():
         result = _call_paper(paper.key, "passed over", partial(evaluate, paper))
