@@ -348,7 +348,8 @@ class Calibration(Presented):
 
         ``parameters`` are the fitted values with intervals. ``measured`` and ``model`` are play, width, stiffness and
         Coulomb torque of measured loops and fitted model (`DEFINITIONS`). ``loops`` are the measured loops, ``misses``
-        the deviations of the model by section of each loop, ``models`` and ``losses`` the compared models.
+        the deviations of the model by section of each loop. ``models`` are the fits of several friction models, and
+        ``losses`` those of models with different losses (`compare_losses`), each with residuals and criteria.
         """
         figures = self.measured.in_units()
         return {
@@ -501,7 +502,7 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
 
     If `with_candidates`, all friction models of `model_selection.CANDIDATES` are fitted first. The candidate with the
     lowest Bayesian information criterion then decides whether the final fit has an offset of the torque's zero point
-    for each loop.
+    for each loop. The result has the residuals and criteria of all candidates as `candidates`.
 
     Raises
     ------
@@ -788,9 +789,9 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], condition: LoopCondition) -> None:
     """Raise UsageError if torques are probably not in N m, or deflections not in degrees.
 
-    Torques are compared with the rated torque, deflections with those that the model predicts under the `condition` of
-    the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A deflection is not checked if
-    the model has no static equilibrium at the torques of its loop.
+    Torques are compared with the rated torque, deflections with those that the model predicts. `condition` has the
+    locked shaft and the crank angle of the measurement. Units that are recognised are N mm and kN m, radians and
+    arcminutes. A deflection is not checked if the model has no static equilibrium at the torques of its loop.
     """
     rated_torque = model.reducer.design.rated_torque
     for loop in loops:

@@ -183,9 +183,9 @@ def fit_loops(
     Parameters
     ----------
     model, parameters, loops, condition
-        The model, its parameters to fit, the measured loops, and the condition of their measurement.
+        The model, its parameters to fit, the measured loops, and their locked shaft and crank angle.
     trials
-        Counter of evaluations.
+        Counter of evaluations; by default a new counter.
     start
         Start of a single search: v parameters and offsets over their scales, shape (v,); by default several starts.
     intervals

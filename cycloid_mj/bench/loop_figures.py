@@ -91,7 +91,10 @@ class LoopFigures:
     coulomb: LoopFigure
 
     def in_units(self) -> dict[str, LoopFigure]:
-        """Return the quantities with their intervals, such as ``play_deg``, in the units in which their keys end."""
+        """Return play, width, stiffness and Coulomb torque of the loops with their 95 % intervals, by key.
+
+        A key, such as ``play_deg``, ends in the unit of its value. There is also a stiffness for each sign of torque.
+        """
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
             "width_deg": self.width.scale(1.0 / DEGREE),

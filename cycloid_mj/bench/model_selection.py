@@ -104,9 +104,9 @@ def fit_candidates(
 ) -> Iterator[tuple[str, Fitted]]:
     """Fit each friction model in `CANDIDATES` to the loops, one after the other.
 
-    The fits have no intervals by profile likelihood. `condition` is that under which the loops were measured. The
-    number of evaluations that `trials` expects includes a later fit of the design's own model, `DESIGN_MODEL`, with
-    intervals.
+    The fits have no intervals by profile likelihood. `condition` has the locked shaft and the crank angle of the
+    measurement. `trials` counts the evaluations; the number that it expects includes a later fit of the design's own
+    model, `DESIGN_MODEL`, with intervals.
 
     Yields
     ------

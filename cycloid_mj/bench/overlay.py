@@ -62,7 +62,7 @@ def model_branches(model: Model, condition: LoopCondition, loop: MeasuredLoop, t
 
     A branch is the curve between two reversals of the torque. The model reverses at the reversal torques of the loop
     minus `torque_offset` [N m]. It starts from rest; two branches that lead from rest to the loop are computed and
-    omitted. `condition` is that of the measurement.
+    omitted. `condition` has the locked shaft and the crank angle of the measurement.
     """
     ends = [end - torque_offset for end in loop.turns]
     if model.contact_friction:
@@ -78,9 +78,9 @@ def _branches_with_contact_friction(
 ) -> Branches:
     """Compute torque [N m] and rotation [rad] along the branches between reversals, with friction in the contacts.
 
-    `model` is the model of the drive. `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between
-    neighbouring points, and `condition` is that of the measurement. Two branches, from rest to the second reversal and
-    back to the first, are computed first and omitted from the result.
+    `model` is the model of the drive, and `condition` has the locked shaft and the crank angle of the measurement.
+    `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points. Two branches,
+    from rest to the second reversal and back to the first, are computed first and omitted from the result.
     """
     torque_spans = list(pairwise(reversals))
     lead_torques = [

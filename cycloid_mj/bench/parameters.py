@@ -323,10 +323,10 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameter of the structure's stiffness [N m/rad] for a fit.
+    """Return the parameter of the structure's torsional stiffness at the output [N m/rad] for a fit, a tuple of one.
 
-    It refers to the output. Its search starts from twice the largest torque divided by the
-    range of deflection of that loop, or from half of its largest possible value if that is lower.
+    Its search starts from twice the largest torque of all `loops`, divided by the range of deflection of the loop with
+    this torque. It starts from half of the largest possible stiffness if that is lower.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)

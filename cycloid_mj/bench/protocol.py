@@ -272,7 +272,7 @@ def protocol(
     angles
         Number of crank angles at which the loops of the model are computed.
     progress, engine
-        Progress and workers; by default none, and threads.
+        Called with the numbers of finished and of all crank angles; workers of the computation, by default threads.
 
     Raises
     ------

@@ -224,8 +224,8 @@ class FitProblem:
         """Compute the deflection errors of the model, relative to the range of deflection [1], at each measured torque.
 
         `scaled_values` are v parameters and offsets in units of their scales, shape (v,). The errors are concatenated,
-        shape (points,), without the points before each loop. Those of a loop are divided by the square root of their
-        number, so that all loops have the same weight in the sum of squares.
+        shape (points,), without the points that only lead from rest to a loop. Those of a loop are divided by the
+        square root of their number, so that all loops have the same weight in the sum of squares.
         """
         self.trials()
         errors = []

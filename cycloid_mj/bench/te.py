@@ -221,7 +221,8 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     measured
         The measured error, from `read_te`.
     load
-        Torque on the output [N m]; by default the design's own, or a hundredth of the rated torque.
+        Torque on the output [N m]; by default the load of the design or, if it has none, a hundredth of the rated
+        torque.
 
     Returns
     -------

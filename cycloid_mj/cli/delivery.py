@@ -139,8 +139,8 @@ def claim_page(
 def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
     """Write the files of a command's results, print the results as text or JSON, and return the exit code.
 
-    JSON is printed with ``--json``. `outcome` are the results, `destination` has the paths of the files, `flags` are
-    the output flags of the command.
+    JSON is printed with ``--json``. `outcome` are the results with the exit code, `destination` has the paths of the
+    files, `flags` are the output flags of the command.
     """
     write(outcome, destination, flags)
     if flags.json:
@@ -166,7 +166,7 @@ def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, fl
 
 
 def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
-    """Write columns of n numbers as CSV to `file` or stdout, and return the exit code.
+    """Write columns of n numbers as CSV to `file` or stdout, and return the exit code 0.
 
     `title` and `page` are the title and the HTML page of the outcome. If `file` is a path, and ``--all`` is among the
     `flags`, a table of the range of each column is printed. With ``--json``, a JSON object with the names of the

@@ -257,7 +257,7 @@ def load_design(name_or_file: str, changes: Sequence[str], values: Values, tempe
     changes
         Texts of ``--set``, such as ``ring.teeth=36``.
     values
-        Design values of other flags; None if a flag is not set.
+        Pairs of a design value and the number that another flag sets for it [file's unit]; None if it is not set.
     temperature
         Temperature of all parts [°C], before ``--set`` changes single parts.
 
@@ -297,7 +297,10 @@ class DesignOptions:
         return load_design(self.design, self.set_, values, self.at_c)
 
     def resolve_checked(self, values: Values = ()) -> Design:
-        """Return the design, with `values` of other flags, after its checks; raise DesignError if one fails."""
+        """Return the design after its checks; raise DesignError if one fails.
+
+        `values` are pairs of a design value and the number that another flag sets for it, or None.
+        """
         from cycloid_mj.checks import require_sound
 
         design = self.resolve(values)

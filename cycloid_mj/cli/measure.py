@@ -351,7 +351,11 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
         options: MeasureOptions,
         output_flags: MeasureDelivery,
     ) -> int:
-        """Measure the `designs` by position, or those of the flag ``--design``, and return the exit code."""
+        """Measure the `designs` by position, or those of the flag ``--design``, and return the exit code 0.
+
+        The other arguments are flags: changes of all designs by ``--set``, temperature of all parts ``--at-c`` [°C],
+        settings of the measure, and settings of the output.
+        """
         chosen = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *design) or BOTH]
         resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
         return _measure_designs(name, resolved, options, output_flags)
@@ -377,7 +381,7 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
 def _measure_designs(
     name: str, designs: Sequence[Design], options: MeasureOptions, output_flags: MeasureDelivery
 ) -> int:
-    """Measure designs one after another, write and print the results, and return the exit code.
+    """Measure designs one after another, write and print the results, and return the exit code 0.
 
     `name` is the name of the measure, `options` are its settings. Files are written after the last measurement. With
     several designs, the printed JSON is an object whose ``measurements`` is the list of results.

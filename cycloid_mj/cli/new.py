@@ -402,7 +402,7 @@ def _file_stem(name: str) -> str:
 def _copy_design(
     stem: str, source: str, discs: str, changes: tuple[str, ...], short: bool, output_flags: NewDelivery
 ) -> int:
-    """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code.
+    """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code 0.
 
     `stem` is the name of the copy without ending, `output_flags` are those of the output (``--out``, ``--quiet``). With
     `short`, the copy of a preset lists few of its values.
@@ -444,7 +444,7 @@ def _claim_files(stem: str, output_flags: NewDelivery) -> Destination:
 
 
 def _deliver_drives(stem: str, answer: "Answer", destination: Destination, output_flags: NewDelivery) -> int:
-    """Write the design files of the drives of a search, print them in a table, and return the exit code.
+    """Write the design files of the drives of a search, print them in a table, and return the exit code 0.
 
     `answer` has the drives, `destination` the folder, and `output_flags` those of the output, such as ``--quiet``. The
     file of the first drive is `stem`.toml. Files of other drives have the drive's title after the stem.
@@ -474,7 +474,7 @@ def _write_designs(
     tables: Sequence[Table] = (),
     summary: Sequence[str] = (),
 ) -> int:
-    """Write design files, print their paths with tables and summary, and return the exit code.
+    """Write design files, print their paths with tables and summary, and return the exit code 0.
 
     `files` maps names to contents. `descriptions` has the values that the JSON result states for each file.
     `destination` has the folder, `output_flags` those of the output, such as ``--quiet``. Raises TakenError if a file

@@ -115,8 +115,8 @@ def optimize(
 
     All points are written to DIR/history.csv (and .parquet) as soon as they are evaluated. To resume an interrupted
     search, run the same command again. The best design is DIR/best.toml. The report compares its statics with those of
-    the design at the start, and adds a run in full dynamics and, if the design has tolerances, its yield. The exit code
-    is 1 if no point satisfies all checks and limits.
+    the design at the start. Unless --quick is set, it adds a run in full dynamics and, if the design has tolerances,
+    its yield. The exit code is 1 if no point satisfies all checks and limits.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.design import dump

@@ -74,7 +74,8 @@ def rate(
     sliding surfaces for wear (Archard). The temperature of the housing in still air is compared with the lowest limit
     of grease, seals and materials. All parts and joints (screws, dowels, press fits, inserts) are rated for an
     emergency stop at the peak torque. The load of the cam is computed for several stiffnesses of its bearing, which are
-    assumed.
+    assumed. --parts chooses between perfect parts and random samples within the tolerances. --stress rates disc and
+    ring by the results of `cycloid-mj stress` instead of beam formulas.
 
     Values that the design file does not state are assumed, and printed next to the result. Set them in [bearing] and
     [service]. The exit code is 0 for any safety factor, unless --check is set.

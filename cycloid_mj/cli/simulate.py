@@ -117,6 +117,7 @@ def simulate(
     compared with theory: disc speed, path and speed of the centre of hole 1, transmission error; contacts, pin 1,
     torques and losses are added. The MCAP log is written during the run, with the design, the model and every sample;
     the page of `cycloid-mj report` is written next to it, unless --json is set. An RV reducer is driven by its sun.
+    --contact mesh replaces the exact tooth profiles by the convex slices that `cycloid-mj build` writes.
 
     A failed run (not a number, a MuJoCo warning, excessive penetration, a jumped tooth) ends with an error and exit
     code 1, a stopped run (Ctrl-C, SIGTERM, SIGHUP) with 128 plus the number of the signal; the log contains the

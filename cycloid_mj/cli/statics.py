@@ -77,7 +77,8 @@ def statics(
     friction of the design. Keys are those of `cycloid-mj measure` and `cycloid-mj figures`.
 
     Inertia is neglected, except for the centrifugal force of the disc at the crank speed. Known differences from
-    simulations are printed next to each figure.
+    simulations are printed next to each figure. With friction.law = "film", --map adds the efficiency over torque,
+    speed and temperature.
     """
     from cycloid_mj.figures import quantities
     from cycloid_mj.figures.film_map import compute_film_map

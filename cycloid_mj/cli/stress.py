@@ -302,7 +302,7 @@ def _simulate(
 def _write_springs(
     designs: Sequence[Design], load: float | None, mounts: str | None, output_flags: StressDelivery
 ) -> int:
-    """Write each design to a file in which springs have the compliance of its parts; return the exit code.
+    """Write each design to a file in which springs have the compliance of its parts; return the exit code 0.
 
     `output_flags` are those of the output (``--out``, ``--quiet``). The compliance is computed by finite elements under
     the output torque `load` [N m]; None: the design's load or its rated torque. `mounts` is the path of a TOML file on

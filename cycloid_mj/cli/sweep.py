@@ -125,8 +125,8 @@ def sweep(
     and versions. Rows are saved as soon as they are computed. To resume an interrupted
     sweep, run the same command again.
 
-    Loaded runs (`simulate`) neglect the inertia of moving pins, unless --real-pins is set
-    or ring.pins is varied. The exit code is 1 if every point failed.
+    Loaded runs (`simulate`) neglect the inertia of moving pins, unless --real-pins is set or ring.pins is varied. With
+    --quick, measurements use fewer angles and runs. The exit code is 1 if every point failed.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.journal import SWEEP, has_study, remove_study

@@ -34,7 +34,8 @@ def view(
 ) -> int:
     """Open the MuJoCo viewer with a design, or replay a log in it.
 
-    A display is needed; without one, use `cycloid-mj render` or `cycloid-mj animate`.
+    The replay of a log is slower than real time by the factor --slow. A display is needed; without one, use
+    `cycloid-mj render` or `cycloid-mj animate`.
     """
     from cycloid_mj.scene.viewer import require_display, show_model, show_run
 

@@ -80,8 +80,9 @@ class Comparison(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the comparison of simulated designs to JSON values; the keys are the names of the attributes.
 
-        ``runs`` are the `trials`, with the measures of the first start and the spreads over all starts. ``sensitivity``
-        has the changes of the quantities with the assumptions.
+        ``runs`` are the `trials`: each has the measures of the first of several independent runs (starts) of a design
+        under a load, and the spreads over all of them. ``sensitivity`` has the changes of the quantities with assumed
+        values, such as damping.
         """
         content = {
             "designs": self.designs,

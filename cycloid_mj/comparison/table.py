@@ -120,9 +120,9 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
 def table(trials: Sequence[Trial]) -> Table:
     """Return a table of the quantities of several designs under one load: name, one column per design, unit.
 
-    `trials` are the runs under this load, one for each design. A quantity of several starts is written as range and
-    mean; a row without any value is omitted. The title has the time window of the first trial and the smallest number
-    of starts.
+    `trials` are the runs under this load, a trial with one or more independent runs (starts) for each design. A
+    quantity of several starts is written as range and mean; a row without any value is omitted. The title has the time
+    window of the first trial and the smallest number of starts.
     """
     findings = trials[0].measures.findings
     window, starts = findings.window, min(len(trial.starts) for trial in trials)

@@ -117,7 +117,7 @@ def backlash(
     angles
         Number of crank angles, spread over the turn and over the mesh period; by default `PRESS.angles`.
     quick
-        Whether the default is `PRESS.quick_angles`.
+        Whether the default of `angles` is the smaller number `PRESS.quick_angles`.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 

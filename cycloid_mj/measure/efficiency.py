@@ -112,8 +112,9 @@ def efficiency(
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
     """Return losses by kind of pair and by part, effects of assumed inputs, and break-away torques as JSON values.
 
-    Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
-    `efficiency_map` has the simulated operating points.
+    Losses by pair are shares of the input power at each point of the map. The effects are the efficiencies at both ends
+    of the plausible range of each assumed input, such as a friction coefficient. `published` are the torques of
+    publications. `efficiency_map` has the simulated operating points.
     """
     rated_powers = efficiency_map.rated.powers
     return {

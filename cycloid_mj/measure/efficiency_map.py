@@ -121,7 +121,7 @@ def run_map(
     check_step
         Whether to run the rated point with half the time step.
     progress, solver
-        Progress report, and solver of the runs.
+        Called with the numbers of finished and of all runs; solver of the runs.
     """
     design = reducer.design
     rated_torque, speed = design.rated_torque, design.drive.speed

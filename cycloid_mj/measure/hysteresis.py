@@ -211,7 +211,7 @@ def run_loop(
 ) -> HysteresisLoop:
     """Simulate the torque loop at a locked crank angle [rad]; return torque and motion over its last period.
 
-    `solver` is the solver of the runs, MuJoCo or the planar solver.
+    The torque on the output is an odd power of a sine. `solver` is the solver of the run, MuJoCo or the planar solver.
 
     Parameters
     ----------

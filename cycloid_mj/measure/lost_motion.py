@@ -36,8 +36,8 @@ def lost_motion(
     load
         Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
     angles, quick
-        Number of crank angles, spread over the turn and over the mesh period, by default `SlowLoopSettings.angles`;
-        whether the default is `SlowLoopSettings.quick_angles`.
+        Number of crank angles, spread over the turn and over the mesh period, by default `SlowLoopSettings.angles`
+        or, if `quick` is True, the smaller `SlowLoopSettings.quick_angles`.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 

@@ -91,8 +91,9 @@ class InputEffect:
 def assumed_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range.
 
-    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes. An
-    RV reducer has the inputs that its statics depends on.
+    Assumed inputs are values of the design that are known only roughly: play of mesh and cam, stiffness of the cam,
+    friction, creep speed and damping. With the law ``film``, boundary friction and roughness replace the friction
+    coefficients that the law computes. An RV reducer has the inputs that its statics depends on.
     """
     design = reducer.design
     mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]

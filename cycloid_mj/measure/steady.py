@@ -67,7 +67,7 @@ def run_steady(
 ) -> Run:
     """Simulate a design at full speed from the start; return the samples of some mesh periods in steady state.
 
-    Warns if the energy balance of the run is bad.
+    Issues warnings if the power balance or the efficiency of the run is implausible.
 
     Parameters
     ----------

@@ -81,8 +81,8 @@ def te(
     -------
     Measurement
         For each load, direction and speed the peak-to-peak and rms errors of disc and output, the shifts between loads
-        and directions, and the rms of the orders of each cause [arcsec], with numerical errors and static solutions;
-        curves over the crank angle and spectra.
+        and directions, and the rms of the orders that a cause such as the mesh excites [arcsec], with numerical errors
+        and static solutions; curves over the crank angle and spectra.
     """
     reducer = reducer_of(resolve(design))
     require_motion(reducer)

@@ -31,15 +31,16 @@ def quantities(
 ) -> list[Quantity]:
     """Return all quantities of the transmission error [arcsec].
 
-    These are the statistics (peak to peak, rms) of each condition, the shifts of the mean error between conditions, and
-    the rms of the orders of each cause.
+    A condition is load, direction and speed of a run. The quantities are peak to peak and rms of each condition, the
+    shifts of the mean error between conditions, and for each cause, such as mesh or ring, the rms of the orders
+    [cycles per crank turn] that it excites.
 
     Parameters
     ----------
     reducer
         The drive.
     traces
-        Errors of each condition.
+        Simulated errors of each condition.
     finer_traces
         (load, pace) -> errors in the first part of the forward run, repeated with half the time step; empty without
         this check. The pace is ``slow`` or ``speed`` (full speed).
@@ -72,9 +73,9 @@ def quantities(
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
     """Return curves of the transmission errors [arcsec] over the crank angle, and of some of their amplitude spectra.
 
-    `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. Spectra are computed
-    for the `evaluated_conditions`. The loaded error is drawn first and in a panel of its own, because the unloaded
-    error is larger.
+    `traces` are the simulated errors and `statics` those by statics, by load, direction and speed. The spectra are
+    those of simulated forward runs at one speed (`evaluated_conditions`). The loaded error is drawn first and in a
+    panel of its own, because the unloaded error is larger.
     """
     paces = dict.fromkeys(condition.pace for condition in traces)
     result = [
@@ -127,10 +128,11 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 
 
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
-    """Return the strongest orders (cycles per crank turn) of each condition with their causes, as JSON values.
+    """Return the strongest orders (cycles per crank turn) of the transmission error in each run, as JSON values.
 
-    `traces` are the errors by condition over crank `turns`. In the result, "turns_that_part_orders" is the smallest
-    number of turns that separates the orders of ring and holes, and "apart" is whether `turns` separates them.
+    `traces` are the errors over crank `turns` by condition (load, direction, speed). In the result, "causes" explains
+    which orders mesh, ring and other parts excite, and "cases" has the orders by condition. "turns_that_part_orders" is
+    the smallest number of turns that separates the orders of ring and holes, "apart" whether `turns` separates them.
     """
     return {
         "turns": turns,
@@ -152,8 +154,8 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
 
     The backlash is the difference between both directions without load, the wind-up that between the loads. The order
     of subtraction makes both positive, whether the output is a carrier, which turns against the crank, or a ring, which
-    turns with the crank. `traces` and `statics` are the simulated and static errors by condition; `finer` are runs with
-    half the time step, by load and pace.
+    turns with the crank. `traces` and `statics` are the errors by simulation and by statics, for each condition (load,
+    direction, speed). `finer` are the errors of runs with half the time step, for the numerical error.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {
@@ -199,10 +201,10 @@ def _cause_quantities(
 ) -> Iterator[Quantity]:
     """Yield the rms transmission error [arcsec] in the orders of each cause, such as the meshing of teeth.
 
-    There is one quantity for each condition (load and speed) and each cause; its note has the strongest order.
-    `traces` and `statics` are the simulated and static errors by condition over crank `turns`; the static value is the
-    reference. `finer` are runs with half the time step, from which the numerical error follows; without them it is
-    None.
+    There is one quantity for each load, from forward runs at one speed, and each cause. Its note has the strongest
+    order (cycles per crank turn). `traces` and `statics` are the simulated and static errors by condition (load,
+    direction, speed) over crank `turns`; the static value is the reference. `finer` are runs with half the time step,
+    from which the numerical error follows; without them it is None.
     """
     turns_text = f"{turns} of {reducer.design.lobes} crank turns"
     neighbour_note = (
@@ -288,7 +290,7 @@ def _step_error(
     traces, finer_traces
         Errors of each condition, and of the runs with half the time step.
     condition, shaft
-        The condition, and "gear" or "output".
+        Load, direction and speed of the run; and "gear" (the disc) or "output".
     level
         Key of the statistic in `_LEVELS`, "peak_to_peak" or "rms".
     """

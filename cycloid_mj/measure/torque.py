@@ -269,7 +269,7 @@ def _quantities(
     held_crank_efficiency
         Efficiency at constant crank speed under this load [1].
     by_input
-        Effects of the assumed inputs.
+        Output rates at both ends of the range of each assumed input, such as a friction coefficient.
     """
     rated_torque = reducer.design.rated_torque
     powers, reference = test.powers, ideal_efficiency(reducer, test.output)
@@ -332,7 +332,8 @@ def _tables(
     """Return the tables of losses, published torques, and output rates with other inputs and other friction.
 
     `test` is the run of the design, `error` its `rate_error`, and `published` are from `explain_published`.
-    `rate_by_variant` are the output rates of the friction variants [1], `by_input` the effects of the assumed inputs.
+    `rate_by_variant` are the output rates of the friction variants [1]. `by_input` are the rates at both ends of the
+    range of each assumed input. An output rate is the output torque over that without losses.
     """
     return (
         loss_breakdown.table(test.powers, published, error),

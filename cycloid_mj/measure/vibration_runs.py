@@ -165,7 +165,10 @@ def _remove_mean(key: str, signal: Array) -> Array:
 
 
 def _decimate_run(run: Run, stride: int) -> Run:
-    """Return a run with every `stride`-th sample; contact force peaks are the largest since the sample before."""
+    """Return a run with every `stride`-th sample of a run.
+
+    A peak of a contact force is the largest of the peaks since the last sample that the result contains.
+    """
     decimated_run = run.select(slice(None, None, stride))
     starts = np.maximum(np.arange(len(decimated_run)) * stride - stride + 1, 0)
     peaks = {

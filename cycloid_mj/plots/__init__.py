@@ -19,8 +19,9 @@ __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Draw the diagrams of a run; return them by name, each with its load and speed in the heading.
+    """Draw the diagrams of a run, and return them by name, each with its load and speed in the heading.
 
+    They show speeds of crank and disc, path and velocity of point q, transmission error and, if pins can move, pin 1.
     ``fig5_input`` covers the entire run, all others one crank turn.
 
     Parameters

@@ -101,6 +101,8 @@ def select_samples(
 ) -> Take:
     """Select evenly spaced samples of a run for an animation: settled crank turns, or the last turns of a ramp.
 
+    The result has the time series of the run, the indices of the samples and the magnification.
+
     Parameters
     ----------
     run

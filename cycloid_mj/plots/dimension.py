@@ -74,7 +74,11 @@ def draw_leader(axes: Axes, point: tuple[float, float], text_position: tuple[flo
 
 
 def _draw_ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upright: bool) -> None:
-    """Mark the ends of a dimension that is too short for arrows by oblique ticks."""
+    """Mark the ends of a dimension that is too short for arrows by oblique ticks.
+
+    `ends` are the coordinates of both ends, `level` is that of the dimension line, and `size` the extent of a tick, all
+    in mm. The dimension is along x or, if `upright`, along y.
+    """
     half_size = 0.5 * size
     for end in ends:
         axes.plot(

@@ -115,9 +115,9 @@ class CentralModel(FullModel):
         return round(self._reducer.design.reduction)
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
-        """Return a function from a torque on the output [N m] to its mean rotation [rad] with a locked crank.
+        """Return a function from the torque on the output [N m] to the output's mean rotation [rad] at a locked crank.
 
-        `poses` is the number of crank angles of the mean.
+        It is the mean over `poses` crank angles.
         """
         sense = self._reducer.member.sense
         resting_reducer = at_rest(self._reducer)
@@ -191,9 +191,9 @@ class RvModel(FullModel):
         return round(self._reducer.crank_turn / (2.0 * np.pi))
 
     def locked_rotation(self, poses: int) -> Callable[[float], float]:
-        """Return a function from a torque on the output [N m] to its mean rotation [rad] with a locked sun.
+        """Return a function from the torque on the output [N m] to the output's mean rotation [rad] at a locked sun.
 
-        `poses` is the number of crank angles of the mean.
+        It is the mean over `poses` crank angles.
         """
         reducer, brake_sign = self._reducer, braking_sign(self._reducer)
 
@@ -208,7 +208,7 @@ class RvModel(FullModel):
 
         Friction is included. `torque` brakes the output [N m], `direction` is that of the crank, 1 or -1, `part` the
         index of the part, and `samples` the number of crank angles in a mesh period. The part is a turn of the cranks
-        against the ring.
+        against the ring. The result has shape (m,) for m crank angles and is positive counter-clockwise.
         """
         turning_reducer = self._reducer.but(drive={"speed": direction * abs(self._reducer.design.drive.speed)})
         count = turning_reducer.design.ring.teeth * samples

@@ -66,10 +66,10 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     Parameters
     ----------
     design
-        A design that passes its checks, or the name of a preset or file. Its load is not used; stiffness is that at the
-        nominal torque.
+        A design that passes its checks, or the name of a preset or file. Its load is not used.
     level
-        Level of detail of the joint in a simulation. All parameters are identified at any level.
+        Level of detail in a simulation: "rigid"; "backlash", with play and springs; or "full", with load-dependent
+        friction and transmission error, too. All parameters are identified at any level, stiffness at nominal torque.
     progress
         Called after each piece of work with the number of finished pieces and their total number.
 

@@ -98,7 +98,7 @@ class Population(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return sentences on random drives: ranges of drawn inputs, missing tolerances, unassembled drives."""
+        """Return sentences on random drives: ranges of drawn inputs, missing tolerances, drives that are left out."""
         ranges = "; ".join(
             f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
             for input_range in self.ranges

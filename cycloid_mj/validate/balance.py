@@ -69,7 +69,11 @@ SOURCE = "exact curves"
 
 
 def design_with_errors(layout: str, *changes: str) -> Design:
-    """Return the paper's disc on fixed pins with all errors, in a layout of `LAYOUTS`, without friction and gravity."""
+    """Return the design of Hsieh 2014 on fixed pins with all manufacturing errors, without friction and gravity.
+
+    `layout` is a key of `LAYOUTS` (one, two or three discs), `changes` are further settings of the form ``key=value``.
+    The load is the rated load.
+    """
     static_changes = (
         *rig.without_friction(),
         *rig.without_gravity(),

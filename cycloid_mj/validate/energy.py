@@ -53,7 +53,11 @@ def idle_rows(quick: bool) -> list[ValidationRow]:
 
 
 def jolt_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the work of the normal forces under a sudden load with the energy balance; `quick` has no effect."""
+    """Compare the work of the normal forces under a sudden load with the rest of the energy balance.
+
+    The rest is the work at the input minus the work at the output minus the stored energy; there is no friction.
+    `quick` has no effect.
+    """
     drive_changes = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
     energy_balance = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *drive_changes))
     lost_work = energy_balance.supplied - energy_balance.delivered - energy_balance.stored

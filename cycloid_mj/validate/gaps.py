@@ -221,11 +221,11 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the points of the disc at a `pose` that are nearest to each of N ring pins.
+    """Compute distance, disc normal and profile parameter of the disc's nearest point to each of N ring pins.
 
-    The gap of a pin is the distance of these points plus the clearance, which is not included here. `centres` (N, 2)
-    [m] are the centres of the pins in the ring's frame. `flanks` are those of the disc, by default the ideal flanks of
-    `gear`.
+    The gap of a pin is this distance plus the clearance, which is not included here. `pose` is the position of the
+    disc, and `centres` (N, 2) [m] are the centres of the pins in the ring's frame. `flanks` are those of the disc, by
+    default the ideal flanks of `gear`.
     """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     pin_count = gear.ring_teeth

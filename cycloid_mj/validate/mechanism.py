@@ -108,7 +108,7 @@ def hole_rows() -> list[ValidationRow]:
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
-    """Compare the penetrations that the collider computes in MuJoCo with gaps between the exact curves.
+    """Compare the penetrations that the package's contact functions compute in MuJoCo with gaps of the exact curves.
 
     `pins` is the support of the ring pins, a value of ``ring.pins``. Three discs and the output have random
     displacements, pins and sleeves are shifted by ``PIN_SHIFT``. Open contacts count as 0.

@@ -60,7 +60,10 @@ def clearances(value_um: float) -> list[str]:
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
-    """Change the stiffness [N/m] of the cam's contact in a compiled model in place, with damping and added mass."""
+    """Change the stiffness [N/m] of the cam's contact in a compiled model in place.
+
+    Its damping is half of critical. The added mass, which keeps MuJoCo's time step stable, follows (`contact_law`).
+    """
     model = compiled.model
     disc_mass = float(model.body("gear").mass[0])
     contact_parameters = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))

@@ -57,7 +57,10 @@ SHARING = SharingBounds()
 
 
 def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the tooth forces of an ideal reducer with a kind of ring with F_i = T l_i / sum l^2."""
+    """Compare the simulated tooth forces of an ideal reducer with ideal load sharing, F_i = T l_i / sum l^2.
+
+    T is the load torque, l_i the lever arm of tooth i. `kind` is the kind of ring; `quick` shortens the run.
+    """
     separate_lines = kind == NONPIN
     source = "T l/sum l^2 over arcs and Sigma" if separate_lines else "T l/sum l^2"
     note = "each contact line is a separate spring, as in the formula" if separate_lines else ""
@@ -113,7 +116,10 @@ def _compare_ideal_forces(
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the ideal forces on the disc [N] at a crank angle [rad], shape (ring pins or lobes, 2)."""
+    """Compute the forces of ring pins or lobes on the disc [N] by ideal load sharing, shape (pins or lobes, 2).
+
+    `crank` is the crank angle [rad]; the torque is the load of the design.
+    """
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     indices, normals, _ = _ideal_contacts(reducer, crank)
@@ -141,9 +147,10 @@ def patch_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the tooth forces, disc rotation and cam force of the real design with an independent static solution.
+    """Compare tooth forces, disc rotation and cam force of a design with clearance with an independent static solution.
 
-    `kind` is the kind of ring. With `quick` there are fewer samples, and the run is shorter.
+    The forces are those of a slow run at the rated load. `kind` is the kind of ring. With `quick` there are fewer
+    samples, and the run is shorter.
     """
     changes = [
         *rig.without_friction(),
@@ -199,8 +206,8 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
 def settled_run(reducer: Reducer, cam_stiffness: float | None, separate_lines: bool) -> Run:
     """Simulate a design; return its samples under full load.
 
-    `cam_stiffness` [N/m] replaces the stiffness of the cam; with `separate_lines` each contact line is a spring of its
-    own.
+    `cam_stiffness` [N/m] replaces the stiffness of the cam unless it is None; with `separate_lines` each contact line
+    is a spring of its own.
     """
     model = build(reducer.design)
     if cam_stiffness is not None:

@@ -179,9 +179,10 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_quantities(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the main results.
+    """Simulate a kind of ring for a number of mesh periods at rated load and 1640 rpm; return the compared results.
 
-    `changes` are settings of the form ``key=value``.
+    They are speed error and transmission error of the disc, cam force and efficiency. `changes` are settings of the
+    form ``key=value``.
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
