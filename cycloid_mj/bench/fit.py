@@ -283,7 +283,7 @@ def _continue_search(
 
 
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
-    """Return residuals, uncertainties and intervals of a fit to loops at fixed values, without a search.
+    """Return residuals, uncertainties and intervals of a fit to loops at fixed parameter values, without a search.
 
     `scaled_values` (v,) are those of the v parameters and offsets of the `problem`, in units of their scales. The
     intervals are those of the linearised model and include `MODEL_ERROR`.

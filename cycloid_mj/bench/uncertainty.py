@@ -73,9 +73,9 @@ class FitUncertainty:
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
 
     def quantile_along(self, direction: Array, confidence: float) -> float:
-        """Return the half width of the confidence interval of a sum of the values, over its standard error [1].
+        """Return the half width of the confidence interval of a sum of fitted values, over its standard error [1].
 
-        The sum is `direction` @ values. `direction` (v,) has the coefficients of the v fitted values. The result is the
+        The sum is weighted: `direction` (v,) has the coefficients of the v fitted values. The result is the
         quantile of Student's t distribution. It is larger if few points determine the sum, because its standard error
         is then estimated from few residuals. The degrees of freedom are Satterthwaite's, (sum a)^2 / sum a^2. a is the
         contribution of an independent point to the variance of the sum (Bell and McCaffrey, Survey Methodology 28,

@@ -166,9 +166,8 @@ def stress(
     turn. Without --log, each design is simulated first: at full speed, for one turn after the load has settled.
 
     For each part, the tables list the largest von Mises stress away from the contacts (bulk) and below them (Hertz),
-    with position, crank angle, safety factor against yield, and the change with a finer grid. Stress at fillets and
-    with other supports is listed below. For the designs of Hsieh 2014 without load, a further table compares the
-    stresses with Figs 10-16 of this paper.
+    with position, crank angle, safety factor against yield, and change with a finer grid; then stress at fillets and
+    with other supports. For the designs of Hsieh 2014 without load, a table compares them with Figs 10-16 there.
 
     An RV reducer is not simulated: the forces on its discs, ring and pins are those of its static balance with
     friction. A further table lists cranks (beams with notch factors) and tooth roots (ISO 6336-3).
@@ -179,6 +178,7 @@ def stress(
     factor of a fillet is larger than the bulk stress, the safety factor is that of the fillet.
 
     stress.json, a VTU file of each part for ParaView, and the figures are written to --out. Requires the extra `fem`.
+    With --springs, only the compliance of the parts is computed, and written to a design file as its springs.
     """
     names, map_angle = (*designs, *design), None if angle_deg is None else math.radians(angle_deg)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))

@@ -75,8 +75,8 @@ class StartSpread:
 def compare_order(spread: StartSpread, other: StartSpread) -> int:
     """Return which of two positive quantities is larger: 1 the first, -1 the other, 0 if this is not certain.
 
-    `spread` and `other` are the values over independent starts. A quantity is larger if each of its starts exceeds all
-    starts of the other quantity by more than the factor `ORDER_MARGIN`.
+    `spread` and `other` have the values of the quantities in independent runs (starts). A quantity is larger if each of
+    its values exceeds all values of the other quantity by more than the factor `ORDER_MARGIN`.
     """
     if spread.low > ORDER_MARGIN * other.high:
         return 1

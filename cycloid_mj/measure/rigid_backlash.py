@@ -76,7 +76,11 @@ def _extreme_arms(reducer: Reducer, gaps: Gaps, kind: str) -> tuple[Array, Array
 
 
 def effective_clearance(reducer: Reducer, kind: str) -> float:
-    """Compute the clearance of a kind of pair [m] at ideal positions of all parts, including flank modifications."""
+    """Compute the clearance of a kind of pair [m] at ideal positions of all parts, from the nominal clearance.
+
+    It includes the offset of modified flanks or, for output pins, the excess of the hole radius over pin radius plus
+    eccentricity.
+    """
     design = reducer.design
     output = design.output
     enlargement = {

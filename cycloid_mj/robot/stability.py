@@ -160,7 +160,8 @@ def choose_time_step(
 ) -> StepTrial:
     """Choose the longest accurate time step for a scene, up to `STUDY.max_scene_step`; return its trial.
 
-    If no time step is accurate, return the stable trial with the smallest error.
+    A trial simulates the joint with one time step, and is accurate if its errors are small (`StepTrial.accurate`). If
+    no time step is accurate, return the stable trial with the smallest error.
 
     Parameters
     ----------
