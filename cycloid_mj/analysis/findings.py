@@ -13,7 +13,7 @@ Phase = Literal["hold", "ramp"]
 
 
 def condition(reducer: Reducer) -> Condition:
-    """Return the operating condition of a design: load, speed, temperature and friction law."""
+    """Return the operating condition of a design: load, speed, temperature, friction law, and lubricant of ``film``."""
     design = reducer.design
     return Condition(
         design.load.torque,

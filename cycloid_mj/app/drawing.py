@@ -138,7 +138,10 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
 
 
 def _holes_and_shaft(reducer: Reducer, _chord_error: float) -> dict[str, Any]:
-    """Return centres [mm] and radii [mm] of output holes and pins, bore and shaft of a drive with a central crank."""
+    """Return centres [mm] and radii [mm] of output holes and pins, bore and shaft of a drive with a central crank.
+
+    The keys are those that `section` describes, such as ``hole_radius``. The chord error has no effect.
+    """
     design = reducer.design
     return {
         "holes": _points(output_centres(reducer)),

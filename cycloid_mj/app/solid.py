@@ -69,7 +69,8 @@ class _Assembly:
 def _assemble_central(reducer: Reducer, options: BuildOptions) -> _Assembly:
     """Return the parts of a drive with a central crank, with covers if these fit.
 
-    `options` has the motor.
+    The result also has the positions, colours and motions of the parts, and the moves that assemble them. `options` has
+    the motor.
     """
     casing, reason = casing_or_none(reducer, options.motor)
     return _Assembly(
@@ -84,7 +85,7 @@ def _assemble_central(reducer: Reducer, options: BuildOptions) -> _Assembly:
 
 
 def _assemble_rv(reducer: Reducer, _options: BuildOptions) -> _Assembly:
-    """Return the parts of an RV reducer, which has no covers."""
+    """Return the parts of an RV reducer, which has no covers, with their positions, colours and motions."""
     reducer = cast(RvReducer, reducer)
     motions = _motions(reducer)
     carrier_rate, _ = motions["output"]

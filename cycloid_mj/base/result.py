@@ -69,7 +69,11 @@ class Quantity:
     causes: tuple[tuple[str, float], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a quantity to JSON values: name, value, unit, error, reference, source, note, and interval if any."""
+        """Convert a quantity to JSON values: name, value, unit, error, reference, source, note, and interval if any.
+
+        The error is the numerical error of the value, the reference its closed form, and the source that of the
+        reference. The key is not included.
+        """
         return {
             "name": self.name,
             "value": self.value,

@@ -147,7 +147,10 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
     half_pitch = pin_circle * math.sin(math.pi / output.pins)
 
     def hole_limits(relative_wall: float) -> tuple[Limit, ...]:
-        """Return limits on design keys for a wall of `relative_wall` [1] times the pin-circle radius between holes."""
+        """Return the limits of radius, number and circle of the output holes that leave a wall between them.
+
+        The wall is `relative_wall` [1] times the radius of the circle of ring pins.
+        """
         needed_radius = _hole_radius(reducer) + relative_wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - relative_wall * E / 2 - design.clearance.output),

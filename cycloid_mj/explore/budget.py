@@ -59,6 +59,7 @@ def size_of_budget_sets(samples: int) -> int:
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
     """Return the sets of random samples for Sobol indices, by name: "A", "B", and one per tolerance.
 
+    A `Batch` only states which random numbers belong to a set; nothing is drawn here.
     A sample is a random drive within the tolerances. The sets A and B are independent. The mixed set of a tolerance has
     the values of this tolerance from B and those of all others from A (pick-freeze); its name is the key of the
     tolerance. `zones` are the tolerances by key, and `samples` is the size of each set.

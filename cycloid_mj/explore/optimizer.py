@@ -333,8 +333,9 @@ class _Rows:
 def _open_record(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
     """Open the record of evaluated points as a context that yields it: in memory, or in the folder `out`.
 
-    A search in a folder is resumed if the `task`, that is the problem, the number of evaluations, starts, seed and
-    package versions are the same.
+    The record has the known results by index of the point, and a function that adds one. A search in a folder is
+    resumed if the `task`, that is the problem, the number of evaluations, starts, seed and package versions are the
+    same.
     """
     if out is None:
         rows: dict[int, PointResult] = {}

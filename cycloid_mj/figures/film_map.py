@@ -62,7 +62,11 @@ class MapPoint:
     spread: Spread
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a point of an efficiency map to JSON values: ``value``, ``low`` and ``high`` are in ``unit``."""
+        """Convert a point of an efficiency map to JSON values: ``value``, ``low`` and ``high`` are in ``unit``.
+
+        ``low`` and ``high`` are the ends of the interval of the value. ``torque_nm`` or ``speed_rpm`` is None if the
+        value does not depend on it.
+        """
         return {
             "quantity": self.quantity,
             "unit": self.unit,

@@ -456,7 +456,11 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of a data sheet on the continuous, the intermittent and the largest input speed [rpm]."""
+    """Return the rows of a data sheet on the continuous, the intermittent and the largest input speed [rpm].
+
+    The first two are for the nominal torque, all the time (S1) and for a quarter of it (S3). The grease in the bearings
+    limits the largest speed.
+    """
     return (
         figure_row(
             reducer,

@@ -171,8 +171,9 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
 def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     """Compute how far the output can turn in both directions (n, 2) [rad] at n crank angles [rad] by a linear program.
 
-    The angles `cranks` are independent of each other. If the program has no solution, each angle is solved alone, so
-    that the error message can name the angle at which the disc jams. `sides` is the number of sides of a cam's polygon.
+    The first column is the stop in clockwise direction. The angles `cranks` are independent of each other. If the
+    program has no solution, each angle is solved alone, so that the error message can name the angle at which the disc
+    jams. `sides` is the number of sides of a cam's polygon.
 
     Raises
     ------

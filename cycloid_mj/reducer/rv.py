@@ -206,7 +206,10 @@ class RvReducer(Reducer):
 
     @property
     def mesh_stiffness(self) -> float:
-        """Return the stiffness of a planet mesh along its line of action [N/m]."""
+        """Return the stiffness of a planet mesh along its line of action [N/m].
+
+        It is that of the design file, else the estimate of ISO 6336-1 for steel (`geometry.rv.mesh_stiffness`).
+        """
         from cycloid_mj.geometry.rv import mesh_stiffness
 
         planet = self.planet

@@ -23,7 +23,10 @@ def disable_unused(model: Any) -> Iterator[None]:
 
 
 def unused_flags(model: Any) -> int:
-    """Return the flag bits that disable the stages which a model does not use; 0 for a model with tendons."""
+    """Return the flag bits that disable the stages which a model does not use; 0 for a model with tendons.
+
+    Such stages are equalities, joint friction, limits, springs and dampers of joints, and limits of the controls.
+    """
     flag_names = mujoco.mjtDisableBit
     is_used = {
         flag_names.mjDSBL_EQUALITY: model.neq > 0,

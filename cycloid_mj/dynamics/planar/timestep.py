@@ -66,7 +66,11 @@ def choose_step(reducer: Reducer) -> TimeStep:
 
 
 def acceleration_timestep(reducer: Reducer) -> float:
-    """Return the time step [s] of planar runs that evaluate accelerations; it resolves the motion of moving pins."""
+    """Return the time step [s] of planar runs from whose motion accelerations are computed.
+
+    It is that of `choose_step`, limited by `SETTINGS.max_step_for_accelerations` and by the oscillation of moving pins.
+    A time step that the design sets is not changed.
+    """
     chosen, rate = choose_step(reducer), reducer.design.settings.log_rate
     if reducer.design.settings.timestep:
         return chosen.seconds
