@@ -166,8 +166,8 @@ def largest_magnification(reducer: Reducer) -> float:
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
     """Return an upper bound of the gaps between mating parts over all samples [m].
 
-    For each kind of pair it is the clearance plus the largest deviation from the ideal position; the result is the
-    largest of these sums.
+    `gaps` are those of a disc and its mates, from `measure_gaps`. For each kind of pair, the bound is the clearance
+    plus the largest deviation from the ideal position; the result is the largest of these sums.
     """
     design = reducer.design
     return max(
@@ -235,7 +235,9 @@ def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
     """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at n samples of a log.
 
-    `columns` are the log columns by name, n samples each, in SI units. `disc` is the index of the disc.
+    `columns` are the log columns by name, n samples each, in SI units. `disc` is the index of the disc. The result also
+    has the pose of the disc. Gaps of teeth are those in excess of the clearance; those of output pins follow from the
+    positions of their centres.
     """
     poses_by_part = poses(reducer, columns)
     gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
@@ -258,6 +260,12 @@ def measure_mesh(reducer: Reducer, poses_by_part: Mapping[str, Array], crank: Ar
         Crank angles relative to the ring [rad], shape (n,).
     disc
         Index of the disc.
+
+    Returns
+    -------
+    MeshGaps
+        Ideal pose of the disc and its deviation, gap of each tooth in excess of the clearance [m], and displacement [m]
+        and rotation [rad] of each pin.
     """
     tooth_profile, phase = reducer.tooth_profile, reducer.phases[disc]
     gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]

@@ -145,11 +145,11 @@ def render_model(
 
 
 def _force_arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return the arrows of the contact forces in a sample of a run: tail and tip [m], width [m] and colour of each.
+    """Return the arrows of the contact forces in a sample of a run, each as a dict.
 
-    `sample` is the index of the sample, `reducer` the reducer of the run.     The tip is at the contact, on a face of
-    the disc. The longest arrow of each kind of contact has the length `ARROWS.length` times the radius of the pin
-    circle. Forces of zero have no arrow.
+    The keys are "tail" and "tip" (positions [m]), "width" [m] and "colour". `sample` is the index of the sample,
+    `reducer` the reducer of the run. The tip is at the contact, on a face of the disc. The longest arrow of each kind
+    of contact has the length `ARROWS.length` times the radius of the pin circle. Forces of zero have no arrow.
     """
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
     forces, ring_radius, faces = (

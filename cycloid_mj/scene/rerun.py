@@ -90,8 +90,9 @@ def _colour_bytes(colour: Colour) -> list[int]:
 def _log_forces(rerun: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
     """Log the force arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face.
 
-    `rerun` is the module ``rerun``, `recording` the recording, and `time` its time column of n samples. The largest
-    force of a kind over all times has an arrow of `ARROWS.length` times the pin-circle radius.
+    `rerun` is the module ``rerun``, `recording` the recording, `time` its time column of n samples, and `forces` are
+    the contact forces at these samples. The largest force of a kind over all times has an arrow of `ARROWS.length`
+    times the pin-circle radius.
     """
     ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(forces.kinds):

@@ -169,6 +169,11 @@ def solve_at_friction(
     start
         Solution for similar friction coefficients, whose displacements are the starting point.
 
+    Returns
+    -------
+    Loads
+        Forces [N], displacements [m] and rotations [rad] at the m crank angles.
+
     Raises
     ------
     RunError
@@ -271,7 +276,10 @@ def _solve_contacts(
 ) -> tuple[Array, Array, float]:
     """Solve for the contact forces in equilibrium; linearise output rollers on separate needles repeatedly.
 
-    Arguments and results are those of `_solve_with_cams`.
+    There are u unknown displacements at each of m crank angles, n contacts and D discs. `springs` are the contact
+    springs, `load` (m, u) [N] the generalised forces. `z` (m, u) [m] are start values of the displacements, which are
+    overwritten by the solution. `warm_start` starts each crank angle from the previous solution. The results are those
+    of `_solve_with_cams`.
 
     Raises
     ------
@@ -380,7 +388,7 @@ def require_equilibrium(residual: Residual, springs: Springs, load: Array) -> No
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
-    """Compute the rotations of disc and output from their ideal angles under a torque, without friction.
+    """Compute the rotations of discs and output from their ideal angles under a torque, without friction.
 
     The only inertia force is the disc's centrifugal force at the speed of the design. In an RV reducer, there are no
     inertia forces, but the friction of the running drive is included.
@@ -398,7 +406,7 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     Returns
     -------
     Array
-        Rotations of disc and output [rad], shape (k, 2).
+        Rotations of the discs (their mean) and of the output [rad], shape (k, 2).
 
     Raises
     ------

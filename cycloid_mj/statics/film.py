@@ -165,11 +165,12 @@ class FilmSurfaces:
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
     def seat_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of rolling pins in their seats, converted to the flank; None without seats.
+        """Compute friction coefficients and film state of pins that roll in their seats; None without seats.
 
         The equivalent coefficient is the friction force at the flank that turns a pin in its seat, divided by the
-        normal force. It is the coefficient of the seat times `seat_scale`. `force` is the normal force of each contact
-        [N], shape (m, teeth).
+        normal force. It is the coefficient of the seat times `seat_scale`. The film state is the film thickness over
+        roughness and the load share of the asperities. `force` is the normal force of each contact [N], shape (m,
+        teeth).
         """
         design, seat = self.reducer.design, self.seat
         if seat is None:
@@ -182,15 +183,15 @@ class FilmSurfaces:
         return seat_film.scaled(self.seat_scale)
 
     def smaller_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
-        """Compute the friction of each pin at its flank or in its seat, whichever is smaller.
+        """Compute the friction coefficient of each pin at its flank or in its seat, whichever is smaller.
 
         `force` is the normal force of each contact [N], shape (m, teeth).
 
         Returns
         -------
         tuple
-            The smaller friction of each contact, and a mask, shape (m, teeth): true where the seat has the smaller
-            friction, so that the pin rolls on the disc.
+            The smaller friction coefficient of each contact with its film state (`MixedFriction`), and a mask, shape
+            (m, teeth): true where the seat has the smaller friction, so that the pin rolls on the disc.
         """
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
@@ -207,10 +208,11 @@ class FilmSurfaces:
         return hole_speeds(gear, output.pin_radius, output.hole_radius, self.reducer.speed_against_ring)
 
     def output_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction between the holes of the discs and the output pins; None for pins on needles.
+        """Compute friction coefficients and film state between holes and output pins; None for pins on needles.
 
         Plain rollers turn on their pins; their friction is converted to an equivalent coefficient at the rim of the
-        roller. `force` is the normal force of each contact [N], of any shape; the result has the same shape.
+        roller. The film state is the film thickness over roughness and the load share of the asperities. `force` is the
+        normal force of each contact [N], of any shape; the result has the same shape.
         """
         design = self.reducer.design
         output = design.output
@@ -300,8 +302,6 @@ class FilmContacts:
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
         """Compute the friction coefficients of all lubricated contacts under known normal forces.
 
-        The result also has the state of each sliding contact (`MixedFriction`), and which free pins roll on the disc.
-
         Parameters
         ----------
         teeth, output
@@ -309,6 +309,13 @@ class FilmContacts:
             holes and output pins, shape (m, pins).
         cam
             Magnitude of the force of each of D cams [N], shape (m, D).
+
+        Returns
+        -------
+        FilmFriction
+            Coefficients [1] of the contacts with ring and output pins, shape (m, teeth + pins); the mean coefficient of
+            the cams, weighted by their forces; the film state of the sliding contacts (`MixedFriction`); and which free
+            pins roll on the disc, shape (m, teeth).
         """
         tooth_friction, pin_rolls = self.surfaces.smaller_friction(teeth)
         output_friction = self.surfaces.output_friction(output)
@@ -321,9 +328,10 @@ class FilmContacts:
         return FilmFriction(coefficients, mean_cam_friction, tooth_friction, output_friction, pin_rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
-        """Compute the friction of all lubricated contacts under the ideal peak forces at the design's load.
+        """Compute the friction coefficients of all lubricated contacts under ideal peak forces at the design's load.
 
-        The ideal peak force of each kind of contact is computed in `reducer.contact`.
+        Each contact has the ideal peak force of its kind (`reducer.contacts`); the halves of a divided ring share that
+        of the teeth. The result is that of `friction`.
         """
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
@@ -393,7 +401,8 @@ def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) ->
     """Return the friction law ``film`` (mixed lubrication) of a kind of mating pair at its lubricant's temperature.
 
     `pair` is "cam", "output" or the kind of the teeth, "pin_gear" or "tooth". `inputs` are factors on viscosity,
-    roughness, boundary friction, film thickness, film share and shear stresses.
+    roughness, boundary friction, film thickness, load share of the film and shear stresses; a factor of 1 keeps the
+    value of the design.
     """
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)

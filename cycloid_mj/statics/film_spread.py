@@ -51,7 +51,7 @@ RANGES: Mapping[str, InputRange] = {
 
 
 def boundary_range(reducer: Reducer) -> InputRange:
-    """Return the range of the boundary friction coefficient of greased steel, or of greased plastic flanks.
+    """Return the range of the boundary friction of greased steel or plastic flanks, as factors on the coefficient.
 
     For a plastic, it is the range of its greased friction relative to the mean (`lubricants.greased_friction`).
     """
@@ -303,7 +303,9 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
-    """Compute the efficiency [%] and its interval when the output drives with a positive `torque` [N m].
+    """Compute the efficiency [%] and its 5 to 95 % interval when the output drives with a positive `torque` [N m].
+
+    The interval follows from samples of the uncertain inputs of the friction law ``film``.
 
     Raises
     ------

@@ -30,7 +30,7 @@ def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array)
 
 
 def missing_friction(reducer: Reducer) -> tuple[float, float]:
-    """Estimate the friction losses that a run misses because contacts slide slower than the creep speed.
+    """Estimate the friction losses that a simulation misses because contacts slide slower than the creep speed.
 
     Returns
     -------
@@ -41,10 +41,10 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     Notes
     -----
     The full Coulomb loss of a contact with the force F and the sliding speed v is mu F v. If v is below v0 F/F_w, with
-    the creep speed v0 and the working force F_w, a run has only the share v F_w/(v0 F) of it. Tooth forces are those of
-    a disc that only rotates, by an angle t: F = K max(a t - g, 0) for a tooth with the stiffness K, the lever arm a and
-    the full clearance g. With weight, or if the disc moves sideways, the missing loss may be twice as large. A moving
-    pin or sleeve divides the sliding between its two contacts, which extends the range to higher speeds.
+    the creep speed v0 and the working force F_w, a simulation has only the share v F_w/(v0 F) of it. Tooth forces are
+    those of a disc that only rotates, by an angle t: F = K max(a t - g, 0) for a tooth with the stiffness K, the lever
+    arm a and the full clearance g. With weight, or if the disc moves sideways, the missing loss may be twice as large.
+    A moving pin or sleeve divides the sliding between its two contacts, which extends the range to higher speeds.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs

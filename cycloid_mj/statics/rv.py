@@ -426,11 +426,12 @@ def coulomb_coefficients(reducer: RvReducer) -> RvCoefficients:
 def compute_rv_friction(
     reducer: RvReducer, crank: npt.ArrayLike, sense: float, coefficients: RvCoefficients | None = None
 ) -> RvFriction:
-    """Compute the friction of an RV reducer at m crank angles against the ring [rad], shape (m,).
+    """Compute the generalised friction forces of an RV reducer per contact force [1], at m crank angles [rad], (m,).
 
-    Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the
-    tapered bearings of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of
-    contact (`PlanetMesh`). The default of `coefficients` are the constant coefficients of the law ``coulomb``.
+    The result has those of teeth, crank bearings and planet meshes. `crank` are angles against the ring. Cranks turn
+    counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the tapered bearings
+    of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of contact
+    (`PlanetMesh`). The default of `coefficients` are the constant coefficients of the law ``coulomb``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     coefficients = coefficients or coulomb_coefficients(reducer)
@@ -467,6 +468,12 @@ def solve_rv_loads(
         friction.
     start
         Displacements (m, u) [m] at which the Newton method starts; None: 0.
+
+    Returns
+    -------
+    RvLoads
+        Forces of pins, cranks and planet flanks [N], rotation [rad] and compliance [rad/(N m)] of the carrier, and
+        displacements [m], at the m crank angles.
 
     Raises
     ------

@@ -126,9 +126,10 @@ def bearing_friction(reducer: RvReducer) -> tuple[float, float]:
 
 
 def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
-    """Return the friction of an RV reducer with the law ``film`` at m crank angles against the ring [rad], shape (m,).
+    """Return the friction model of an RV reducer with the law ``film`` at m crank angles against the ring [rad], (m,).
 
-    The cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
+    Its method `load` computes the friction forces from the contact forces of an equilibrium. The cranks turn
+    counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)

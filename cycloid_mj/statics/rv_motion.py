@@ -55,8 +55,9 @@ def static_rotations(reducer: RvReducer, springs: RvSprings, torque: float, sens
 def rv_transmission_error(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Compute the rotations of discs and output of a running drive from their ideal angles, with friction.
 
-    The direction is that of the design's speed. Parameters, result and errors are those of `static_rotations`. The
-    rotation of the output includes that by its run-out (`runout_error`).
+    The direction is that of the design's speed. `crank` are k crank angles [rad], and `torque` [N m] is the torque on
+    the output. The result (k, 2) [rad] and the errors are those of `static_rotations`. The rotation of the output
+    includes that by its run-out (`runout_error`).
     """
     sense = float(np.sign(reducer.design.drive.speed))
     rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque, sense)

@@ -93,7 +93,8 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 def solve_rv_equilibrium(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the static equilibrium of an RV reducer without friction, at `count` angles over a turn of the carrier.
 
-    `torque` is the torque on the output [N m], not 0.
+    `torque` is the torque on the output [N m], not 0. The result has the contact forces [N], displacements [m] and
+    rotation of the carrier [rad] at these angles.
 
     Raises
     ------
@@ -107,8 +108,9 @@ def solve_rv_equilibrium(reducer: RvReducer, torque: float, count: int = SETTING
 def solve_running_equilibrium(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the static equilibrium of a running RV reducer with friction, at angles over a turn of the carrier.
 
-    There are `count` crank angles. `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque
-    brakes a drive that runs in reverse.
+    The result has the contact forces [N], displacements [m] and rotation of the carrier [rad] at `count` crank angles.
+    `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque brakes a drive that runs in
+    reverse.
 
     Raises
     ------

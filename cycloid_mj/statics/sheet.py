@@ -159,8 +159,8 @@ class Sheet(Presented):
         """Convert the static data sheet to JSON values.
 
         ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest relative
-        difference from the runs that ``known_difference_from`` names, or None. ``parts`` says whether the parts are
-        perfect.
+        difference from the simulations that ``known_difference_from`` names, or None. ``parts`` of a quantity says
+        whether the parts are perfect.
         """
         return {
             "design": self.design,
@@ -519,7 +519,7 @@ def _pair_quantities(
 def _loss_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
-    The torque is NaN for a self-locking reducer. With the law ``film``, the efficiencies include an interval.
+    The torque is NaN for a self-locking reducer. With the law ``film``, the efficiencies include a 5 to 95 % interval.
     """
     yield from _efficiency_quantities(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)
@@ -534,7 +534,7 @@ def _loss_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def _efficiency_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%], losses [W] and shaft powers [W] when the crank drives a `load` on the output [N m].
 
-    With the law ``film``, the efficiency includes an interval.
+    With the law ``film``, the efficiency includes a 5 to 95 % interval.
     """
     design, sheet_layout = reducer.design, SHEETS[reducer.LAYOUT]
     mean_powers, sources = shaft_powers(reducer, load, sheet_layout.angles), sheet_layout.sources
@@ -569,7 +569,7 @@ def sampled_losses(reducer: Reducer, torque: float, samples: int = SAMPLES) -> t
 
 
 def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
-    """Compute the efficiency [%] and its interval when the crank drives against an output torque [N m].
+    """Compute the efficiency [%] and its 5 to 95 % interval when the crank drives against an output torque [N m].
 
     `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
     film law [W], such as the bearings of shaft and output.

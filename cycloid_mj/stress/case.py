@@ -67,9 +67,9 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Factorise the stiffness matrix of a part; return a function of the crank angles that solves for displacements.
 
     The result (`LoadCase`) has this function and the narrow contact patches. `grid` is the finite-element mesh of the
-    part. The loads at a crank angle are contact pressure, weight and inertia.
-    The load torque of the output acts at its hub, where the supports carry it. Loads on a part without supports are in
-    equilibrium with its acceleration (d'Alembert).
+    part. The loads at a crank angle are contact pressure, weight and inertia. The load torque of the output acts at its
+    hub, where the supports carry it. Loads on a part without supports are in equilibrium with its acceleration
+    (d'Alembert).
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)

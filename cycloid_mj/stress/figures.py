@@ -83,9 +83,11 @@ The largest stress, the largest contact pressure, and the smallest safety factor
 
 
 def part_figure(reducer: Reducer, kind: str, name: str) -> float:
-    """Compute the largest bulk stress, contact pressure or safety of the parts of a kind, from a run of one turn.
+    """Compute the largest stress or contact pressure [MPa], or the smallest safety factor [1], of the parts of a kind.
 
-    `kind` is the kind of part, such as "gear", and `name` is the name of the quantity in `FIGURES_OF_PARTS`.
+    They follow from a run of one turn. `kind` is the kind of part, such as "gear". `name` is the quantity, a key of
+    `FIGURES_OF_PARTS`: "stress_mpa" (away from contacts), "contact_pressure_mpa" or "contact_safety" (against
+    shakedown).
 
     Raises
     ------
@@ -115,9 +117,10 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
 
 
 def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
-    """Return stress, contact pressure and safety of each kind of part, by the keys of the data-sheet catalogue.
+    """Return stress, contact pressure and safety factor of each kind of part, by the keys of the data-sheet catalogue.
 
-    `findings` are the results of a stress study. Values that are NaN are left out.
+    The safety factor is that of the contacts against shakedown. `findings` are the results of a stress study. Values
+    that are NaN are left out.
     """
     figures = {}
     for kind in KINDS:

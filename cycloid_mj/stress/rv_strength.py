@@ -174,9 +174,9 @@ def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Arr
 
 
 def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
-    """Yield the nominal bending stress [Pa] and its factors at the tooth root of the sun, then of a planet.
+    """Yield nominal bending stress [Pa] and its factors by ISO 6336-3 at the tooth root of the sun, then of a planet.
 
-    A single pair of teeth carries the normal `force` [N].
+    The factors are those of tooth form and stress correction. A single pair of teeth carries the normal `force` [N].
     """
     planet, gears = reducer.planet, reducer.stage_gears
     tangential = force * math.cos(planet.pressure_angle)

@@ -188,7 +188,10 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Solve for the shaft's response at c crank angles with indices `angles`, shape (c,); bearings do not pull."""
+        """Solve for displacements, support forces and section moments at c crank angles with indices `angles`, (c,).
+
+        Bearings press on the shaft and do not pull.
+        """
         weights = load_factors[:, angles]
         open_forces = np.column_stack(
             [

@@ -106,10 +106,10 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     """Compute the torsional compliance of each part by finite elements, and a design whose springs replace the parts.
 
     The result has the compliances [rad/(N m)] and this design: its table ``springs`` has the stiffness of carrier,
-    shaft and housing. A spring has the sum of
-    the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also have the torsion that `statics.structure`
-    computes. The compliance of the contacts is subtracted from that of the carrier, since statics includes it. `mounts`
-    are the seats of output pins and crank from a drawing; each limit of their modulus needs another simulation.
+    shaft and housing. A spring has the sum of the compliances of its parts (`SPRING_OF_PART`); carrier and shaft also
+    have the torsion that `statics.structure` computes. The compliance of the contacts is subtracted from that of the
+    carrier, since statics includes it. `mounts` are the seats of output pins and crank from a drawing; each limit of
+    their modulus needs another simulation.
 
     Raises
     ------

@@ -52,7 +52,9 @@ def _friction(reducer: RvReducer, springs: RvSprings) -> RunningFriction:
 
 
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Return positions and contact forces of an RV reducer at k angles of a turn in static equilibrium, as a run logs.
+    """Return positions and contact forces of an RV reducer at k angles of a turn in static equilibrium.
+
+    They have the names and units of the logged columns of a simulation.
 
     `angles` [rad] (k,) are angles of the cranks relative to the carrier. Weight and inertia are left out.
 

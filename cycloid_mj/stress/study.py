@@ -134,9 +134,9 @@ class StressStudy(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Return a table with named columns: largest stress [MPa], largest contact force [N], yield strength [MPa].
+        """Return a table with a row per part: stresses [MPa], largest contact force [N] and yield strength [MPa].
 
-        It has a row per part.
+        The stresses are the largest away from contacts and the largest below a contact.
         """
         rows: list[dict[str, Cell]] = [
             {
@@ -172,13 +172,13 @@ def stress_study(
     grids: Mapping[str, Grid] | None = None,
     references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
-    """Compute the stress of each part over a crank turn by finite elements, under the logged forces of a run.
+    """Compute the stress of each part over a crank turn by finite elements; return loads, stress maps and findings.
 
     Parameters
     ----------
     run, reducer
-        The run, and the reducer that ran. For an RV reducer, which has no run (None), forces follow from the static
-        equilibrium.
+        The run, whose logged forces act on the parts, and the reducer that ran. For an RV reducer, which has no run
+        (None), forces follow from the static equilibrium.
     parts
         Names of parts; by default every part of the design.
     settings
@@ -246,7 +246,8 @@ def in_order(parts: Sequence[str]) -> list[str]:
 def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
     """Compute the stress of one part over a turn by finite elements; return mesh, loads, maxima, map and results.
 
-    If `grid` is None, the part is meshed with the `settings`.
+    `turn` has positions and contact forces over a crank turn. If `grid` is None, the part is meshed with the
+    `settings`.
 
     Raises
     ------
@@ -457,9 +458,10 @@ def _imbalance(stress: PartStress, grid: Grid) -> float:
 
 
 def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
-    """Compute Flamant's stress 2 F/(pi L d) [Pa] at the bulk distance d from the largest force F on a narrow patch.
+    """Compute Flamant's stress 2 F/(pi L d) [Pa] of a line force F at a `distance` d [m] from it.
 
-    The patch is narrower than d, L is the face width of the disc.
+    F is the largest force on a patch narrower than d, and L the face width of the disc. d is the distance from which
+    stress counts as bulk stress.
     """
     is_narrow = loads.half_width < distance / 2.0
     force = np.where(is_narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()

@@ -25,7 +25,8 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     """Slice the flanks of a disc, with its clearances, into convex pieces, in the frame of the disc, valley 1 on +y.
 
     `SlicePlacement.member` is the number of the pitch to which a slice belongs. Pitch i extends from one lobe tip to
-    the next, with valley i in the middle. `settings` set the accuracy and the number of the slices.
+    the next, with valley i in the middle. `settings` set the accuracy and the number of the slices, and `disc` is the
+    index of the disc.
 
     Raises
     ------

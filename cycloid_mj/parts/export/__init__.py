@@ -243,7 +243,10 @@ def _encode_drive_part(reducer: Reducer, casing: Casing, name: str, part: Part) 
 
 
 def drilled_threads(reducer: Reducer, casing: Casing, part: str) -> Iterator[DrilledThread]:
-    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF."""
+    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF.
+
+    `part` is the name of the part. Each item has thread, centres [m] and core radius [m] of a group of equal holes.
+    """
     for joint in drive_joints(reducer, casing):
         for thread in joint.threads:
             radius = core_radius(reducer, thread.thread)

@@ -69,7 +69,8 @@ def retainer_of(reducer: Reducer, bearing: stock.StockBearing, wall: float) -> R
     Returns
     -------
     Retainer or None
-        None for ball bearings, which are mounted in pairs and need no retainer.
+        Screws of the ring with their length, number and circle, outer radius and thickness of the ring, and the radius
+        that the cover needs; None for ball bearings, which are mounted in pairs and need no retainer.
     """
     if not bearing.has_crossed_rollers:
         return None

@@ -135,7 +135,10 @@ def slotted_contour(reducer: Reducer, phase: float) -> TurnedContour:
 
 
 def cam_screws(reducer: Reducer, clamp: CamClamp) -> BoughtPart:
-    """Return the clamping screws of all cams as bought parts; their heads point to +x at the crank angle 0."""
+    """Return one bought part with a position for each clamping screw of all cams.
+
+    The heads of the screws point to +x at the crank angle 0.
+    """
     design, origins = reducer.design, list[Point]()
     for plane, phase in zip(design.gear.disc_planes, reducer.phases, strict=True):
         for height in clamp.heights(design.gear.face_width):

@@ -275,8 +275,9 @@ class Casing(MotorSide, OutputSide):
 def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> Casing:
     """Choose the dimensions of the casing of a drive for a motor: covers, bearings, screws and flanges.
 
-    `cover_material` is the name of a metal of the library. With ``auto``, the covers are of `LIGHT_METAL` if the ring
-    is of a metal more than twice as dense, and otherwise of the material of the ring.
+    `motor` is the flange of the motor or its name; with ``auto``, it is the smallest NEMA frame that fits and is strong
+    enough, or a bolt circle. `cover_material` is the name of a metal of the library. With ``auto``, the covers are of
+    `LIGHT_METAL` if the ring is of a metal more than twice as dense, and otherwise of the material of the ring.
 
     Raises
     ------
@@ -624,6 +625,8 @@ def _cover_material(reducer: Reducer, requested: str) -> str:
 
 def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> tuple[Casing | None, str]:
     """Return the casing and an empty string, or None and the reason why covers, bearings or screws do not fit.
+
+    `motor` and `cover_material` are those of `casing`.
 
     Raises
     ------

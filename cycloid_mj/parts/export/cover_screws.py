@@ -48,7 +48,7 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
     """Choose the thickest cover screws that fit in the wall of the ring, between its pins.
 
     If no screws fit or none are long enough, the screws are outside of the ring. `wall` [m] is the minimum wall around
-    holes.
+    holes. The result has the screw in stock, its length, the radius of the circle of screws and their angles.
     """
     design = reducer.design
     ring, housing = design.ring, design.housing

@@ -55,6 +55,11 @@ def choose_crank_end(reducer: Reducer, bearing: stock.StockBearing | None, seat:
     bore_room
         Length of the motor cover beyond the bearing next to the discs [m].
 
+    Returns
+    -------
+    CrankEnd
+        Retaining rings of crank and cover, and seal ring; None for those that the design does not request.
+
     Raises
     ------
     DesignError

@@ -117,7 +117,8 @@ def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
     """Return the shrink fit of cams on the shaft; None if the cams have another joint.
 
     It is the tightest of `SHRINK_FITS` that can be joined and at which neither part yields, or the last. The hub is a
-    ring as thick as the thinnest wall of the cam (conservative).
+    ring as thick as the thinnest wall of the cam (conservative). The result has the tolerance zones, the press fit, the
+    pressure at which a part yields, and the temperature difference for joining.
     """
     design = reducer.design
     if design.cam_joint != "shrink":
@@ -138,7 +139,10 @@ def shrink_fit(reducer: Reducer, casing: Casing) -> ShrinkFit | None:
 
 
 def _cam_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits."""
+    """Yield the joint of cams and shaft of several discs as the design requests it, glued if no key fits.
+
+    Nothing is yielded for a crank in one piece.
+    """
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if reducer.design.has_one_piece_crank:
         return

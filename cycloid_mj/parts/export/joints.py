@@ -288,7 +288,7 @@ def _second_seat_start(casing: Casing) -> float:
 
 
 def _output_bearings(casing: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
-    """Return the bearings of the output at the `ends` (start, end) along z [m] as bought parts.
+    """Return one bought part with a position for each bearing of the output, at the `ends` (start, end) along z [m].
 
     Bearings in the output cover have the highest numbers.
     """
@@ -559,9 +559,10 @@ def _bought_screws(
 
 
 def _bought_washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[BoughtPart]:
-    """Yield the washers under the heads of the n flange screws with the axes `centres` (n, 2) [m].
+    """Yield one bought part with a position for each washer under the heads of the n flange screws.
 
-    The heads are on the plane z = `head_face` [m]. `bolt` is the size of the screw in stock.
+    The screws have the axes `centres` (n, 2) [m]; their heads are on the plane z = `head_face` [m]. `bolt` is the size
+    of the screw in stock.
     """
     washer = stock.washer_of(bolt.thread)
     yield BoughtPart(
@@ -579,7 +580,9 @@ def _bought_washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Itera
 def _bought_inserts(
     reducer: Reducer, item: str, thread: float, body: str, centres: Array, mouth: float, direction: float
 ) -> Iterator[BoughtPart]:
-    """Yield the heat-set inserts of threads in a plastic, each flush with the mouth of its hole; none in a metal.
+    """Yield one bought part with a position for each heat-set insert of threads in a plastic; nothing in a metal.
+
+    Inserts are flush with the mouths of their holes.
 
     Parameters
     ----------

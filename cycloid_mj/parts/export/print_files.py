@@ -75,6 +75,11 @@ def print_files(
     torques
         Tightening torques [N m] by the name of the screws in the bill.
 
+    Returns
+    -------
+    PrintFiles
+        Print plates, content of each file by its name, rows of the bill, consumables in words, notes and warnings.
+
     Raises
     ------
     DesignError

@@ -40,7 +40,8 @@ def threemf_bytes(plate: PrintPlate, materials: Mapping[str, Material] | None = 
 def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
     """Format the XML text of a 3MF model: its materials, its objects at their coordinates, and the objects to print.
 
-    `plate` has the parts on the print bed. A part and its supports are the components of one object.
+    `plate` has the parts on the print bed, and `materials` the material of each part by its name. A part and its
+    supports are the components of one object.
     """
     objects: list[str] = []
     build_ids: list[int] = []

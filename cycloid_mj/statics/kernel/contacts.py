@@ -269,7 +269,10 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOffset, use_foot_point: bool) -> Gap:
-    """Compute the gap of a contact at displaced parts: width [m], negative if surfaces overlap, and gradients.
+    """Compute width and gradients of the gap of a contact at displaced parts.
+
+    The width [m] is negative if surfaces overlap. Gradients are by the displacements of the disc and the rotation of
+    the output.
 
     Parameters
     ----------

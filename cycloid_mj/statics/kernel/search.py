@@ -279,7 +279,8 @@ def _continue_by_arclength(
     The solution is written to `z` (u,) [m]. The start values are `system.path_start` (u,). A path is followed for each
     of `PARAMETER_ORDERS`, the orders in which friction and clearance are increased, until one reaches a residual norm
     of at most `tolerance` [N]. Returns the smallest residual norm [N]; `smallest_norm` is the smallest of the earlier
-    attempts.
+    attempts. A solution in which friction wedges a cam does not count. Without friction, `_grow_clearances` is tried
+    last. If no attempt succeeds, `z` need not belong to the returned norm.
     """
     has_friction = springs.friction_per_force.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
@@ -299,7 +300,7 @@ def _continue_by_arclength(
 def _grow_clearances(
     springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, clearance: Array, system: System
 ) -> float:
-    """Solve for equilibrium without friction while clearances increase from none to full; return the residual [N].
+    """Solve for equilibrium without friction while clearances increase from none to full; return the last norm [N].
 
     Each step is a descent of the energy until the residual norm is at most `tolerance` [N]. `springs` are the contact
     springs, `k` is the index of the crank angle, and `load` (u,) [N] the generalised load on the u unknowns. `z` (u,)
@@ -313,9 +314,10 @@ def _grow_clearances(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _force_at_deflection(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force [N] that deflects the stiffest of the contact `springs` by a multiple of its largest clearance.
+    """Compute the force [N] that deflects the stiffest contact or cam by a multiple of the largest clearance.
 
-    The multiple is `clearance_count`, and `k` is the index of the crank angle.
+    The multiple is `clearance_count`. The deflection is limited to the range in which the curves of the contacts are
+    valid. `springs` are the contact springs, and `k` is the index of the crank angle.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):
