@@ -84,10 +84,10 @@ def acceleration(motion: Series) -> Acceleration:
 def spectrum(run_series: Series) -> Spectrum:
     """Compute power spectral densities of the accelerations of disc centre and output in a run, by Welch's method.
 
-    The accelerations are those of `acceleration`: [m/s^2] and [rad/s^2], minus the closed form. `run_series` are the
-    time series of the run, of which full crank turns are used. A segment of Welch's method has two turns, or all
-    samples if there are fewer. The accelerations are means between samples, which attenuates high frequencies; this is
-    corrected.
+    The accelerations are those of `acceleration`: [m/s^2] and [rad/s^2], minus those of the ideal motion. `run_series`
+    are the time series of the run, of which full crank turns are used. A segment of Welch's method has two turns, or
+    all samples if there are fewer. The accelerations are means between samples, which attenuates high frequencies; this
+    is corrected.
     """
     turns = full_turns(run_series)
     window = slice(turns[0].start, turns[-1].stop)

@@ -208,7 +208,10 @@ def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
 
 
 def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
-    """Tabulate the efficiencies [%] of the joint with the brake shoe next to those of the full model."""
+    """Tabulate the efficiencies [%] of the joint in lossy_joint.xml next to those of the full model, a row per load.
+
+    In this file a brake shoe on the crank imitates the losses, in MuJoCo alone.
+    """
     rows = tuple(
         (
             f"{'driving' if efficiency.driving else 'back-driven'}, {efficiency.share:.0%} of the nominal torque",

@@ -352,9 +352,9 @@ def _predict_and_correct(
     is workspace.
 
     The step fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of
-    the old one along the new tangent. The tangent is then unchanged. `sign` is the sign of the determinant at the
-    beginning of the path, `tolerance` [N] is the residual norm of a solution, `k` the index of the crank angle, and
-    `load` (u,) [N] the generalised load.
+    the old one along the new tangent. The tangent is then unchanged. `sign` is the sign at the beginning of the path of
+    the determinant that `_update_tangent` returns, `tolerance` [N] is the residual norm of a solution, `k` the index of
+    the crank angle, and `load` (u,) [N] the generalised load.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct_point(springs, k, load, length, tolerance, path, system):
