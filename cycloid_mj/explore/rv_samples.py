@@ -146,17 +146,15 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     """Draw random samples of an RV reducer within its tolerances, with their transmission errors and error budget.
 
     The budget has the share of each tolerance in the variance of the transmission error over the turn. Shares of linear
-    responses are exact; that of the pins is a mean over the samples. As tolerances add up, first-order and total index
-    are equal. The intervals have no width.
+    responses are exact; that of the pins is a mean over the samples. First-order and total index are equal, as
+    tolerances add up, and the intervals have no width.
 
     Parameters
     ----------
     reducer
         Nominal reducer.
-    samples, seed
-        Number of samples, and random seed.
-    worst
-        Number of samples with the largest transmission error that are returned as designs.
+    samples, seed, worst
+        Number of samples, random seed, and number of samples of the largest transmission error to return as designs.
 
     Raises
     ------
@@ -194,14 +192,13 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     values = _transmission_errors(reducer, nominal, linear_responses, linear_deviations, pin_rotations) / ARCSECOND
     total = sum(variances.values())
     share_of_key = {key: variance / total if total else 0.0 for key, variance in variances.items()}
-    sorted_keys = sorted(share_of_key, key=lambda key: -share_of_key[key])
     worst_rows = np.argsort(-values)[:worst]
     return RvSamples(
         values=values,
         drawn={column: MICROMETRES * deviation for column, deviation in deviations.items()},
         budget=tuple(
             Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key]))
-            for key in sorted_keys
+            for key in sorted(share_of_key, key=lambda key: -share_of_key[key])
         ),
         worst=tuple(_design_of_sample(reducer, deviations, int(row), rank) for rank, row in enumerate(worst_rows, 1)),
     )

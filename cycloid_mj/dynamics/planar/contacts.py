@@ -120,9 +120,7 @@ class MatingSurfaces(NamedTuple):
 def find_contacts(
     system: System, lobes: Array | None, q: Array, v: Array, half_step: float, scratch: Array, contacts: Contacts
 ) -> int:
-    """Find the contacts of all mating pairs at a pose q and speeds v; write them, and return their number.
-
-    Contacts of the cranks of an RV reducer are not included; see ``crank_train``.
+    """Find and write the contacts of all mating pairs but cranks (see ``crank_train``); return their number.
 
     Parameters
     ----------
@@ -134,10 +132,8 @@ def find_contacts(
         Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns of a `System`, shape (unknowns,).
     half_step
         Half of the time step [s]: the time from the start of the step to this pose.
-    scratch
-        Working memory for the contacts of one pair, shape (``MAX_TOUCHES``, ``STRIDE`` / 8).
-    contacts
-        Array of `allocate_contacts`, which is filled from its beginning.
+    scratch, contacts
+        Working memory for contacts of a pair, shape (``MAX_TOUCHES``, ``STRIDE`` / 8); array of `allocate_contacts`.
     """
     discs, teeth, crank = len(system.offset), len(system.ring_centres), system.shafts[1]
     ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)

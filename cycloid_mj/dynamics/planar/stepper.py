@@ -170,8 +170,7 @@ def _compile_steps() -> Any:
         crank: the angle [rad] of a shaft with a servo, else its torque [N m]. There is a sample every `stride` steps
         from step `next_sample` on, counted from 1. In each step, contact search and solution are repeated until both
         agree. `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear;
-        `train` is None without cranks. Forces accelerate pins in `pin_span`: half a `timestep`, or a full `timestep`
-        [s].
+        `train` is None without cranks. Forces accelerate pins in `pin_span` [s]: half of a `timestep`, or all of it.
         """
         size, half = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
