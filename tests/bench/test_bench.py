@@ -127,9 +127,12 @@ def test_a_driven_crank_crosses_the_play(stiffness: float) -> None:
 
 
 def test_parts_stick_before_they_slide_back() -> None:
-    """Load-dependent friction: just after the reversal the loop is several times as stiff as before it."""
+    """Load-dependent friction: just after the reversal the loop is several times as stiff as before it.
+
+    Needles would yield elastically then, so the rollers of the output pins are plain.
+    """
     torque = course(0, 20, 0, count=80)
-    turn = turn_along(Reducer(soft()), torque, 0.0, Losses())
+    turn = turn_along(Reducer(soft().but(output={"roller_bearing": "plain"})), torque, 0.0, Losses())
     before, after = turn[80] - turn[76], turn[80] - turn[84]
     assert 0.0 < after < 0.25 * before
 

@@ -213,7 +213,7 @@ def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way:
     point = np.append(4.0 * pose(contacts, 1.0), way)
     left(point)
     falls = path.matrix[:u].copy()
-    falls[np.diag_indices(u)] -= RIGID_BODY_STIFFNESS * contacts.cam_stiffness * path.unit
+    falls[np.diag_indices(u)] -= RIGID_BODY_STIFFNESS * contacts.cam_stiffness * path.length_unit
     ways = 1e-6 * np.eye(u + 1)
     exact = np.transpose([left(point - step) - left(point + step) for step in ways]) / 2e-6
     assert np.abs(exact[:, u]).max() > 1.0
