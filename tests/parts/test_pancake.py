@@ -13,9 +13,10 @@ from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import casing
 from cycloid_mj.parts.export.assembly import assembly_parts
-from cycloid_mj.parts.export.casing import flange_centres, flange_screw_depth
+from cycloid_mj.parts.export.casing import flange_centres
 from cycloid_mj.parts.export.casing_rules import counterbore, hub_shoulders, thread_radius
 from cycloid_mj.parts.export.drive import drive_length
+from cycloid_mj.parts.export.output_flange import flange_screw_depth
 from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.reducer import Reducer
 

@@ -5,9 +5,7 @@ the motor, the motor cover with its flange and a bearing of the shaft, the ring,
 of the hub, and the output flange.
 """
 
-import math
 from dataclasses import dataclass
-from operator import itemgetter
 
 import numpy as np
 
@@ -32,20 +30,25 @@ from cycloid_mj.parts.export.casing_rules import (
     RULES,
     axial_play,
     counterbore,
-    flange_washer,
     hole_depth,
     hub_shoulders,
-    is_plastic,
     least_wall,
     min_grip,
     ring_end,
-    stock_screw_length,
     stock_shaft_bearing,
     thickest_bolt,
     thread_radius,
 )
 from cycloid_mj.parts.export.cover_screws import Screws, choose_cover_screws, choose_dowels
 from cycloid_mj.parts.export.crank_end import CrankEnd, choose_crank_end
+from cycloid_mj.parts.export.hub_bearing import (
+    choose_hub_bearing,
+    count_cover_bearings,
+    has_both_seats,
+    needs_stop_ring,
+    retaining_radius,
+    seat_second_disc,
+)
 from cycloid_mj.parts.export.motor_mount import (
     Motor,
     choose_motor_flange,
@@ -53,13 +56,7 @@ from cycloid_mj.parts.export.motor_mount import (
     motor_heads_end,
 )
 from cycloid_mj.parts.export.motors import MotorFlange
-from cycloid_mj.parts.export.output_flange import (
-    axial_bores,
-    choose_disc_pattern,
-    choose_flange_dowels,
-    choose_flange_pattern,
-    pattern_angles,
-)
+from cycloid_mj.parts.export.output_flange import OutputFlange, flange_screw_depth, pattern_angles, size_output_flange
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -101,7 +98,7 @@ class MotorSide:
 
 
 @dataclass(frozen=True)
-class OutputSide:
+class OutputSide(OutputFlange):
     """Sizes of hub, bearings and flange of the output [m]; positions are along z.
 
     Attributes
@@ -109,12 +106,6 @@ class OutputSide:
     hub, hub_floor, spacing
         Bearing of the output (two of it, or one with crossed rollers), end of the cavity of the output's disc, where
         the first of two starts, and the distance between both or from there to the only one.
-    flange_bolt, flange_thickness, flange_screws, flange_circle, flange_phase
-        Screws of the output flange, its thickness, and number, circle radius and first angle [rad] of the screws.
-    flange_dowel, flange_dowel_circle
-        Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
-    hub_bore, flange_bore
-        Largest radii of bores on the axis of hub and flange, inside screws and dowels.
     retainer
         Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
     motor_bearing
@@ -127,15 +118,6 @@ class OutputSide:
     hub: stock.StockBearing
     hub_floor: float
     spacing: float
-    flange_bolt: stock.Bolt
-    flange_thickness: float
-    flange_screws: int
-    flange_circle: float
-    flange_phase: float
-    flange_dowel: stock.Dowel | None
-    flange_dowel_circle: float
-    hub_bore: float
-    flange_bore: float
     retainer: Retainer | None
     motor_bearing: tuple[float, float] | None
     stop_ring: StopRing | None
@@ -211,7 +193,7 @@ class Casing(MotorSide, OutputSide):
     @property
     def top(self) -> float:
         """End of output cover and hub, where the flange begins [m]."""
-        return self.hub_floor + _count_cover_bearings(self.hub, self.motor_bearing) * self.hub.width + self.spacing
+        return self.hub_floor + count_cover_bearings(self.hub, self.motor_bearing) * self.hub.width + self.spacing
 
     @property
     def output_cover_end(self) -> float:
@@ -404,168 +386,57 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float,
     stop_ring_radius
         Outer radius of a stop ring [m], if the bearings need one.
     """
-    design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
-    is_short, has_both = design.output.has_disc_seat, design.output.main_bearing_seat == "both_discs"
-    max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
-    pin_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall  # the inner ring supports it
-    pins_end = design.output.pin_circle_radius + design.output.root_radius + pin_wall
-    bearings, max_seat = _hub_bearings(reducer, max_hub_radius, wall), design.ring_root_radius
-    if has_both:
-        _require_both_seats(reducer, stop_ring_radius)
-        max_seat = _retaining_radius(reducer)
-        if _is_back_to_back(reducer):
-            bearings = tuple(bearing for bearing in bearings if hub_shoulders(bearing)[1] <= max_seat)
-            max_seat = stop_ring_radius - wall
-    if is_short and design.ring.has_sleeves:
-        max_seat = min(max_seat, design.ring.pin_circle_radius - sleeve_core_radius(reducer) - wall)
-    hub = _choose_hub_bearing(
-        bearings,
-        min(max_hub_radius, max_seat),
-        math.inf if is_short else rim - wall,
-        pins_end if is_short else seat + 2.0 * wall if straddles else 0.0,
-    )
-    if is_short:
-        bolt, flange_circle, flange_screws = choose_disc_pattern(reducer, hub, wall)
-    else:
-        bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
-        flange_circle, flange_screws = choose_flange_pattern(reducer, hub, bolt, wall)
-    disc_start = design.gear.stack_width / 2.0 + AXIAL_GAP
-    hub_floor = disc_start + (2.0 * wall if is_short else design.output.disc_thickness + AXIAL_GAP)
-    stop_ring = stop_ring_of(hub, stop_ring_radius, wall) if has_both and _is_back_to_back(reducer) else None
+    output, wall, has_both = reducer.design.output, least_wall(reducer), has_both_seats(reducer)
+    hub = choose_hub_bearing(reducer, screws, seat, rim, stop_ring_radius)
+    retainer = retainer_of(reducer, hub, wall)
+    stop_ring = stop_ring_of(hub, stop_ring_radius, wall) if needs_stop_ring(reducer) else None
+    lip_height = 2.0 * wall + axial_play(reducer) if has_both and not stop_ring else 0.0
+    flange = size_output_flange(reducer, hub, retainer, lip_height)
+    motor_bearing = seat_second_disc(reducer, hub, stop_ring, wall) if has_both else None
+    disc_start = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
     if stop_ring:
         hub_floor = ring_end(reducer) + 2.0 * wall
-    far_seat, _ = bearing_seats(reducer, crank_segments(reducer))
-    far_end = far_seat[1] + RULES.collar if straddles else 0.0
-    washer = flange_washer(reducer, bolt)[1]
-    thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
-    retainer = retainer_of(reducer, hub, wall)
-    if retainer:
-        thickness = max(thickness, retainer.height + axial_play(reducer))
-    pattern = flange_circle, flange_screws
-    flange_dowel, flange_dowel_circle = choose_flange_dowels(reducer, bolt, pattern, thickness, wall)
-    bores = axial_bores(reducer, bolt, flange_circle, flange_dowel, flange_dowel_circle, wall)
-    motor_bearing = _seat_second_disc(reducer, hub, stop_ring, wall) if has_both else None
-    if has_both and not stop_ring:
-        thickness += 2.0 * wall + axial_play(reducer)
-    bearing_widths = _count_cover_bearings(hub, motor_bearing) * hub.width
-    if is_short:
-        _require_seat_inside_pins(reducer, seat, straddles, wall)
-        screw_depth = flange_screw_depth(reducer, bolt, thickness)
-        cover = ring_end(reducer) + min_grip(screws.bolt, wall) + screws.bolt.head_height
-        ends = disc_start + design.output.disc_thickness, disc_start + wall + screw_depth, far_end + 2.0 * wall, cover
-        end, shoulder = max(ends), 0.0 if has_both else 2.0 * wall
     else:
-        end, shoulder = max(far_end, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread, 0.5 * hub.width
+        hub_floor = disc_start + (2.0 * wall if output.has_disc_seat else output.disc_thickness + AXIAL_GAP)
+    if output.has_disc_seat:
+        end, shoulder = _disc_end(reducer, screws, seat, flange), 0.0 if has_both else 2.0 * wall
+    else:
+        thread_length = 2.0 * RULES.engagement * flange.flange_bolt.thread
+        end, shoulder = max(_far_end(reducer), hub_floor) + 2.0 * wall + thread_length, 0.5 * hub.width
+    bearing_widths = count_cover_bearings(hub, motor_bearing) * hub.width
     return OutputSide(
         hub=hub,
         hub_floor=hub_floor,
         spacing=max(shoulder, end - hub_floor - bearing_widths),
-        flange_bolt=bolt,
-        flange_thickness=thickness,
-        flange_screws=flange_screws,
-        flange_circle=flange_circle,
-        flange_phase=math.pi / design.output.pins if is_short else 0.0,
-        flange_dowel=flange_dowel,
-        flange_dowel_circle=flange_dowel_circle,
-        hub_bore=bores[0],
-        flange_bore=bores[1],
         retainer=retainer,
         motor_bearing=motor_bearing,
         stop_ring=stop_ring,
+        **vars(flange),
     )
 
 
-def _is_back_to_back(reducer: Reducer) -> bool:
-    """Return whether the output has a pair of bearings with a contact angle, which are back to back."""
-    return reducer.design.output.main_bearings in ("angular_contact", "tapered")
+def _far_end(reducer: Reducer) -> float:
+    """Return where the crank ends in the hub [m], with its collar; 0 for a crank that ends before the hub."""
+    if reducer.design.shaft.mounting != "straddle":
+        return 0.0
+    return bearing_seats(reducer, crank_segments(reducer))[0][1] + RULES.collar
 
 
-def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
-    """Raise DesignError unless bearings around both discs of the output are possible.
+def _disc_end(reducer: Reducer, screws: Screws, seat: float, flange: OutputFlange) -> float:
+    """Return the least z [m] of the face between flange and output disc, behind pins, screws and the crank.
 
-    `stop_ring_radius` [m] is the largest outer radius of the stop ring that a bearing with a contact angle needs.
+    `screws` are those of the covers, and `seat` is the radius of the seats of the shaft bearings [m]. Raises
+    DesignError if the bearing of the crank in the disc reaches the output pins.
     """
-    design = reducer.design
-    if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
-        raise DesignError(
-            "bearings around both discs of the output need a second disc, and are a pair of ball or tapered roller "
-            "bearings, because a single crossed roller bearing carries forces and moments alone: set output.support = "
-            '"both_ends" and output.main_bearings = "deep_groove", "angular_contact" or "tapered", or '
-            'output.main_bearing_seat = "disc"'
-        )
-    if _is_back_to_back(reducer) and design.ring.has_sleeves:
-        raise DesignError(
-            "the pins of sleeves stand in both covers, where the stop ring of the bearing around the second disc would "
-            'be: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
-        )
-    support = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
-    if _is_back_to_back(reducer) and stop_ring_radius < support - stock.ROUNDING:
-        raise DesignError(
-            "the ring leaves no room between its pins and the screws and dowels of the covers for the stop ring of the "
-            f"bearing around the second disc, which needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm; "
-            f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available: increase housing.outer_radius_mm, or set "
-            'output.main_bearings = "deep_groove"'
-        )
-
-
-def _seat_second_disc(
-    reducer: Reducer, hub: stock.StockBearing, stop_ring: StopRing | None, wall: float
-) -> tuple[float, float]:
-    """Return the ends along z [m] of the bearing `hub` around the second disc of the output.
-
-    The inner ring of a deep groove bearing is against a shoulder of two walls, `wall` [m] each, next to the cycloid
-    discs. With a stop ring, bearings are back to back: the shoulder is at the other side of the inner ring, and the
-    stop ring next to the outer one.
-
-    Raises
-    ------
-    DesignError
-        The disc is too thin for the bearing.
-    """
-    thickness, half_width = reducer.design.output.disc_thickness, reducer.design.gear.stack_width / 2.0
-    disc_start = half_width + AXIAL_GAP
-    start = ring_end(reducer) + stop_ring.thickness if stop_ring else disc_start + 2.0 * wall
-    min_thickness = start + hub.width - disc_start + (2.0 * wall if stop_ring else 0.0)
-    if thickness < min_thickness - stock.ROUNDING:
-        raise DesignError(
-            f"the discs of the output are too thin for the bearings of {MILLIMETRES * hub.width:g} mm around them: set "
-            f"output.disc_thickness_mm to at least {MILLIMETRES * min_thickness:.4g}"
-        )
-    return -start - hub.width, -start
-
-
-def _count_cover_bearings(hub: stock.StockBearing, motor_bearing: tuple[float, float] | None) -> int:
-    """Return the number of bearings of the output in its cover: 1 with one around the second disc, else all."""
-    return 1 if motor_bearing else output_bearing_count(hub)
-
-
-def output_bearing_count(hub: stock.StockBearing) -> int:
-    """Return the number of bearings of the output: one with crossed rollers, else a pair."""
-    return 1 if hub.has_crossed_rollers else 2
-
-
-def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
-    """Return the stock bearings for the output, of the kind that the design requires, in order of preference.
-
-    The best is last: the largest. Crossed roller bearings whose retainer ends a minimum wall inside of the heads of the
-    cover screws are better than those whose retainer reaches up to the heads. Other bearings are not yet checked for
-    fit. `max_radius` [m] is two minimum walls, `wall` [m] each, inside of the heads.
-    """
-    kind = reducer.design.output.main_bearings
-    if kind == "crossed_roller":
-        retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
-        fitting = [
-            (retainer.cover_radius <= max_radius + wall, bearing)
-            for bearing, retainer in retainers
-            if retainer and retainer.cover_radius <= max_radius + 2.0 * wall
-        ]
-        return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
-    pairs = {
-        "deep_groove": stock.thin_ball_bearings,
-        "angular_contact": stock.angular_contact_bearings,
-        "tapered": stock.tapered_bearings,
-    }
-    return pairs[kind]()
+    design, wall = reducer.design, least_wall(reducer)
+    _require_seat_inside_pins(reducer, seat, design.shaft.mounting == "straddle", wall)
+    disc_start = design.gear.stack_width / 2.0 + AXIAL_GAP
+    return max(
+        disc_start + design.output.disc_thickness,
+        disc_start + wall + flange_screw_depth(reducer, flange.flange_bolt, flange.flange_thickness),
+        _far_end(reducer) + 2.0 * wall,
+        ring_end(reducer) + min_grip(screws.bolt, wall) + screws.bolt.head_height,
+    )
 
 
 def _flange_and_crank_start(
@@ -722,16 +593,7 @@ def _cavity_radii(
                 "output.pin_circle_radius_mm"
             )
         return shoulder, shoulder
-    return cavity, min(max_radius, _retaining_radius(reducer))
-
-
-def _retaining_radius(reducer: Reducer) -> float:
-    """Return the largest radius [m] of a cavity in a cover that still covers a fifth of the end face of each ring pin.
-
-    Without pins, it is the radius out to which the teeth reach.
-    """
-    ring = reducer.design.ring
-    return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else reducer.design.ring_root_radius
+    return cavity, min(max_radius, retaining_radius(reducer))
 
 
 def output_cover_step(casing: Casing) -> float | None:
@@ -747,55 +609,10 @@ def _bore_end(reducer: Reducer) -> float:
     return prisms[names.CAM].z0 if names.CAM in prisms else max(prism.z1 for prism in prisms.values())
 
 
-def _choose_hub_bearing(
-    bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore: float, min_bore: float
-) -> stock.StockBearing:
-    """Choose the largest bearing that fits on the hub of the output and into its cover.
-
-    Parameters
-    ----------
-    bearings
-        Bearings in stock, the smallest first.
-    max_radius
-        Largest outer radius [m].
-    max_bore, min_bore
-        Largest and smallest radius of the bore [m]; the largest is infinite for a bearing around the output disc.
-
-    Raises
-    ------
-    DesignError
-        None of the bearings fits.
-    """
-    for bearing in reversed(bearings):
-        if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
-            return bearing
-    if math.isinf(max_bore):
-        raise DesignError(
-            "no standard bearing with the room around it fits around the output disc: it needs a bore of at least "
-            f"{2e3 * min_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a smaller "
-            'circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
-        )
-    raise DesignError(
-        f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
-        f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
-        "diameter, or a thinner shaft (shaft.radius_mm)"
-    )
-
-
 def bearing_width_of(reducer: Reducer) -> float:
     """Compute the width of each bearing of the shaft [m]."""
     low, high = bearing_seats(reducer, crank_segments(reducer))[0]
     return high - low
-
-
-def flange_screw_length(bolt: stock.Bolt, thickness: float) -> float:
-    """Return the length of the screws of an output flange of a thickness [m]."""
-    return stock_screw_length(bolt, thickness - bolt.head_height + RULES.engagement * bolt.thread)
-
-
-def flange_screw_depth(reducer: Reducer, bolt: stock.Bolt, thickness: float) -> float:
-    """Return the depth of the threads in the hub for the screws of an output flange of a thickness [m]."""
-    return hole_depth(reducer, bolt.thread, flange_screw_length(bolt, thickness) - thickness + bolt.head_height)
 
 
 def _require_seat_inside_pins(reducer: Reducer, seat: float, straddles: bool, wall: float) -> None:

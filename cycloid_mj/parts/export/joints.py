@@ -19,8 +19,6 @@ from cycloid_mj.parts.export.casing import (
     dowel_centres,
     flange_centres,
     flange_dowel_centres,
-    flange_screw_depth,
-    flange_screw_length,
     motor_centres,
     output_cover_step,
 )
@@ -38,7 +36,7 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.crank_joints import crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, CrossHole, Joint, JointKind, Point, TappedHole
 from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
-from cycloid_mj.parts.export.output_flange import pattern_angles
+from cycloid_mj.parts.export.output_flange import flange_screw_depth, flange_screw_length, pattern_angles
 from cycloid_mj.parts.export.round_part import AXIS, Hole, dowel_body, screw_body, tube
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once

@@ -1,21 +1,107 @@
 """Pattern of the output flange: its screws, the threads for the load, and the dowels of a flange of plastic."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
+from cycloid_mj.parts.export.bearing_retainer import Retainer
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
+    axial_play,
     flange_washer,
+    hole_depth,
     hub_shoulders,
     in_one_piece,
     is_plastic,
+    least_wall,
+    stock_screw_length,
+    thickest_bolt,
     thread_radius,
 )
 from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class OutputFlange:
+    """Sizes of the output flange and its joint with the hub [m].
+
+    Attributes
+    ----------
+    flange_bolt, flange_thickness, flange_screws, flange_circle, flange_phase
+        Screws of the output flange, its thickness, and number, circle radius and first angle [rad] of the screws.
+    flange_dowel, flange_dowel_circle
+        Dowels of hub and flange, as many as screws (None: friction alone), and the radius of their circle.
+    hub_bore, flange_bore
+        Largest radii of bores on the axis of hub and flange, inside screws and dowels.
+    """
+
+    flange_bolt: stock.Bolt
+    flange_thickness: float
+    flange_screws: int
+    flange_circle: float
+    flange_phase: float
+    flange_dowel: stock.Dowel | None
+    flange_dowel_circle: float
+    hub_bore: float
+    flange_bore: float
+
+
+def size_output_flange(
+    reducer: Reducer, hub: stock.StockBearing, retainer: Retainer | None, lip_height: float
+) -> OutputFlange:
+    """Choose screws, dowels and thickness of the output flange on a hub or on a disc of the output.
+
+    Parameters
+    ----------
+    reducer, hub
+        The reducer, and the bearing around the hub or disc.
+    retainer
+        Ring that clamps the outer ring of the bearing, which the flange surrounds; None without.
+    lip_height
+        Height by which the flange is thicker, to clear a lip of the output cover [m].
+
+    Raises
+    ------
+    DesignError
+        The screws, or the bore through a hollow shaft, do not fit.
+    """
+    output, wall = reducer.design.output, least_wall(reducer)
+    if output.has_disc_seat:
+        bolt, circle, count = choose_disc_pattern(reducer, hub, wall)
+    else:
+        bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
+        circle, count = choose_flange_pattern(reducer, hub, bolt, wall)
+    washer = flange_washer(reducer, bolt)[1]
+    thickness = hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall))
+    if retainer:
+        thickness = max(thickness, retainer.height + axial_play(reducer))
+    dowel, dowel_circle = choose_flange_dowels(reducer, bolt, (circle, count), thickness, wall)
+    hub_bore, flange_bore = axial_bores(reducer, bolt, circle, dowel, dowel_circle, wall)
+    return OutputFlange(
+        flange_bolt=bolt,
+        flange_thickness=thickness + lip_height,
+        flange_screws=count,
+        flange_circle=circle,
+        flange_phase=math.pi / output.pins if output.has_disc_seat else 0.0,
+        flange_dowel=dowel,
+        flange_dowel_circle=dowel_circle,
+        hub_bore=hub_bore,
+        flange_bore=flange_bore,
+    )
+
+
+def flange_screw_length(bolt: stock.Bolt, thickness: float) -> float:
+    """Return the length of the screws of an output flange of a thickness [m]."""
+    return stock_screw_length(bolt, thickness - bolt.head_height + RULES.engagement * bolt.thread)
+
+
+def flange_screw_depth(reducer: Reducer, bolt: stock.Bolt, thickness: float) -> float:
+    """Return the depth of the threads in the hub for the screws of an output flange of a thickness [m]."""
+    return hole_depth(reducer, bolt.thread, flange_screw_length(bolt, thickness) - thickness + bolt.head_height)
 
 
 def choose_flange_pattern(

@@ -1,0 +1,199 @@
+"""Choice of the bearings of the output in stock, around the hub or around its discs, and the seats of the discs."""
+
+import math
+from operator import itemgetter
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design import stock
+from cycloid_mj.parts import sleeve_core_radius
+from cycloid_mj.parts.export.bearing_retainer import StopRing, retainer_of
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    counterbore,
+    hub_shoulders,
+    is_plastic,
+    least_wall,
+    ring_end,
+)
+from cycloid_mj.parts.export.cover_screws import Screws
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
+
+
+def choose_hub_bearing(
+    reducer: Reducer, screws: Screws, seat: float, rim: float, stop_ring_radius: float
+) -> stock.StockBearing:
+    """Choose the largest bearing of the output that fits between the cover screws and the hub or the output pins.
+
+    Parameters
+    ----------
+    reducer, screws
+        The reducer, and the screws of its covers.
+    seat, rim
+        Radii of the seats of the shaft bearings, and of the output's disc [m].
+    stop_ring_radius
+        Outer radius of a stop ring [m], if the bearings need one.
+
+    Raises
+    ------
+    DesignError
+        No bearing in stock fits, or the design does not permit the seats that it requests.
+    """
+    design, wall = reducer.design, least_wall(reducer)
+    max_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
+    bearings, max_seat = _hub_bearings(reducer, max_radius, wall), design.ring_root_radius
+    if has_both_seats(reducer):
+        _require_both_seats(reducer, stop_ring_radius)
+        max_seat = retaining_radius(reducer)
+        if needs_stop_ring(reducer):
+            bearings = tuple(bearing for bearing in bearings if hub_shoulders(bearing)[1] <= max_seat)
+            max_seat = stop_ring_radius - wall
+    if not design.output.has_disc_seat:
+        min_bore = seat + 2.0 * wall if design.shaft.mounting == "straddle" else 0.0
+        return _choose_largest(bearings, min(max_radius, max_seat), rim - wall, min_bore)
+    if design.ring.has_sleeves:
+        max_seat = min(max_seat, design.ring.pin_circle_radius - sleeve_core_radius(reducer) - wall)
+    pin_wall = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall  # the inner ring supports it
+    pins_end = design.output.pin_circle_radius + design.output.root_radius + pin_wall
+    return _choose_largest(bearings, min(max_radius, max_seat), math.inf, pins_end)
+
+
+def _choose_largest(
+    bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore: float, min_bore: float
+) -> stock.StockBearing:
+    """Choose the largest bearing that fits on the hub of the output and into its cover.
+
+    Parameters
+    ----------
+    bearings
+        Bearings in stock, the smallest first.
+    max_radius
+        Largest outer radius [m].
+    max_bore, min_bore
+        Largest and smallest radius of the bore [m]; the largest is infinite for a bearing around the output disc.
+
+    Raises
+    ------
+    DesignError
+        None of the bearings fits.
+    """
+    for bearing in reversed(bearings):
+        if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
+            return bearing
+    if math.isinf(max_bore):
+        raise DesignError(
+            "no standard bearing with the room around it fits around the output disc: it needs a bore of at least "
+            f"{2e3 * min_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a smaller "
+            'circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
+        )
+    raise DesignError(
+        f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
+        f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
+        "diameter, or a thinner shaft (shaft.radius_mm)"
+    )
+
+
+def _hub_bearings(reducer: Reducer, max_radius: float, wall: float) -> tuple[stock.StockBearing, ...]:
+    """Return the stock bearings for the output, of the kind that the design requires, in order of preference.
+
+    The best is last: the largest. Crossed roller bearings whose retainer ends a minimum wall inside of the heads of the
+    cover screws are better than those whose retainer reaches up to the heads. Other bearings are not yet checked for
+    fit. `max_radius` [m] is two minimum walls, `wall` [m] each, inside of the heads.
+    """
+    kind = reducer.design.output.main_bearings
+    if kind == "crossed_roller":
+        retainers = ((bearing, retainer_of(reducer, bearing, wall)) for bearing in stock.crossed_roller_bearings())
+        fitting = [
+            (retainer.cover_radius <= max_radius + wall, bearing)
+            for bearing, retainer in retainers
+            if retainer and retainer.cover_radius <= max_radius + 2.0 * wall
+        ]
+        return tuple(bearing for _, bearing in sorted(fitting, key=itemgetter(0)))  # stable: keeps the order of sizes
+    pairs = {
+        "deep_groove": stock.thin_ball_bearings,
+        "angular_contact": stock.angular_contact_bearings,
+        "tapered": stock.tapered_bearings,
+    }
+    return pairs[kind]()
+
+
+def has_both_seats(reducer: Reducer) -> bool:
+    """Return whether a bearing is around each of the two discs of the output."""
+    return reducer.design.output.main_bearing_seat == "both_discs"
+
+
+def needs_stop_ring(reducer: Reducer) -> bool:
+    """Return whether bearings with a contact angle are around both discs of the output, back to back on a stop ring."""
+    return has_both_seats(reducer) and reducer.design.output.main_bearings in ("angular_contact", "tapered")
+
+
+def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
+    """Raise DesignError unless bearings around both discs of the output are possible.
+
+    `stop_ring_radius` [m] is the largest outer radius of the stop ring that a bearing with a contact angle needs.
+    """
+    design = reducer.design
+    if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
+        raise DesignError(
+            "bearings around both discs of the output need a second disc, and are a pair of ball or tapered roller "
+            "bearings, because a single crossed roller bearing carries forces and moments alone: set output.support = "
+            '"both_ends" and output.main_bearings = "deep_groove", "angular_contact" or "tapered", or '
+            'output.main_bearing_seat = "disc"'
+        )
+    if needs_stop_ring(reducer) and design.ring.has_sleeves:
+        raise DesignError(
+            "the pins of sleeves stand in both covers, where the stop ring of the bearing around the second disc would "
+            'be: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
+        )
+    support = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
+    if needs_stop_ring(reducer) and stop_ring_radius < support - stock.ROUNDING:
+        raise DesignError(
+            "the ring leaves no room between its pins and the screws and dowels of the covers for the stop ring of the "
+            f"bearing around the second disc, which needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm; "
+            f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available: increase housing.outer_radius_mm, or set "
+            'output.main_bearings = "deep_groove"'
+        )
+
+
+def seat_second_disc(
+    reducer: Reducer, hub: stock.StockBearing, stop_ring: StopRing | None, wall: float
+) -> tuple[float, float]:
+    """Return the ends along z [m] of the bearing `hub` around the second disc of the output.
+
+    The inner ring of a deep groove bearing is against a shoulder of two walls, `wall` [m] each, next to the cycloid
+    discs. With a stop ring, bearings are back to back: the shoulder is at the other side of the inner ring, and the
+    stop ring next to the outer one.
+
+    Raises
+    ------
+    DesignError
+        The disc is too thin for the bearing.
+    """
+    thickness, half_width = reducer.design.output.disc_thickness, reducer.design.gear.stack_width / 2.0
+    disc_start = half_width + AXIAL_GAP
+    start = ring_end(reducer) + stop_ring.thickness if stop_ring else disc_start + 2.0 * wall
+    min_thickness = start + hub.width - disc_start + (2.0 * wall if stop_ring else 0.0)
+    if thickness < min_thickness - stock.ROUNDING:
+        raise DesignError(
+            f"the discs of the output are too thin for the bearings of {MILLIMETRES * hub.width:g} mm around them: set "
+            f"output.disc_thickness_mm to at least {MILLIMETRES * min_thickness:.4g}"
+        )
+    return -start - hub.width, -start
+
+
+def retaining_radius(reducer: Reducer) -> float:
+    """Return the largest radius [m] of a cavity in a cover that still covers a fifth of the end face of each ring pin.
+
+    Without pins, it is the radius out to which the teeth reach.
+    """
+    ring = reducer.design.ring
+    return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else reducer.design.ring_root_radius
+
+
+def count_cover_bearings(hub: stock.StockBearing, motor_bearing: tuple[float, float] | None) -> int:
+    """Return the number of bearings of the output in its cover: 1 with crossed rollers or one around each disc, else 2.
+
+    `motor_bearing` has the ends of the bearing around the second disc [m]; None without.
+    """
+    return 1 if motor_bearing or hub.has_crossed_rollers else 2
