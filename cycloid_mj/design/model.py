@@ -72,9 +72,9 @@ PARTNERS = {
 
 
 class Ring(Section):
-    """The ring around the discs: free pins in a pinwheel, or a double-enveloping internal gear."""
+    """The ring around the discs: ring pins, or an internal gear."""
 
-    kind: Literal["pin", "nonpin"] = choice("pin", "pin: free pins in a pinwheel; nonpin: internal gear", PAPER)
+    kind: Literal["pin", "nonpin"] = choice("pin", "pin: ring pins; nonpin: internal gear", PAPER)
     teeth: int = quantity(
         36, "number of ring teeth N (a disc has N - 1 lobes, the ratio is N - 1)", source=PAPER, ge=4, le=400
     )
@@ -82,23 +82,23 @@ class Ring(Section):
     pin_radius: float = quantity(2.25, "pin radius rho", u.MILLIMETRE, PAPER, ge=0.001, le=1000.0)
     pins: Literal["free", "fixed", "sleeved", "massless", "massless_sleeved"] = choice(
         "free",
-        "free: the pins float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each "
-        "with a turning sleeve; massless, massless_sleeved: as free and sleeved without inertia, for "
-        "means under load only",
+        "free: the pins lie loose in their sockets and can turn; fixed: pressed in; sleeved: pressed in, each with a "
+        "sleeve that can turn; massless, massless_sleeved: as free and sleeved, but without inertia, only for mean "
+        "values under load",
         PAPER,
     )
     socket: Literal["half_open", "closed"] = choice(
         "half_open",
-        "socket of a free or massless pin: half_open, as drawn, open towards the disc, which retains "
-        "the pin; closed, a full circle, such as round bores in two end plates (not drawn)",
+        "socket of a free or massless pin. half_open: open towards the disc, which retains the pin; closed: a full "
+        "circle, such as bores in two end plates (parts cannot be exported)",
     )
     sleeve_thickness: float = quantity(
         0.75, "wall thickness of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
     )
     halves: int = quantity(
         1,
-        "1: ring in one piece; 2: two halves next to each other, each under half of every disc, turned "
-        "against each other to remove the backlash",
+        "1: ring in one piece; 2: two halves next to each other, each around half of every disc, rotated relative to "
+        "each other to remove the backlash",
         ge=1,
         le=2,
     )
@@ -592,7 +592,7 @@ class ContactLaw(Section):
     """
 
     law: Literal["line", "impact"] = choice(
-        "line", "line: line contacts of steel, by stiffness and damping below; impact: F = k d^e + c step(d) v"
+        "line", "line: line contacts with the stiffness and damping below; impact: F = k d^e + c step(d) v"
     )
     impact_stiffness: float = quantity(
         1e5, "impact: k, the force at a depth of 1 mm (N/mm^e)", u.NEWTON_AT_MILLIMETRE, gt=0.0, le=1e12
@@ -600,7 +600,7 @@ class ContactLaw(Section):
     impact_exponent: float = quantity(2.2, "impact: e, exponent of the depth", ge=1.0, le=4.0)
     impact_damping: float = quantity(10.0, "impact: c, damping at the full depth", u.DAMPING, ge=0.0, le=1e6)
     impact_depth: float = quantity(
-        0.1, "impact: depth of full damping; a cubic step leads up to it", u.MILLIMETRE, gt=0.0, le=100.0
+        0.1, "impact: depth from which damping is full; below, it follows a cubic step", u.MILLIMETRE, gt=0.0, le=100.0
     )
     stiffness_law: Literal["local", "uniform"] = choice(
         "local", "local: follows the relative curvature along the tooth; uniform: a pin on a flat everywhere"
@@ -628,14 +628,14 @@ class ContactLaw(Section):
     needles: Literal["lumped", "each"] = choice(
         "lumped",
         "crank bearings and output rollers. lumped: all needles of a bearing are a single spring; each: a spring for "
-        "each needle, in a cage that rolls",
+        "each needle, in a cage that turns with the needles",
     )
     damping_ratio: float = quantity(
         0.5, "damping of a contact as a share of critical damping (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
     )
     creep_speed: float = quantity(
         0.0,
-        "sliding speed of full friction under the working force; 0: 0.2 % of the speed of the disc centre",
+        "sliding speed below which friction is viscous, under the working force; 0: 0.2 % of the disc centre's speed",
         u.MILLIMETRE_PER_SECOND,
         ge=0.0,
         le=1e4,
@@ -683,12 +683,12 @@ class StructureSprings(Section):
     loops.
     """
 
-    carrier: float = _of_structure("of the output disc, from its pins to the driven machine")
-    shaft: float = _of_structure("of the crank, from the motor to its cams")
-    housing: float = _of_structure("of the ring, from its pins or lobes to the foundation")
-    friction: float = _of_wind_up("friction against rotation of the output with the crank locked")
+    carrier: float = _of_structure("torsional stiffness of the output disc, from its pins to the driven machine")
+    shaft: float = _of_structure("torsional stiffness of the crank, from the motor to its cams")
+    housing: float = _of_structure("torsional stiffness of the ring, from its pins or lobes to the foundation")
+    friction: float = _of_wind_up("friction torque against rotation of the output with the crank locked")
     friction_travel: float = _travel("rotation of the output over which springs.friction develops")
-    hysteresis: float = _of_wind_up("a second friction, such as of seats that slip gradually")
+    hysteresis: float = _of_wind_up("a second friction torque, such as that of seats that slip gradually")
     hysteresis_travel: float = _travel("rotation of the output over which springs.hysteresis develops")
 
 
@@ -800,25 +800,47 @@ class Material(Section):
 
 
 def _part_material(part: str) -> Any:
-    return Field(default=None, description=f"What {part} is made of, where it is not what all parts are.")
+    return Field(default=None, description=f"Material of {part}, if it differs from [material].")
 
 
 class Bearing(Section):
     """Catalogue ratings of rolling bearings, and the required reliability, for `cycloid-mj rate` only."""
 
     dynamic_capacity: float = quantity(
-        0.0, "of the cam's bearing; 0: ISO 281 with contact.cam_rollers side by side", u.NEWTON, ge=0.0, le=1e9
+        0.0,
+        "dynamic load rating of the cam bearing; 0: ISO 281 with contact.cam_rollers rollers next to each other",
+        u.NEWTON,
+        ge=0.0,
+        le=1e9,
     )
-    static_capacity: float = quantity(0.0, "of the cam's bearing; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
+    static_capacity: float = quantity(
+        0.0, "static load rating of the cam bearing; 0: ISO 76 with the same rollers", u.NEWTON, ge=0.0, le=1e9
+    )
     shaft_dynamic_capacity: float = quantity(
-        0.0, "of each bearing of the shaft; 0: ISO 281 with rollers of a usual size", u.NEWTON, ge=0.0, le=1e9
+        0.0,
+        "dynamic load rating of each shaft bearing; 0: ISO 281 with rollers of a usual size",
+        u.NEWTON,
+        ge=0.0,
+        le=1e9,
     )
-    shaft_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
+    shaft_static_capacity: float = quantity(
+        0.0, "static load rating of each shaft bearing; 0: ISO 76 with the same rollers", u.NEWTON, ge=0.0, le=1e9
+    )
     output_dynamic_capacity: float = quantity(
-        0.0, "of the roller of an output pin; 0: ISO 281 with needles that fill it", u.NEWTON, ge=0.0, le=1e9
+        0.0,
+        "dynamic load rating of the bearing in a roller of the output; 0: ISO 281 with as many needles as fit",
+        u.NEWTON,
+        ge=0.0,
+        le=1e9,
     )
-    output_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
-    reliability: float = quantity(0.9, "share of bearings, and of parts, that last", ge=0.5, le=0.9999)
+    output_static_capacity: float = quantity(
+        0.0,
+        "static load rating of the bearing in a roller of the output; 0: ISO 76 with the same needles",
+        u.NEWTON,
+        ge=0.0,
+        le=1e9,
+    )
+    reliability: float = quantity(0.9, "share of bearings and parts that reach their life", ge=0.5, le=0.9999)
     service_factor: float = quantity(1.0, "factor on the loads of bearings, for shocks", ge=0.1, le=10.0)
     viscosity: float = quantity(
         0.0,
@@ -837,11 +859,11 @@ class Bearing(Section):
 
 
 class Service(Section):
-    """Conditions of fatigue, wear and heat besides the loads, and the required life."""
+    """Required life, and conditions of fatigue, wear and heat other than the loads."""
 
     life: float = quantity(6000.0, "required life at the rated torque (robot reducers: 6000)", u.HOUR, gt=0.0, le=1e9)
     duty_share: float = quantity(
-        1.0, "share of the time under load, which heats the drive (S3; 1: continuous)", gt=0.0, le=1.0
+        1.0, "share of the time under load, for the heat (1: continuous, less: intermittent duty S3)", gt=0.0, le=1.0
     )
     surface: Literal["ground", "machined", "forged"] = choice(
         "machined", "surface of shaft and pins: ground, machined or forged"
@@ -854,7 +876,7 @@ class Service(Section):
     )
     wear_coefficient: float = quantity(
         1e-9,
-        "volume that each surface loses per force and sliding distance; 1e-9: metals so, plastics by their table",
+        "worn volume of each surface per force and sliding distance; 1e-9: this value for metals, others for plastics",
         u.WEAR,
         ge=0.0,
         le=1.0,
@@ -891,13 +913,13 @@ HEATED = ("disc", "ring", "crank", "output", "housing")
 
 
 class Thermal(Section):
-    """Temperatures of the parts; all sizes of a design file hold at 20 °C (ISO 1)."""
+    """Temperatures of the parts; all dimensions of a design file are valid at 20 °C (ISO 1)."""
 
     disc: float = _temperature("the cycloid discs")
     ring: float = _temperature("the ring: its pin circle, or the internal gear, and its pins")
     crank: float = _temperature("the crank with its cams")
     output: float = _temperature("the output carrier with its pins")
-    housing: float = _temperature("the covers, on which no clearance of the mechanism depends")
+    housing: float = _temperature("the covers, without effect on the clearances of the mechanism")
     grease_conductivity: float = quantity(
         0.13, "thermal conductivity of the grease", u.CONDUCTIVITY, "mineral oil greases", gt=0.0, le=10.0
     )
@@ -1036,11 +1058,11 @@ class Design(Section, Presented):
     damping: Damping = Damping()
     working_force: WorkingForce = WorkingForce()
     material: Material = Material()
-    gear_material: Material | None = _part_material("the gear")
-    housing_material: Material | None = _part_material("the housing, or the internal gear")
-    pin_material: Material | None = _part_material("the ring pins, or their sleeves")
+    gear_material: Material | None = _part_material("the discs")
+    housing_material: Material | None = _part_material("the housing or the internal gear")
+    pin_material: Material | None = _part_material("the ring pins or their sleeves")
     output_material: Material | None = _part_material("the output disc and its pins")
-    shaft_material: Material | None = _part_material("the shaft, and the rollers on its cam")
+    shaft_material: Material | None = _part_material("the shaft and the rollers on its cams")
     bearing: Bearing = Bearing()
     service: Service = Service()
     thermal: Thermal = Thermal()

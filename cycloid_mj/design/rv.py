@@ -62,11 +62,11 @@ class Cranks(Section):
         19.0, "outer radius of the tapered bearings of a crank in the flanges", u.MILLIMETRE, ge=0.01, le=5000.0
     )
     taper_clearance: float = quantity(
-        0.0, "radial clearance of these bearings; negative: preloaded", u.MICROMETRE, ge=-100.0, le=1000.0
+        0.0, "radial clearance of the tapered bearings; negative: preloaded", u.MICROMETRE, ge=-100.0, le=1000.0
     )
     taper_stiffness: float = quantity(
         2e8,
-        "radial stiffness of these bearings under the force of one disc",
+        "radial stiffness of the tapered bearings under the force of one disc",
         u.NEWTON_PER_METRE,
         gt=0.0,
         le=1e12,
@@ -82,7 +82,7 @@ class Cranks(Section):
     )
     window_radius: float = quantity(
         0.0,
-        "radius of the windows of the discs for the posts; 0: post, eccentricity and 0.5 mm",
+        "radius of the windows of the discs for the posts; 0: post radius plus eccentricity plus 0.5 mm",
         u.MILLIMETRE,
         ge=0.0,
         le=5000.0,
