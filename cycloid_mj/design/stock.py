@@ -203,7 +203,8 @@ _TAPERED_BEARINGS = """
 """
 """ISO 355:2019, tapered roller bearings of the series 329, below 50 mm 320: number, bore, outside, width T, dynamic and
 static load rating [kN], distance a of the load centre from the back face of the outer ring, and e, the axial load over
-the radial load from which on it reduces the life, of SKF, Rolling bearings (PUB BU/P1 17000 EN), 2018.
+the radial load from which on it reduces the life. They are SKF's values from a table (CSV) in a public repository, not
+compared with SKF's catalogue.
 """
 
 DEEP_GROOVE_FILLED_ANGLE = math.radians(195.0)

@@ -272,17 +272,17 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
         source = f"of THK's catalogue: {bearing.designation}, P = F + 2 M/d_pw"
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", bearing.pitch)
     if bearing.has_tapered_rollers:
-        source, pitch = f"of SKF's catalogue: {bearing.designation}", 0.5 * (bearing.bore + bearing.outside)
+        source, pitch = f"of SKF, from a public table: {bearing.designation}", 0.5 * (bearing.bore + bearing.outside)
         return Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", pitch)
     balls, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     if bearing.contact_angle:
         source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"
         sources = f"C {source}", f"C0 {source}"
         return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)
-    by_iso = rolling.ball_capacity(balls.balls, balls.diameter, balls.pitch)
+    by_iso = rolling.ball_capacity(balls.count, balls.diameter, balls.pitch)
     life_ratio = (by_iso / bearing.dynamic) ** rolling.BALL_EXPONENT
     comparison_text = (
-        f"; ISO 281 gives {by_iso:.4g} N for {balls.balls} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
+        f"; ISO 281 gives {by_iso:.4g} N for {balls.count} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
         f"{life_ratio:.3g} times the life; manufacturers differ as much"
     )
     sources = f"C {source}{comparison_text}", f"C0 {source}"

@@ -639,10 +639,18 @@ def _rate_second_disc(reducer: Reducer, loading: Loading, force_scale: float) ->
     )
 
 
-def second_disc_seat(reducer: Reducer) -> "AxialSeat":
-    """Return the axial force [N] that the press fits of all output pins in the second disc of the output transmit.
+@dataclass(frozen=True)
+class AxialSeat:
+    """Press fits under an axial force: the force that they transmit at mean interference [N], and the fit in words."""
 
-    The result has the force at the mean interference, and a text with the fit and the range of the force.
+    force: float
+    description: str
+
+
+def second_disc_seat(reducer: Reducer) -> AxialSeat:
+    """Return the axial force that the press fits of all output pins in the second disc of the output transmit.
+
+    The description states the fit, and the range of the force over its zones.
     """
     output, zones = reducer.design.output, output_pin_fit(reducer)
     disc = _material(reducer, names.SECOND_OUTPUT)
@@ -654,14 +662,6 @@ def second_disc_seat(reducer: Reducer) -> "AxialSeat":
         f"{_describe_fit(zones, interference, pressure)}; {least_force:.3g} to {largest_force:.3g} N over the zones; "
         f"friction {JOINTS.interface_friction:g} (assumed)",
     )
-
-
-@dataclass(frozen=True)
-class AxialSeat:
-    """Press fits along the axis: the force that they transmit at their mean interference [N], and fit in words."""
-
-    force: float
-    description: str
 
 
 def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:

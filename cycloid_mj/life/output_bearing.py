@@ -45,14 +45,9 @@ FLANGE_SOURCE = "gaping of the output flange, n F d/4"
 class BallRow:
     """The balls of a bearing: their number, diameter and pitch diameter [m]."""
 
-    balls: int
+    count: int
     diameter: float
     pitch: float
-
-    @property
-    def count(self) -> float:
-        """Number of rolling elements."""
-        return self.balls
 
     @property
     def no_clearance(self) -> float:

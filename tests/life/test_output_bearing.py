@@ -59,7 +59,7 @@ def test_the_tilt_of_the_hub_is_that_of_the_balls() -> None:
     """The tilt by both bearings' approach, from Palmgren's formula in N and mm."""
     found = output_bearings(TWO)
     force = 0.5 * found.moment / found.spacing
-    ball = 4.37 * force / found.row.balls
+    ball = 4.37 * force / found.row.count
     approach = 0.00044e-3 * (ball**2 / (1e3 * found.row.diameter)) ** (1.0 / 3.0)
     assert found.tilting_stiffness() == pytest.approx(0.5 * found.moment / (2.0 * approach / found.spacing))
     assert found.tilting_stiffness(BALL_BEARINGS.usual_clearance) == pytest.approx(

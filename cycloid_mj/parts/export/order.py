@@ -13,6 +13,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_joints import cam_key, shrink_fit
 from cycloid_mj.parts.export.crank_rings import bearing_spacers, crank_rings
+from cycloid_mj.parts.export.hub_bearing import has_both_seats, needs_stop_ring
 from cycloid_mj.parts.export.motor_mount import motor_screw
 from cycloid_mj.reducer import Reducer
 
@@ -251,12 +252,11 @@ def _describe_crank(reducer: Reducer, casing: Casing) -> str:
 
 def _describe_second_disc(reducer: Reducer) -> str:
     """Return the clause of the assembly instructions on the second disc of the output; empty without one."""
-    output = reducer.design.output
-    if output.support != "both_ends":
+    if reducer.design.output.support != "both_ends":
         return ""
-    if output.main_bearing_seat != "both_discs":
+    if not has_both_seats(reducer):
         return f"; press the disc {names.SECOND_OUTPUT} on the pins"
-    if output.main_bearings == "deep_groove":
+    if not needs_stop_ring(reducer):
         return f"; press the disc {names.SECOND_OUTPUT} on the pins, and one {names.OUTPUT_BEARING} on it"
     return (
         f"; press one {names.OUTPUT_BEARING} on the disc {names.SECOND_OUTPUT}, up to its shoulder; put the "
