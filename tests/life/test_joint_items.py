@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from designs import cases
+from designs import CENTRAL, FOLDER, cases, design_file
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import fits, resolve, stock
@@ -27,8 +27,11 @@ def joints_of(name: str) -> dict[str, dict]:
     return {key: item for key, item in items.items() if item["kind"] == "joint"}
 
 
-@pytest.mark.parametrize("name", cases(("pin", "printed", "twodisc", "nonpin"), "pin", "printed"))
+@pytest.mark.parametrize(
+    "name", cases((*CENTRAL, *sorted(path.stem for path in FOLDER.glob("*-n*"))), "pin", "printed")
+)
 def test_momentary_torque_is_no_larger_than_that_of_the_weakest_joint(name: str) -> None:
+    name = name if name in CENTRAL else str(design_file(name))
     design = resolve(name)
     torque, _ = momentary_torque(Reducer(design))
     weakest = min(item["safety"] for item in joints_of(name).values())

@@ -1,5 +1,6 @@
 """Parts of a drive that move against each other neither touch nor rub, at any crank angle."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -8,6 +9,7 @@ from designs import CENTRAL, FOLDER, cases, design_file
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, load
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import Casing, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
@@ -174,6 +176,16 @@ def test_every_rolling_cam_has_its_bearing_in_the_assembly(name):
     assert len(bearings) == reducer.design.gear.discs * (in_stock[1] if in_stock else 1)
     bore = laid["cam_bearing"].segments[0].holes[0].radius
     assert reducer.design.shaft.radius + reducer.design.gear.eccentricity <= bore < reducer.design.gear.bore_radius
+
+
+@pytest.mark.parametrize("name", ["printed", "large"])
+def test_the_bore_of_a_disc_is_the_outside_of_its_bearing_in_stock(name):
+    """A drawn cup is pressed in: the clearance of the cam is inside of the bearing, not around it."""
+    reducer, sizes = drive_of(name)
+    assert reducer.design.clearance.cam > 0.0
+    circles = [circle_of(hole) for one in assembly_parts(reducer, sizes)["gear"].segments for hole in one.holes]
+    (bore,) = {one.radius for one in circles if one and math.hypot(*one.centre) < 1e-9}
+    assert bore == pytest.approx(0.5 * cam_bearing(reducer)[0].outside)
 
 
 def test_design_check_states_the_axial_play_and_what_jams():
