@@ -172,11 +172,11 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement_text}") from error
     numbered_lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
+    if not numbered_lines:
+        raise UsageError(f"{path}: the file is empty, but {requirement_text}")
     header = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
-    first_line = (
-        ", ".join(numbered_lines[0][1].lstrip("# ").split(",")) if numbered_lines else "no line: the file is empty"
-    )
     if header is None:
+        first_line = ", ".join(numbered_lines[0][1].lstrip("# ").split(","))
         raise UsageError(
             f"{path}: no header line with the column names was found; the first line is {first_line[:80]!r}. Add the "
             f"header: {requirement_text}"

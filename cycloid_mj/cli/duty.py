@@ -1,19 +1,21 @@
 """Flags of a duty cycle: torque and speed, or a file, shared by the commands that rate life and heat."""
 
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import LOAD, SPEED
+from cycloid_mj.cli.flags import SPEED, DesignValue
 from cycloid_mj.design import Design
 
 if TYPE_CHECKING:
     from cycloid_mj.life import Duty
 
-LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the nominal torque.")]
+LoadFlag = Annotated[
+    float | None,
+    DesignValue("load", "torque", nonzero=True).flag("Output torque", ". Default: the nominal torque."),
+]
 SpeedFlag = Annotated[float | None, SPEED.flag("Crank speed", ". Default: drive.speed_rpm.")]
 DutyFlag = Annotated[
     Path | None,
@@ -41,7 +43,7 @@ def duty_cycle(
     Raises
     ------
     UsageError
-        A value is out of range, torque or speed are set together with a file, or the file cannot be read.
+        Torque or speed are set together with a file, or the file cannot be read.
     """
     from cycloid_mj.base.units import RPM
     from cycloid_mj.life.duty import constant_duty, read_duty
@@ -52,8 +54,6 @@ def duty_cycle(
                 f"{flag} and --duty cannot be used together, because the duty cycle defines torques and speeds: remove "
                 "one of the two"
             )
-        if value is not None and not (value != 0.0 and isfinite(value)):
-            raise UsageError(f"{flag} {value:g} is not allowed: give a finite number other than 0")
     if duty:
         return read_duty(duty, peak_nm)
     torque = design.rated_torque if load_nm is None else load_nm

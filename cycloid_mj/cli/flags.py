@@ -17,7 +17,7 @@ from cycloid_mj.design.model import HEATED
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import reducer_of
 
-SYMBOLS = {"nm": "N m"}
+SYMBOLS = {"nm": "N m", "c": "°C"}
 
 NAMES = ", ".join(PRESETS)
 """The presets, for help."""
@@ -66,14 +66,6 @@ PointFlag = Annotated[
         allow_leading_hyphen=True,
         help="Point q of the disc [mm], in the disc's frame, e.g. 26,0 or -3,4.5. Default: the centre of the "
         "hole on +y.",
-    ),
-]
-TemperatureFlag = Annotated[
-    float | None,
-    Parameter(
-        name="--at-c",
-        metavar="X",
-        help="Temperature of all parts [degC]; dimensions are valid at 20. Single parts: --set thermal.disc_c.",
     ),
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object on stdout, and nothing else.")]
@@ -211,11 +203,14 @@ class DesignValue:
         if not (in_range and math.isfinite(si_value) and (si_value or not self.nonzero)):
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
-    def flag(self, text: str, ending: str = "") -> Parameter:
-        """Declare the flag: `text` is its meaning, `ending` follows its limits (default: the value of the design)."""
+    def flag(self, text: str, ending: str = "", name: str | None = None) -> Parameter:
+        """Declare the flag: `text` is its meaning, `ending` follows its limits (default: the value of the design).
+
+        `name` is by default that in Python.
+        """
         default_text = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
         help_text = f"{text} [{self.symbol}], {self.range}{ending or default_text}"
-        return Parameter(metavar="X", help=help_text, validator=self.require)
+        return Parameter(name=name, metavar="X", help=help_text, validator=self.require)
 
     @property
     def _bounds(self) -> dict[str, float]:
@@ -233,6 +228,14 @@ HOLD = DesignValue("drive", "hold")
 LOAD = DesignValue("load", "torque")
 LOADED = DesignValue("load", "torque", positive=True)
 """The same for what is computed under a load alone."""
+TemperatureFlag = Annotated[
+    float | None,
+    DesignValue("thermal", HEATED[0]).flag(
+        "Temperature of all parts",
+        "; dimensions are valid at 20. Single parts: --set thermal.disc_c.",
+        name="--at-c",
+    ),
+]
 
 RATED = "nominal torque, drive.torque_nm times the ratio (36.68 of pin)"
 STEP = "; 0: the longest step at which the results are accurate"

@@ -4,7 +4,7 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
@@ -214,11 +214,18 @@ class SizeFlags:
         A size needs all three; a command that sets none of them copies a design.
         """
         values = {
-            "--ratio": self.ratio or self.ratio_range or None,
+            "--ratio": self.ratio_range or self.ratio,
             "--diameter-mm": self.diameter_mm,
             "--torque-nm": self.torque_nm,
         }
         return tuple(flag for flag, value in values.items() if value is None)
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Return the names of all flags whose value is not the default."""
+        return tuple(
+            f"--{field.name.replace('_', '-')}" for field in fields(self) if getattr(self, field.name) != field.default
+        )
 
     def requirement(self, changes: tuple[str, ...]) -> "Requirement":
         """Return the requirement that the flags describe; `changes` are the values of ``--set``.
@@ -279,10 +286,9 @@ class SizeFlags:
 
     def _refuse_unsupported_flags(self) -> None:
         """Raise UsageError for a flag that the search for RV reducers does not support."""
-        for name in ("ratio_range", "motor", "backlash_arcmin", "process", "material", "fit", "custom", "discs"):
-            if getattr(self, name) != getattr(SIZE, name):
-                flag = f"--{name.replace('_', '-')}"
-                raise UsageError(f"{flag} does not support --layout rv: remove {flag}")
+        for flag in self.changed:
+            if flag in UNSUPPORTED_BY_RV:
+                raise UsageError(f"--layout rv does not support {flag}: remove {flag}")
 
     def _crank_speed(self, ratio: int) -> float | None:
         """Return the required crank speed [rpm] at a ratio; None if no speed is required and no motor is set.
@@ -295,8 +301,8 @@ class SizeFlags:
         UsageError
             The motor is too weak, or too slow.
         """
-        if not self.motor or not self.torque_nm:
-            return self.speed_rpm
+        if not self.motor or ratio < 1 or not self.torque_nm or not 0.0 < self.torque_nm < math.inf:
+            return self.speed_rpm  # the check of the requirement reports the wrong ratio or torque
         from cycloid_mj.design.processes import PROCESSES
 
         torque = self.torque_nm / ratio
@@ -312,6 +318,11 @@ class SizeFlags:
 
 
 SIZE = SizeFlags()
+
+UNSUPPORTED_BY_RV = frozenset(
+    {"--ratio-range", "--motor", "--backlash-arcmin", "--process", "--material", "--fit", "--custom", "--discs"}
+)
+"""Flags for a new drive that the search for RV reducers does not support."""
 
 
 def new(
@@ -344,7 +355,7 @@ def new(
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:
-        return _copy_design(stem, source or "pin", size.discs, set_, short, output_flags)
+        return _copy_design(stem, source or "pin", size.changed, set_, short, output_flags)
     if short:
         raise UsageError("--short copies a preset, whereas --ratio sizes a new drive: remove one of the two flags")
     if source and not size.missing:
@@ -400,22 +411,28 @@ def _file_stem(name: str) -> str:
 
 
 def _copy_design(
-    stem: str, source: str, discs: str, changes: tuple[str, ...], short: bool, output_flags: NewDelivery
+    stem: str,
+    source: str,
+    size_flags: Sequence[str],
+    changes: tuple[str, ...],
+    short: bool,
+    output_flags: NewDelivery,
 ) -> int:
     """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code 0.
 
-    `stem` is the name of the copy without ending, `output_flags` are those of the output (``--out``, ``--quiet``). With
-    `short`, the copy of a preset lists few of its values.
+    `stem` is the name of the copy without ending, `output_flags` are those of the output (``--out``, ``--quiet``), and
+    `size_flags` are names of flags for a new drive. With `short`, the copy of a preset lists few of its values.
 
     Raises
     ------
     UsageError
-        ``--discs`` is set, which applies to a new drive only, or `short` with a file.
+        A flag for a new drive is set, or `short` with a file.
     """
-    if discs:
+    if size_flags:
         raise UsageError(
-            f"--discs {discs} applies only when a new drive is sized: to change a copied design, use --set "
-            f"gear.discs={discs}"
+            f"{' and '.join(size_flags)} {'apply' if len(size_flags) > 1 else 'applies'} only when a new drive is "
+            "sized: add --ratio, --diameter-mm and --torque-nm; or to copy a design, choose it with --from and change "
+            "its values with --set"
         )
     design = load_design(source, changes, ()).but(name=stem)
     if short and not preset(source):
@@ -565,8 +582,10 @@ def _motor_speed(motor: str, torque: float) -> float:
     try:
         with Path(motor).open(newline="", encoding="utf-8-sig") as file:
             curve = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
+        if not curve or not all(map(math.isfinite, itertools.chain(*curve))):
+            raise ValueError(motor)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        problem = reason(error) if isinstance(error, OSError) else "its rows are not pairs of speed and torque"
+        problem = reason(error) if isinstance(error, OSError) else "it has no rows of finite speed and torque"
         frame_text = ", ".join(MOTORS)
         raise UsageError(
             f"--motor {motor}: {problem}. Choose one of {frame_text}, or a CSV file with the columns speed_rpm and "
@@ -580,7 +599,7 @@ def _motor_speed(motor: str, torque: float) -> float:
                 + (next_speed - previous_speed) * (previous_torque - torque) / (previous_torque - next_torque)
             )
     if not speeds:
-        largest = max((available for _, available in curve), default=0.0)
+        largest = max(available for _, available in curve)
         raise UsageError(
             f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {largest:.4g} N m at "
             "any speed. Choose a stronger motor, a larger ratio or less torque"

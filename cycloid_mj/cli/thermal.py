@@ -1,5 +1,6 @@
 """``cycloid-mj thermal``: steady temperatures, warm-up and thermal limits of a drive."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from math import isinf
@@ -10,8 +11,10 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
 from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, number_flag
+from cycloid_mj.design import Design
 
 if TYPE_CHECKING:
+    from cycloid_mj.life.duty import Duty
     from cycloid_mj.life.thermal_state import ThermalState
 
 CYCLES = (0.1, 1440.0)
@@ -52,7 +55,7 @@ def thermal(
 
     A disc that is warmer than its ring closes the clearance of the teeth. The command prints the temperature difference
     and the difference at which the teeth jam; the exit code is 0 even if they jam. The teeth of an RV reducer become
-    preloaded instead of jamming.
+    preloaded instead of jamming. Temperatures that --at-c or the design set are not used.
 
     The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Without it,
     the drive runs for the share service.duty_share of each cycle and rests for the remaining time, as it does for
@@ -70,10 +73,28 @@ def thermal(
             )
         cycle = replace(cycle, period=60.0 * cycle_min)
     destination = claim_destination(output_flags, f"{design.name}-thermal")
-    return deliver(_outcome(compute(design, cycle), destination), destination, output_flags)
+    state = compute(design, cycle)
+    return deliver(_outcome(state, list(_warnings(state, design, cycle)), destination), destination, output_flags)
 
 
-def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
+def _warnings(state: "ThermalState", design: Design, cycle: "Duty") -> Iterator[str]:
+    """Yield warnings about a thermal state: a torque limit below the torque, preloaded teeth, ignored temperatures."""
+    torque = max(abs(point.torque) for point in cycle.points)
+    if not state.jams and state.torque < torque:
+        remedy = (
+            f"reduce the torque to {state.torque:.3g} N m" if state.torque else "lower service.ambient_temperature_c"
+        )
+        yield f"{state.design}: too hot at {torque:.4g} N m (limit: {state.limited_by}): {remedy}, or cool the housing"
+    if state.can_preload and state.play < 0.0:
+        yield (
+            f"{state.design}: warm discs expand by {-1e6 * state.play:.3g} um more than the ring and their clearance "
+            "allow: the teeth are preloaded, and lose more power"
+        )
+    if words := design.thermal.words:
+        yield f"{state.design}: the temperatures of the parts are computed; those of the design are not used ({words})"
+
+
+def _outcome(state: "ThermalState", warnings: list[str], destination: Destination) -> Outcome:
     """Convert the thermal state of a drive to printable results: temperatures, limits, losses, warm-up curves.
 
     `destination` has the paths of the output files.
@@ -106,12 +127,7 @@ def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
             "slowest time constant": f"{state.network.time_constant / 60.0:.3g} min",
         },
         failures=failures,
-        warnings=[
-            f"{state.design}: warm discs expand by {-1e6 * state.play:.3g} um more than the ring and their clearance "
-            "allow: the teeth are preloaded, and lose more power"
-        ]
-        if state.can_preload and state.play < 0.0
-        else [],
+        warnings=warnings,
         tables=[quantity_table("Figures", list(state.quantities.values())), *state.tables()],
         notes=[f"assumed: {sentence}" for sentence in state.assumptions],
         pictures={name: partial(encode_figure, curves_figure(state.curves))}

@@ -168,7 +168,13 @@ class WearLife(Presented):
     @property
     def interval_text(self) -> str:
         """The 5 to 95 % interval of the accuracy life, in words."""
-        return f"{self.life_text('high')} to {self.life_text('low')}"
+        low, high = (self.life_text(case) for case in ("high", "low"))
+        if low == high:
+            return low
+        note = ", extrapolated"
+        if low.endswith(note) and high.endswith(note):
+            return f"{low.removesuffix(note)} to {high.removesuffix(note)}, both extrapolated"
+        return f"{low} to {high}"
 
     @property
     def run_in_share(self) -> float:

@@ -177,8 +177,7 @@ def solve_loading(
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(
-            f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at a lower torque with "
-            "--load-nm"
+            f"{design.name}: no static equilibrium at {condition}: {error}. Choose a lower torque with --load-nm"
         ) from error
     cam_forces = contact_loads.cam.reshape(crank_angles, -1, 2)
     shaft_geometry = shaft_dimensions(reducer)

@@ -406,8 +406,10 @@ class Contact:
         if self.source == "given":
             stated_force = getattr(self._reducer.design.working_force, self.kind)
             return f"working_force.{self.kind}_n" if stated_force else "contact.working_force_n"
-        key = "contact.working_load_nm" if self.source == "working load" else "load.torque_nm"
-        return f"{key} (a working load of {self._reducer.contacts.working_load:.4g} N m)"
+        load = f"{self._reducer.contacts.working_load:.4g} N m"
+        if self.source == "working load":
+            return f"the load of {load} (--load-nm, or contact.working_load_nm of the design)"
+        return f"load.torque_nm (a working load of {load})"
 
 
 class Contacts:

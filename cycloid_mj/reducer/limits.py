@@ -197,17 +197,17 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     if solution.x is None:
         if len(cranks) > 1:
             return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
-        location = f"of {design.name} at crank angle {float(cranks[0]):.4f} rad"
+        location = f"at a crank angle of {math.degrees(cranks[0]):.4g} deg"
         if design.ring.preload:
             raise RunError(
-                f"the two halves of the ring clamp the disc {location}, so rigid parts cannot rotate there: reduce "
-                "ring.preload_arcmin, or use `cycloid-mj statics`, which includes deflection"
+                f"the two halves of the ring clamp the disc of {design.name} {location}, so rigid parts cannot rotate "
+                "there: reduce ring.preload_arcmin, or use `cycloid-mj statics`, which includes deflection"
             )
         cause, remedy = "the manufacturing errors exceed", "increase clearance.* or reduce errors.*"
         if temperature := design.thermal.words:
             cause = f"thermal expansion ({temperature}) and manufacturing errors exceed"
             remedy += ", or keep the parts closer to 20 °C"
-        raise RunError(f"the disc jams {location}, because {cause} the clearances: {remedy}")
+        raise RunError(f"the disc of {design.name} jams {location}, because {cause} the clearances: {remedy}")
     rotations = np.asarray(solution.x).reshape(objective.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * rotations, axis=1)
 

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from cycloid_mj.base.array import significant
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import RPM
+from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.layouts import Layout
 from cycloid_mj.design.materials import MATERIALS
@@ -93,7 +94,8 @@ def make_requirement(
     alternatively, `fit` is an ISO 286 fit such as "H7/g6". `custom` allows sizes that are not in stock. `duty` is the
     share of the time under load, or the path of a CSV file with a duty cycle. `cooling` is one of `COOLING`, or a heat
     transfer coefficient [W/(m2 K)]. `changes` are settings of the design, ``table.key=value``. `kind` is the class of
-    the result, by default `Requirement`. Raises UsageError if two values exclude each other, or one is out of range.
+    the result, by default `Requirement`. Raises UsageError if two values exclude each other, one is out of range, or
+    the design does not accept a change.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(
@@ -102,7 +104,7 @@ def make_requirement(
     limits = PROCESSES[process]
     speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
     share, points = _parse_duty(duty, limits.duty_share)
-    return (kind or Requirement)(
+    requirement = (kind or Requirement)(
         ratio=ratio,
         diameter=1e-3 * diameter_mm,
         torque=torque_nm,
@@ -123,6 +125,21 @@ def make_requirement(
         motor=motor,
         changes=changes,
     )
+    _check_changes(requirement)
+    return requirement
+
+
+def _check_changes(requirement: "Requirement") -> None:
+    """Raise UsageError if a change names an unknown key, or sets a value that no design accepts.
+
+    Without this check, the search would discard all candidates and report that none of them fits.
+    """
+    counts = {"ring": {"teeth": requirement.ratio + 1}, "gear": {"discs": requirement.discs or 1}}
+    design = PRESETS["rv80e"] if requirement.LAYOUT == "rv" else PRESETS["pin"].but(**counts)
+    try:
+        override(design, requirement.changes)
+    except DesignError as error:
+        raise UsageError(error.message, error.details) from error
 
 
 def _parse_duty(duty: str | float | None, usual_share: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -186,6 +188,14 @@ def test_the_life_is_an_interval(pin_life: WearLife) -> None:
     assert json.loads(json.dumps(found)) == found
     assert 0.0 < pin_life.run_in_share < 1.0
     assert pin_life.plot() is not None
+
+
+def test_the_interval_of_extrapolated_lives_is_readable(pin_life: WearLife) -> None:
+    assert re.fullmatch(r"[\d.]+ h to about [\d.e+]+ h, extrapolated", pin_life.interval_text)
+    later = replace(pin_life, growth=1000.0)
+    assert re.fullmatch(r"about [\d.e+]+ h to about [\d.e+]+ h, both extrapolated", later.interval_text)
+    course = Course(np.array([0.0, 1.0]), np.ones(2), "end")
+    assert replace(pin_life, courses=dict.fromkeys(pin_life.courses, course)).interval_text == "unlimited"
 
 
 def test_beyond_its_course_a_life_follows_from_the_last_rate() -> None:

@@ -733,6 +733,20 @@ def test_the_command_states_the_largest_feasible_torque(tmp_path: Path, monkeypa
             "'few' is not a whole number; give a number from 1 to 4, or auto",
         ),
         (["--discs", "2"], "applies only when a new drive is sized"),
+        (["--layout", "rv"], "--layout applies only when a new drive is sized"),
+        (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "gear.nope=1"], "unknown key gear.nope"),
+        (
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "ring.teeth=2"],
+            "must be from 4 to 400",
+        ),
+        (
+            ["--layout", "rv", "--ratio", "121", "--diameter-mm", "160", "--torque-nm", "4", "--set", "load.torque=1"],
+            "unknown key load.torque",
+        ),
+        (["--from", "printed", "--life-h", "9", "--cooling", "fan"], "--life-h and --cooling apply only when a new"),
+        (["--ratio", "0", "--diameter-mm", "60", "--torque-nm", "1"], "the ratio is 0, which is out of range"),
+        (["--ratio-range", "0:5", "--diameter-mm", "60", "--torque-nm", "1", "--motor", "nema17"], "the ratio is 0"),
+        (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "nan", "--motor", "nema17"], "the torque is nan N m"),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema17"],
             "the crank needs 2 N m, but motors of this frame size typically deliver at most 0.45 N m",
@@ -754,3 +768,12 @@ def test_the_command_reports_missing_components(
     assert main(["design", "new", "mine", *flags]) == 2
     assert message in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "mine.toml").exists()
+
+
+@pytest.mark.parametrize("rows", ["", "nan,1\n", "100,inf\n"], ids=["no rows", "nan", "inf"])
+def test_a_motor_curve_without_finite_rows_is_refused(tmp_path: Path, capsys, rows: str) -> None:
+    file = tmp_path / "motor.csv"
+    file.write_text(f"speed_rpm,torque_nm\n{rows}")
+    words = ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--motor", str(file), "--out", str(tmp_path)]
+    assert main(["design", "new", "mine", *words]) == 2
+    assert "motor.csv: it has no rows of finite speed and torque" in capsys.readouterr().err
