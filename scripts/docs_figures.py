@@ -29,7 +29,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
-from docs_market import DRIVES
+from docs_market import CREATED
 
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.reducer import Reducer
@@ -165,7 +165,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
     ),
     "market": Artefact(
         ("docs/data/market.csv",),
-        {name: Step(_script("docs_market", "--drive", name), stdout=True) for name in DRIVES},
+        {name: Step(_script("docs_market", "--drive", name), stdout=True) for name in CREATED},
         (_script("docs_market", "{}"),),
         ("drive of the tutorial",),
         15.0,

@@ -48,6 +48,8 @@ class MarketDrive:
     """Required torque [N m]."""
     length: float | None = None
     """Length of the maker's drive [mm], requested first."""
+    record: str = ""
+    """Name of the drive with the same requirement whose record is used; empty for a record of its own."""
 
     @property
     def point(self) -> str:
@@ -162,7 +164,7 @@ DRIVES: Mapping[str, MarketDrive] = {
     "rv42n": MarketDrive("RV-42N", "ours", _central(40, 190, *CATALOGUE), 412.0),
     "rv42n_rv": MarketDrive("RV-42N", "ours, RV", (*RV, "--diameter-mm", "190"), 412.0),
     "rv80e_rv": MarketDrive("RV-80E", "ours, RV", (*RV, "--diameter-mm", "222"), 784.0),
-    "rv40e_rv": MarketDrive("RV-40E", "ours, RV", (*RV, "--diameter-mm", "190"), 412.0),
+    "rv40e_rv": MarketDrive("RV-40E", "ours, RV", (*RV, "--diameter-mm", "190"), 412.0, record="rv42n_rv"),
     "rv110e_rv": MarketDrive("RV-110E", "ours, RV", (*RV, "--diameter-mm", "244"), 1078.0),
     "rv320e_rv": MarketDrive("RV-320E", "ours, RV", (*RV, "--diameter-mm", "325"), 3136.0, 125.0),
     "ts70": MarketDrive("TS 70", "ours", _central(35, 70, *MOTOR_SPEED), 50.0),
@@ -180,6 +182,9 @@ Makers rate a reducer that is bolted to a machine: cooling is ``mounted``. Witho
 output at 15 rpm; without a duty, it is loaded for 40 % of the time. The bench drive carried 25 N m for a short time:
 half of it is required, because a drive of `design new` has to withstand twice the required torque.
 """
+
+CREATED = tuple(name for name, drive in DRIVES.items() if not drive.record)
+"""Names of the drives that are created: the others use their records."""
 
 FIGURES: Mapping[str, tuple[str, str]] = {
     "rated_torque": ("rated torque", "N m"),
@@ -406,7 +411,10 @@ def market_rows(records: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str,
 
 def read_records(folder: Path) -> dict[str, Any]:
     """Read the record of each drive from a folder, files by the names of the drives."""
-    return {name: json.loads((folder / name).read_text(encoding="utf-8")) for name in DRIVES}
+    return {
+        name: json.loads((folder / (drive.record or name)).read_text(encoding="utf-8"))
+        for name, drive in DRIVES.items()
+    }
 
 
 Rows = Mapping[str, Mapping[str, Mapping[str, str]]]
@@ -467,13 +475,17 @@ def _within(length: float | None) -> str:
 
 
 def _refusal(figures: Mapping[str, Mapping[str, str]], suffix: str) -> tuple[str, str, str]:
-    """Return the maximum torque that a refusal states, its reason, and the first and the last feasible change."""
+    """Return the maximum torque that a refusal states, its reason, and the first and the last feasible change.
+
+    The refusal names lengths, lives and speeds; bare millimetres are a diameter, and bare rpm the speed of the crank.
+    """
     row, changes = (figures.get(f"{figure}{suffix}") for figure in (MOST, CHANGES))
     if not row or not changes:
         return "", "", ""
     options = changes["note"].split("; ")
     shown = " or ".join(dict.fromkeys((options[0], options[-1])))
     feasible = re.sub(r"(?<!of )(?<![\d.])([\d.]+ mm)", r"a diameter of \1", shown)
+    feasible = re.sub(r"(?<![\d.])([\d.]+ rpm)", r"an input speed of \1", feasible)
     return _number(row["ours"]) if float(row["ours"]) else "none", row["note"].partition(" (")[0], feasible
 
 
@@ -510,8 +522,8 @@ def format_catalogue(rows: Rows) -> str:
 
 
 def format_items(rows: Rows) -> str:
-    """Tabulate mass and length of the drives by item in Markdown."""
-    drives = list(DRIVES.values())
+    """Tabulate mass and length of the created drives by item in Markdown."""
+    drives = [DRIVES[name] for name in CREATED]
     head = ("Item", *(drive.theirs + drive.label.removeprefix("ours") for drive in drives))
     lines = []
     for group, unit, items in (("mass", "kg", tuple(MASSES)), ("length", "mm", LENGTHS)):
@@ -527,8 +539,8 @@ def format_items(rows: Rows) -> str:
 def format_commands(rows: Rows) -> str:
     """Return the code block of the commands that create the drives, lines of at most `MAX_COLUMNS`."""
     lines = ["```sh"]
-    for drive in DRIVES.values():
-        line = rows[drive.point]["command"]["note"]
+    for name in CREATED:
+        line = rows[DRIVES[name].point]["command"]["note"]
         while len(line) > MAX_COLUMNS:
             cut = line.rindex(" --", 0, MAX_COLUMNS - 2)
             lines.append(f"{line[:cut]} \\")
@@ -541,7 +553,7 @@ def main(arguments: Sequence[str]) -> int:
     """Create a drive and print its record, or write the table for download and the page; return the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("folder", nargs="?", type=Path, help="records of the drives, a file each")
-    parser.add_argument("--drive", choices=DRIVES, help="create this drive and print its record")
+    parser.add_argument("--drive", choices=CREATED, help="create this drive and print its record")
     options = parser.parse_args(arguments)
     if options.drive:
         print(json.dumps(create_drive(options.drive), indent=1))

@@ -44,6 +44,19 @@ def test_the_market_page_has_the_figures_of_its_table() -> None:
     page, rows = docs_market.PAGE.read_text(encoding="utf-8"), docs_market.read_rows()
     assert replace_sections(page, docs_market.format_sections(rows), docs_market.SCRIPT) == page
     assert list(rows) == [drive.point for drive in docs_market.DRIVES.values()]
+    # a drive that is compared with several makers' drives is created once, and is the same in all rows
+    requests = [(drive.flags, drive.torque, drive.length) for drive in docs_market.DRIVES.values()]
+    assert len(set(requests)) == len(docs_market.CREATED)
+    for drive in docs_market.DRIVES.values():
+        if drive.record:
+            created = rows[docs_market.DRIVES[drive.record].point]
+            assert (drive.flags, drive.torque) == (
+                docs_market.DRIVES[drive.record].flags,
+                docs_market.DRIVES[drive.record].torque,
+            )
+            assert {key: row["ours"] for key, row in rows[drive.point].items() if row["ours"]} == {
+                key: row["ours"] for key, row in created.items() if row["ours"]
+            }
     lines = [line for line in page.splitlines() if not line.startswith("| ")]
     assert max(map(len, lines)) <= docs_market.MAX_COLUMNS
     sources = {source for figures in rows.values() for row in figures.values() if (source := row["source"])}
