@@ -202,11 +202,18 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     the discs. epsilon is the mean phase error of the cranks, m_t the mean component of `misfit` perpendicular to the
     eccentricity e, and rho the rotation of the disc that fits the misfits best (least squares). z_c is the number of
     lobes of a disc, z_s and z_p are the numbers of teeth of sun and planet.
+
+    A crank with the phase error epsilon_i displaces its eccentrics by e epsilon_i along their orbit. If the cranks
+    differ, this also rotates the discs, so rho includes these displacements. With discs at evenly spaced phases, the
+    rotations cancel, and the equation is that of the reference. A single disc requires a fixed sun, because a floating
+    sun changes the differences of the crank angles.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     perpendicular = quarter_turned(stage.eccentrics(crank_angles))
     tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
-    disc_rotation = np.einsum("mdnj,mnj->md", misfit, quarter_turned(stage.crank_positions(crank_angles)))
+    along_orbits = stage.gear.eccentricity * phase_error[:, np.newaxis, :, np.newaxis] * perpendicular[:, :, np.newaxis]
+    displacements = misfit + along_orbits
+    disc_rotation = np.einsum("mdnj,mnj->md", displacements, quarter_turned(stage.crank_positions(crank_angles)))
     disc_rotation /= stage.cranks * stage.radius**2
     disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up

@@ -361,13 +361,17 @@ def runout_error(reducer: RvReducer, output_angle: npt.ArrayLike) -> Array:
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     """Compute the phase error of each of n cranks due to the errors of its planet [rad], (m, n), at a fixed sun.
 
-    The errors are run-out and transmission error. A displacement o of the planet's teeth along the circle of cranks
-    turns the crank back by o divided by the pitch radius of the planet. `crank` are crank angles against the ring
-    [rad], shape (m,). The result is an argument of `closed_form_error`.
+    The errors are run-out and transmission error. A displacement o of the planet's teeth along the line of action turns
+    the crank back by o divided by the base radius of the planet. The flanks are those that a driving sun loads, and the
+    backlash is larger than the run-out, so that the opposite flanks do not touch. `crank` are crank angles against the
+    ring [rad], shape (m,). The result is an argument of `closed_form_error`.
     """
-    tangent = quarter_turned(reducer.stage.crank_positions(crank)) / reducer.lever
-    tangential_offset = np.sum(planet_offsets(reducer, crank) * tangent, axis=-1)
-    return np.asarray((tangential_offset + _mesh_error(reducer, crank)) / _planet_radius(reducer))
+    outward = reducer.stage.crank_positions(crank) / reducer.lever
+    radial_share = np.copysign(np.tan(reducer.planet.pressure_angle), reducer.design.drive.speed)
+    # the line of action, divided by the cosine of the pressure angle: so are base and pitch radius
+    action = quarter_turned(outward) + radial_share * outward
+    offset = np.sum(planet_offsets(reducer, crank) * action, axis=-1)
+    return np.asarray((offset + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
 
 def _planet_radius(reducer: RvReducer) -> float:
