@@ -6,11 +6,12 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.measure.orders import output_order
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.scene import ring_places
 from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_film import running_friction
-from cycloid_mj.statics.rv_motion import rv_springs_at, static_rotations
+from cycloid_mj.statics.rv_motion import runout_at, rv_springs_at, static_rotations
 from cycloid_mj.statics.rv_sheet import torque_on_carrier
 
 
@@ -59,14 +60,18 @@ def rv_forces(reducer: RvReducer, crank: Array, torque: float) -> dict[str, Any]
 def rv_error(reducer: RvReducer, crank: Array, torque: float) -> Array:
     """Compute the transmission error [arcsec], mean subtracted, at m angles of the cranks against the ground [rad].
 
-    `torque` [N m] acts on the output. Friction is left out.
+    `torque` [N m] acts on the output. Friction is left out, the run-out of the output is included.
     """
     rotations = static_rotations(reducer, rv_springs_at(reducer, crank), torque)
-    angle = ARCSECONDS * reducer.member.sense * rotations[:, 1]
+    angle = ARCSECONDS * (reducer.member.sense * rotations[:, 1] + runout_at(reducer, crank))
     return np.asarray(angle - angle.mean())
 
 
 def rv_orders(reducer: RvReducer) -> list[tuple[float, str]]:
-    """Return order [cycles per turn of the cranks] and name of the periodic errors of cranks and planets."""
+    """Return order [cycles per turn of the cranks] and name of the periodic errors of cranks, planets and output."""
     crank_order = reducer.mesh_periods / reducer.design.lobes
-    return [(crank_order, "cranks"), (crank_order * reducer.planet.planet_teeth, "planet mesh")]
+    return [
+        (crank_order, "cranks"),
+        (crank_order * reducer.planet.planet_teeth, "planet mesh"),
+        *([(float(output_order(reducer)), "run-out of the output")] if reducer.has_runout else []),
+    ]

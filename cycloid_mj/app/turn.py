@@ -11,6 +11,7 @@ from cycloid_mj.app.rv_turn import rv_error, rv_forces, rv_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
 from cycloid_mj.design.layouts import Layout
+from cycloid_mj.measure.orders import output_order
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.scene import ring_places, transform
@@ -158,7 +159,7 @@ def error(reducer: Reducer) -> dict[str, Any]:
     count = SETTINGS.spectrum_angles_per_mesh * design.lobes * design.ring.teeth
     full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
-    spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
+    spectrum = periodic_orders(full_turn, deviation, float(output_order(reducer)), SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh_order = float(reducer.mesh_periods)
     named_orders = [(mesh_order, "mesh"), (2.0 * mesh_order, "2 x mesh"), *TURNS[reducer.LAYOUT].orders(reducer)]

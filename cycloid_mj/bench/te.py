@@ -2,8 +2,8 @@
 
 The model is the static equilibrium under the load over a full turn of the output, without friction except for an RV
 reducer. Both curves are decomposed by least squares into the orders that the measurement resolves: those of the ring,
-and those of disc and output (`measure.orders`). Angles and orders of an RV reducer are those of its cranks; a bench
-measures them at the sun.
+those of disc and output, and that of the run-out of an RV reducer's output (`measure.orders`). Angles and orders of an
+RV reducer are those of its cranks; a bench measures them at the sun.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.measure.orders import base_orders, causes
+from cycloid_mj.measure.orders import OUTPUT_RUNOUT, base_orders, causes
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
 
@@ -320,7 +320,8 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     (`base_orders`): 1 and N/(N-1), where N is the number of teeth of the ring, or (N-1)/N and 1 if the ring rotates. A
     multiple is left out if its distance from an integer is at most `TE.min_separation`, about one cycle over the
     measurement. The highest order is `TE.max_harmonic` times N, or lower if the points are too far from each other to
-    resolve it.
+    resolve it. The order of the output's run-out is included for an RV reducer if the measurement covers about a turn
+    of the output.
     """
     teeth = reducer.design.ring.teeth
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
@@ -329,7 +330,12 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     (fractional_base,) = set(base_orders(reducer)) - {1}
     multiples = np.arange(1, max_order + 1) * float(fractional_base)
     is_distinct = np.abs(multiples - np.rint(multiples)) * measured.turns > TE.min_separation
-    return np.sort(np.concatenate([integer_orders, multiples[is_distinct & (multiples < max_order)]]))
+    runout_orders = [
+        cause.base
+        for cause in causes(reducer)
+        if cause.key == OUTPUT_RUNOUT and cause.base * measured.turns > TE.min_separation
+    ]
+    return np.sort(np.concatenate([runout_orders, integer_orders, multiples[is_distinct & (multiples < max_order)]]))
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:

@@ -4,7 +4,8 @@ An order is a number of cycles in a crank turn. The crank turns by theta relativ
 relative to disc and output, which turn in the opposite direction by theta/(N-1). Errors of the ring therefore repeat at
 whole orders, errors of disc or output at multiples of N/(N-1), and those common to all teeth at the mesh order N. Where
 the ring turns, by theta/N, its errors repeat at multiples of (N-1)/N, those of disc and carrier at whole orders.
-The cranks of an RV reducer turn relative to ring and carrier in the same way.
+The cranks of an RV reducer turn relative to ring and carrier in the same way. The run-out of its output repeats with
+the rotation of the output.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,6 +24,9 @@ from cycloid_mj.reducer import Reducer, RvReducer
 Signal = Literal["gear", "stage", "output"]
 """Signal of an error: the rotation of the disc, that of the output relative to the disc (stage of output pins), or that
 of the output."""
+
+OUTPUT_RUNOUT = "output_runout"
+"""Key of the cause with a single order, that of a turn of the output."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,11 @@ def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     return Fraction(reducer.mesh_periods, teeth), Fraction(reducer.mesh_periods, lobes)
+
+
+def output_order(reducer: Reducer) -> Fraction:
+    """Compute the order of a turn of the output, in cycles per crank turn: 1/(N-1), or 1/N where the ring turns."""
+    return Fraction(reducer.mesh_periods, reducer.design.ring.teeth * reducer.design.lobes)
 
 
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
@@ -150,11 +159,12 @@ def _central_causes(reducer: Reducer) -> tuple[Cause, ...]:
 
 
 def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """Return the causes of transmission error of an RV reducer: mesh, ring, cranks and mesh of the planets.
+    """Return the causes of transmission error of an RV reducer: mesh, ring, cranks, planet mesh, run-out of the output.
 
     Each has the orders that it excites, in cycles per crank turn. All appear in the rotation of the output.
     """
     lobes, teeth, (_, base) = reducer.design.lobes, cast(RvReducer, reducer).planet.planet_teeth, base_orders(reducer)
+    runout_order = output_order(reducer)
     return (
         *_ring_causes(reducer, "output", "elasticity, modification"),
         Cause(
@@ -173,6 +183,15 @@ def _rv_causes(reducer: Reducer) -> tuple[Cause, ...]:
             float(base),
             lambda multiple: multiple % teeth == 0,
             f"multiples of {teeth} x {base} = {teeth * float(base):.4g}: transmission error of the planets",
+        ),
+        Cause(
+            OUTPUT_RUNOUT,
+            "run-out of the output",
+            "output",
+            float(runout_order),
+            lambda multiple: multiple == 1,
+            f"{runout_order}, a cycle per turn of the output: an eccentric output hole or flange, or the run-out of "
+            f"main bearings; only runs over at least {runout_order.denominator} crank turns resolve it",
         ),
     )
 

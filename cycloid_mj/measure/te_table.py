@@ -9,7 +9,7 @@ from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
-from cycloid_mj.measure.orders import Signal, causes
+from cycloid_mj.measure.orders import OUTPUT_RUNOUT, Signal, causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 
@@ -127,6 +127,11 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
     return turns % reducer.design.lobes == 0
 
 
+def covers_output_turn(reducer: Reducer, turns: int) -> bool:
+    """Return whether `turns` of the crank relative to the ring are at least a turn of the output."""
+    return turns >= reducer.design.lobes
+
+
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
     """Return the strongest orders (cycles per crank turn) of the transmission error in each run, as JSON values.
 
@@ -201,7 +206,8 @@ def _cause_quantities(
 ) -> Iterator[Quantity]:
     """Yield the rms transmission error [arcsec] in the orders of each cause, such as the meshing of teeth.
 
-    There is one quantity for each load, from forward runs at one speed, and each cause. Its note has the strongest
+    There is one quantity for each load, from forward runs at one speed, and each cause. The run-out of the output is
+    left out if the runs are shorter than a turn of the output. The note of a quantity has the strongest
     order (cycles per crank turn). `traces` and `statics` are the simulated and static errors by condition (load,
     direction, speed) over crank `turns`; the static value is the reference. `finer` are runs with half the time step,
     from which the numerical error follows; without them it is None.
@@ -214,6 +220,8 @@ def _cause_quantities(
     )
     for condition in evaluated_conditions(traces):
         for cause_of_orders in causes(reducer):
+            if cause_of_orders.key == OUTPUT_RUNOUT and not covers_output_turn(reducer, turns):
+                continue
             simulated_orders, static_orders = (
                 _spectrum(reducer, source[condition], cause_of_orders.signal, cause_of_orders.base)
                 for source in (traces, statics)
@@ -245,7 +253,9 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     for signal, cycles_per_turn in _bases(reducer):
         spectrum = _spectrum(reducer, trace, signal, cycles_per_turn)
         causes_of_signal = [
-            cause for cause in causes(reducer) if (cause.signal, cause.base) == (signal, cycles_per_turn)
+            cause
+            for cause in causes(reducer)
+            if cause.signal == signal and (cause.base == cycles_per_turn or cause.key == OUTPUT_RUNOUT)
         ]
         for index in np.argsort(spectrum.amplitude)[::-1][:12]:
             order = float(spectrum.order[index])
@@ -264,8 +274,12 @@ def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
 
 
 def _bases(reducer: Reducer) -> tuple[tuple[Signal, float], ...]:
-    """List the signals in which orders appear, each with the base of its orders [1]; a signal may have two bases."""
-    return tuple(dict.fromkeys((cause.signal, cause.base) for cause in causes(reducer)))
+    """List the signals in which orders appear, each with the base of its orders [1]; a signal may have two bases.
+
+    The order of the output's run-out is not a base: the spectra of the other bases include it if the runs cover a turn
+    of the output.
+    """
+    return tuple(dict.fromkeys((cause.signal, cause.base) for cause in causes(reducer) if cause.key != OUTPUT_RUNOUT))
 
 
 def _signal_name(reducer: Reducer, signal: Signal, base: float) -> str:

@@ -347,10 +347,10 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
 def runout_error(reducer: RvReducer, output_angle: npt.ArrayLike) -> Array:
     """Compute the apparent rotation of the output due to its run-out [rad], counter-clockwise, in the given shape.
 
-    A hole or flange with the offset o from the axis of rotation turns with the output. On the radius r, in the fixed
-    direction +y, the output is displaced along -x by -o_x of the rotated offset, which appears as the rotation -o_x/r:
-    a wave of order 1 with the amplitude ``|o|/r``. The parts of the drive do not move because of it. The same holds for
-    the run-out of main bearings, in which the carrier is displaced by an offset that turns with it.
+    A hole or flange with the offset o from the axis of rotation turns with the output. The rotation is measured at the
+    radius r, in the fixed direction +y. There, the x component of the rotated offset, d, appears as the rotation
+    ``-d/r``: a wave of order 1 with the amplitude ``|o|/r``. The parts of the drive do not move because of it. The same
+    applies to the run-out of main bearings, which displaces the carrier by an offset that turns with it.
 
     `output_angle` is the angle of the output [rad].
     """

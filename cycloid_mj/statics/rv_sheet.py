@@ -201,7 +201,7 @@ def closed_rotation(reducer: RvReducer) -> Array:
     """
     crank = closed_form_angles(reducer)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
-    # the carrier turns back against the ring, once per turn of as many cranks as a disc has lobes
+    # a crank turns N - 1 times against the ring per turn of the output, against the carrier's direction of rotation
     output_angle = (1.0 if reducer.design.output.turns_ring else -1.0) * crank / reducer.design.lobes
     return reducer.share * rotation + runout_error(reducer, output_angle)
 

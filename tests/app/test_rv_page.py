@@ -120,6 +120,14 @@ def test_results_are_those_of_statics_and_rating() -> None:
     assert [name for _, name in found["named"]] == ["mesh", "2 x mesh", "cranks", "planet mesh"]
 
 
+@pytest.mark.slow
+def test_a_rotating_ring_has_the_order_of_its_run_out() -> None:
+    found = error({"design": {**RV, "output": {"member": "ring"}, "crank_errors": {"output_x_um": 10}}})
+    sizes = dict(zip(found["orders"], found["amplitudes"], strict=True))
+    assert sizes[0.025] == max(sizes.values()) == pytest.approx(26.6, abs=0.1)
+    assert [0.025, "run-out of the output"] in found["named"]
+
+
 def test_files_are_those_that_an_rv_reducer_has() -> None:
     offered = open_design({"preset": "rv80e"})["files"]
     assert "3mf" not in offered

@@ -7,17 +7,20 @@ import numpy as np
 import pytest
 from rv_runs import COULOMB_RV80E, FRICTIONLESS, static_loads
 
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.units import ARCSECOND
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import model_for
-from cycloid_mj.measure import Measurement, backlash, loads, lost_motion, te
+from cycloid_mj.measure import Measurement, backlash, loads, lost_motion, te, te_table
 from cycloid_mj.measure.backlash import press_to_stops, with_single_clearance
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.steady import run_steady, steady_design
-from cycloid_mj.measure.trace import TraceCondition, run_trace
+from cycloid_mj.measure.trace import Trace, TraceCondition, run_trace
 from cycloid_mj.reducer import RvReducer, reducer_of
 from cycloid_mj.statics import transmission_error
+from cycloid_mj.statics.rv import runout_error
 from cycloid_mj.statics.rv_motion import rv_backlash
 from cycloid_mj.statics.sheet import sheet_part
 
@@ -63,6 +66,42 @@ def test_orders_of_the_cranks_are_those_of_their_rotation_against_the_carrier() 
     ring = {cause.key: cause for cause in causes(reducer.but(output={"member": "ring"}))}
     assert ring["cranks"].has(1.0)
     assert ring["mesh"].has(39.0)
+
+
+ORDERS_PER_OUTPUT_TURN = {1: "output_runout", 40: "cranks", 80: "cranks", 120: "cranks", 160: "cranks"}
+"""Orders of the measured RV-80E (Yang et al. 2021), in cycles per turn of the output, and their causes."""
+
+
+@pytest.mark.parametrize("member", ["carrier", "ring"])
+def test_the_table_of_orders_has_the_run_out_of_the_output(member: str) -> None:
+    """A curve with the closed form of the run-out, and a cosine of a known amplitude at each of the other orders."""
+    reducer = reducer_of(rv80e(crank_errors={"output_x": 1e-5}, output={"member": member}))
+    assert isinstance(reducer, RvReducer)
+    turns = reducer.design.lobes
+    crank = reducer.mesh_turn * np.arange(turns * 480) / 480.0
+    output = reducer.member.output_angle(reducer.member.driven_angle(crank))
+    amplitudes = {1: 1e-5 / 77.5e-3 / ARCSECOND, 40: 8.0, 80: 4.0, 120: 2.0, 160: 1.0}
+    error = runout_error(reducer, output) / ARCSECOND
+    error += sum(amplitudes[order] * np.cos(order * output) for order in (40, 80, 120, 160))
+    trace = Trace(crank, np.zeros_like(error), error, Run(np.zeros(1), {}, {}))
+    conditions = [
+        TraceCondition(load, direction, "speed", 784.0, reducer.design.drive.speed)
+        for load, direction in (("loaded", "forward"), ("unloaded", "forward"), ("unloaded", "reverse"))
+    ]
+    traces = dict.fromkeys(conditions, trace)
+    rows = {row.key: row for row in te_table.quantities(reducer, traces, {}, traces, turns)}
+    runout = rows["output_runout_orders_rms_loaded_forward_speed"]
+    assert runout.value == pytest.approx(amplitudes[1] / np.sqrt(2.0), rel=1e-9)
+    found = te_table.order_details(reducer, traces, turns)["cases"]["loaded_forward_speed"]
+    crank_turns = reducer.member.crank_angle(float(reducer.kinematics.ratio))
+    by_order = {round(row["order"] * abs(float(crank_turns))): row for row in found if row["cause"] != "between"}
+    for order, cause in ORDERS_PER_OUTPUT_TURN.items():
+        assert by_order[order]["amplitude_arcsec"] == pytest.approx(amplitudes[order], rel=1e-9)
+        assert by_order[order]["cause"] == cause
+    # over one turn of the cranks, order 1 cannot be resolved
+    first_turn = Trace(*(values[:480] for values in (trace.crank, trace.gear, trace.output)), trace.run)
+    shorter = dict.fromkeys(conditions, first_turn)
+    assert not [row for row in te_table.quantities(reducer, shorter, {}, shorter, 1) if "runout" in row.key]
 
 
 def test_a_run_over_a_quarter_turn_has_the_angles_and_the_wind_up_of_statics() -> None:
