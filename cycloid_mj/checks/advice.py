@@ -121,7 +121,7 @@ def _complete_change(
 
 
 def _is_worse(check_after: Check, check_before: Check | None, target_name: str) -> bool:
-    """Return whether a check of a design is more serious `check_after` a change than `check_before` it.
+    """Return whether the result of a check is more serious after a change of the design than before it.
 
     The check with the `target_name`, for which the change is made, must pass. A check that did not exist before must
     not fail.

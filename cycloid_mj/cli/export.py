@@ -122,8 +122,9 @@ CoverMaterialFlag = Annotated[
     str,
     Parameter(
         metavar="NAME",
-        help="Metal of both covers, of the library of materials, such as 'aluminium 7075' or 'tempered steel', for a "
-        "ring of a metal. Default: auto, aluminium 6061 on a ring of steel; plastic as the ring.",
+        help="Material of both covers, if the ring is of metal: a metal of the material library, such as "
+        "'aluminium 7075' or 'tempered steel'. Default: auto, which is aluminium 6061 on a ring of a heavier metal "
+        "such as steel, and the material of the ring otherwise.",
     ),
 ]
 ArcsFlag = Annotated[

@@ -97,10 +97,11 @@ MotorFlag = Annotated[
     str,
     Parameter(
         metavar="NAME|FILE",
-        help="Motor frame (nema17, nema23, nema34), bolt pattern (bldc16, bldc19, bldc25: no limit of speed and "
-        "torque) or CSV file of a motor's curve, columns speed_rpm and torque_nm: "
-        "the crank turns as fast as the motor delivers the required torque (a frame by its usual power, and no faster "
-        "than the default) unless a lower speed is set. The shaft of a frame fits into the crank.",
+        help="Motor frame (nema17, nema23, nema34), bolt pattern (bldc16, bldc19, bldc25), or CSV file of a motor's "
+        "torque curve with the columns speed_rpm and torque_nm. The crank turns at the highest speed at which the "
+        "motor delivers the required torque, unless a lower speed is set. A frame is assumed to have the usual power "
+        "of its size, and its speed is at most the default speed. Its shaft fits into the crank. A bolt pattern "
+        "limits neither speed nor torque.",
     ),
 ]
 BacklashFlag = Annotated[
@@ -348,10 +349,11 @@ def new(
     1. Changes by --set apply to every drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm
     and 25 % of the time unless set otherwise.
 
-    A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. --layout
-    rv searches for an RV reducer with a planetary stage and two discs. Its teeth can be assembled, and its crank
-    bearings and widths are rated by `cycloid-mj rate`; speeds are those of the sun (default: 15 rpm of the output).
-    Tooth differences of 2 or more, and hypocycloid drives with the pins on the disc are not supported.
+    The search considers drives with one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on
+    the disc. With --layout rv, it searches for an RV reducer with a planetary stage and two discs whose teeth can be
+    assembled, and rates its crank bearings and widths by `cycloid-mj rate`. Its speed is that of the sun (default: 15
+    rpm of the output). Tooth differences of 2 or more, and hypocycloid drives with the pins on the disc are not
+    supported.
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:

@@ -35,7 +35,7 @@ PartsFlag = Annotated[
     Literal["perfect", "toleranced"] | None,
     Parameter(
         help="Parts that are rated: perfect, or samples within [tolerance] (RV reducers: [crank_tolerance]) at the "
-        "95 % percentile of the forces. "
+        "95th percentile of the forces. "
         "Default: toleranced if the design has tolerances.",
     ),
 ]

@@ -24,7 +24,7 @@ CycleFlag = Annotated[
     float | None,
     number_flag(
         f"Duration of one cycle of --duty [min], {CYCLES[0]:g} to {CYCLES[1]:g}. Its points follow in the order "
-        "of the file. Default: 10, as of intermittent duty (S3, IEC 60034-1).",
+        "of the file. Default: 10, as for intermittent duty (S3, IEC 60034-1).",
         CYCLES,
         metavar="N",
     ),

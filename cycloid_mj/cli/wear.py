@@ -21,8 +21,8 @@ GrowthFlag = Annotated[
     float,
     Parameter(
         metavar="X",
-        help="Growth of the lost motion at which the accuracy life ends [%]. Default: 100, doubled, as `rate` limits "
-        "the wear of a clearance.",
+        help="Growth of the lost motion at which the accuracy life ends [%]. Default: 100 (twice the initial lost "
+        "motion), as `rate` limits wear to twice the initial clearance.",
     ),
 ]
 EXAMPLES = """Examples:

@@ -1359,7 +1359,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_needles(self) -> Self:
-        """Raise ValueError if rollers are to be springs of their own, but neither cams nor output pins have rollers."""
+        """Raise ValueError if a spring for each needle is requested, but neither cams nor output pins have rollers."""
         has_rollers = self.gear.bearing == "rolling" or (self.output.has_needles and self.output.has_roller_parts)
         if self.layout == "central" and self.contact.needles == "each" and not has_rollers:
             raise ValueError(

@@ -94,7 +94,7 @@ def find_likely_critical_samples(reducers: Iterable[Reducer]) -> tuple[int, ...]
 
 
 def find_critical_sample(reducer: Reducer, numbers: Sequence[int]) -> int | None:
-    """Return the number of the tolerance sample whose tooth force is the 95 % percentile of all samples.
+    """Return the number of the tolerance sample whose tooth force is the 95th percentile of all samples.
 
     A sample is a random drive within the tolerances. Samples are numbered from 0 to `SETTINGS.samples` - 1. Only those
     in `numbers`, from `find_likely_critical_samples`, are computed; the others are assumed to have smaller forces. The
@@ -128,7 +128,7 @@ def _rank(count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw random designs within the tolerances, and select those at the 95 % percentile of their largest forces.
+    """Draw random designs within the tolerances, and select those at the 95th percentile of their largest forces.
 
     The forces are those on tooth, output pin and cam, or on tooth, crank bearing and planet in an RV reducer. For each
     kind of force, the sample at `SETTINGS.percentile` (95 %) of all samples that do not jam is selected. The result has

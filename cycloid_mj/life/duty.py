@@ -34,7 +34,7 @@ class Duty:
     """The points of a duty cycle, whose shares add up to 1, and the `peak` torque of an emergency stop [N m].
 
     `peak_given` is whether the peak was specified; else it is twice the largest torque of the cycle. `period` is the
-    duration of one cycle [s], by default 10 min as of intermittent duty (S3, IEC 60034-1).
+    duration of one cycle [s], by default 10 min as for intermittent duty (S3, IEC 60034-1).
     """
 
     points: tuple[DutyPoint, ...]

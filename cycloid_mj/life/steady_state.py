@@ -26,29 +26,31 @@ class ThermalSettings:
     Attributes
     ----------
     tolerance
-        Change of every temperature in a round at which it ends [K]; far below what the assumed conductances leave open.
+        The iteration has converged if no temperature changes by more than this in a step [K]; far below the error due
+        to the assumed conductances.
     rounds
-        Largest number of rounds.
+        Largest number of iterations.
     hottest
-        Temperature at which the rounds end [°C], as the largest of a design file: no drive gets so hot.
+        Temperature at which the iteration ends [°C], the largest that a design file allows: no drive gets so hot.
     largest
-        Largest multiple of torque or speed that is searched.
-    solved, corrections, resolution
-        Up to this multiple of the duty or of the nominal torque, a limit is corrected by the losses there, so many
-        times at most, or until the losses and the limit change by no more than the relative resolution.
+        Largest multiple of torque or speed that is searched for a limit.
+    solved
+        Largest multiple of the duty, or of the nominal torque, up to which a limit is corrected with the losses at it.
+    corrections, resolution
+        Largest number of these corrections, and the relative change of losses and limit at which they end.
     approach
-        Share of the temperature rises at a limit at which these losses are computed: the parts do not yet jam.
+        Share of the temperature rises at a limit at which these losses are computed, so that the parts do not yet jam.
     smallest_step
-        Smallest share of the way to the temperatures of the next round if the parts would jam there.
+        Smallest step of the iteration, as a share of the full step; steps are shortened if the parts would jam.
     crank_angles
-        Number of crank angles of the losses and conductances.
+        Number of crank angles at which losses and conductances are computed.
     samples, time_constants
-        Steps of the warm-up, and its duration over the slowest time constant.
+        Number of time steps of the warm-up, and its duration divided by the slowest time constant.
     duty_shares
-        Shares of the time of intermittent duties (S3) whose torque limit is reported: those of IEC 60034-1.
+        Shares of the time under load in intermittent duties (S3, IEC 60034-1) whose torque limits are reported.
     light_load
-        Load over that of the duty which, with the duty's own, determines how losses grow with the torque. The nominal
-        torque is used instead if it is less than half or more than twice the torque of the duty.
+        Second load at which losses are computed, relative to the load of the duty, to determine how they grow with the
+        torque. The nominal torque is used instead if it differs from the torque of the duty by more than a factor of 2.
     """
 
     tolerance: float = 0.05
@@ -149,7 +151,7 @@ def film_steady_state(reducer: Reducer, duty: Duty) -> SteadyState | None:
 
 
 def warms_up(design: Design) -> bool:
-    """Return whether results with film friction depend on the steady state: the design sets no temperatures."""
+    """Return whether results with film friction use the steady temperatures, because the design sets none."""
     return design.has_film and not (design.thermal.applied or design.thermal.words)
 
 

@@ -170,8 +170,8 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
     free_radius, is_one_piece = gear.bore_radius - gear.eccentricity, design.has_one_piece_crank
     if is_one_piece and gear.discs > MAX_ONE_PIECE_DISCS:
         raise DesignError(
-            f"a crank in one piece for {gear.discs} discs cannot be assembled: the cams next to it keep the bearing of "
-            'an inner disc from its cam. Set shaft.cam_joint = "key", or gear.discs = 2'
+            f"a crank in one piece for {gear.discs} discs cannot be assembled: the bearing of an inner disc cannot "
+            'pass the cams next to it. Set shaft.cam_joint = "key", or gear.discs = 2'
         )
     problem = "the cams leave no wall around the shaft"
     if is_one_piece:

@@ -469,11 +469,11 @@ class Contacts:
 
     @property
     def creep_speed(self) -> float:
-        """Return the sliding speed [m/s] from which on friction at the working force has its full value.
+        """Return the sliding speed [m/s] at which friction under the working force reaches Coulomb's limit.
 
         Below it, friction is proportional to the speed (regularised Coulomb friction). If the design file does not set
-        it, it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at rest,
-        `CONTACT.slow_creep`.
+        this speed, it is `CONTACT.creep_share` times the orbital speed of the disc's centre or, if the crank is at
+        rest, `CONTACT.slow_creep`.
         """
         design = self._reducer.design
         return (

@@ -224,9 +224,9 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
     """Compute the parameters of a DC motor with the rated and peak torque of a reduced joint, for BAM.
 
-    BAM (Better Actuator Models) simulates the motor of a robot joint. It stands in for the motor of the robot, which is
-    not known; its values are those at the joint, not at the crank. The torque falls linearly with the speed, from the
-    peak torque at rest through the rated torque at the rated speed.
+    BAM (Better Actuator Models) simulates the motor of a robot joint. The robot's own motor is not known, so this motor
+    replaces it; its values are those at the joint, not at the crank. Its torque decreases linearly with the speed, from
+    the peak torque at rest to the rated torque at the rated speed.
 
     Returns
     -------

@@ -162,7 +162,7 @@ class CentralModel(FullModel):
         }
 
     def inertias(self) -> tuple[float, float]:
-        """Compute the inertias of crank and output [kg m2], each with the parts that turn along with it.
+        """Compute the inertias of crank and output [kg m2], each with the parts that rotate with it.
 
         The crank has the inertia of shaft and rotor, and that of the orbiting masses of the discs. If the carrier is
         the output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not
@@ -249,10 +249,10 @@ class RvModel(FullModel):
         }
 
     def inertias(self) -> tuple[float, float]:
-        """Compute the inertias of sun and output [kg m2], each with the parts that turn along with it.
+        """Compute the inertias of sun and output [kg m2], each with the parts that rotate with it.
 
-        The output has what turns along with it: if the carrier is the output, the discs, and the cranks as masses on
-        their circle. The sun has the rest of the inertia of all parts at their ideal speeds.
+        If the carrier is the output, its inertia includes the discs, and the cranks as point masses on their circle.
+        The sun has the remaining inertia of all parts at their ideal speeds.
         """
         design, output = self._reducer.design, turning_inertia(self._reducer)
         return input_inertia(self._reducer) + design.drive.rotor_inertia - output / design.reduction**2, output

@@ -76,7 +76,7 @@ class RvShares:
 SHARES = RvShares()
 
 MODEL = RvReducer(PRESETS["rv80e"])
-"""The drive whose other proportions, gaps and stiffnesses the others have."""
+"""Preset from which all candidates take the proportions, clearances and stiffnesses that are not searched."""
 
 POST_PLAY = 0.5e-3
 """Smallest play of a post in its window next to a crank bore [m] (heuristic)."""
@@ -334,18 +334,19 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
 def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
     """Yield changes that make a requirement feasible, each verified by a search.
 
-    They are a shorter life, where a life limits the torque; a smaller share of the time under load, and better cooling,
-    where heat does; and a larger diameter. `strongest` is the strongest drive that was evaluated for the requirement,
-    if any. Changes start at its life, or where its torque T suffices by similarity: losses ~ T, diameter ~ T^1/3.
+    If a life limits the torque, the change is a shorter life. If heat limits it, the changes are a smaller share of the
+    time under load, and better cooling. The last change is a larger diameter. `strongest` is the drive with the largest
+    torque T that was evaluated for the requirement, if any. The search of each change starts at the life of this drive,
+    or where T should suffice by similarity: losses ~ T, diameter ~ T^1/3.
     """
     share = strongest.torque / requirement.torque if strongest else 1.0
     is_hot = strongest is not None and strongest.weakest.kind is ItemKind.HEAT
-    likely: dict[str, float] = {}
+    max_values: dict[str, float] = {}
     if strongest and not requirement.duty:
-        likely |= {"life": strongest.rating.shortest_life} if strongest.weakest.life is not None else {}
-        likely |= {"duty_share": share * requirement.duty_share} if is_hot else {}
-    for key, value in likely.items():
-        changes = [item for item in list_changes(requirement, key) if getattr(item.requirement, key) <= value]
+        max_values |= {"life": strongest.rating.shortest_life} if strongest.weakest.life is not None else {}
+        max_values |= {"duty_share": share * requirement.duty_share} if is_hot else {}
+    for key, max_value in max_values.items():
+        changes = [item for item in list_changes(requirement, key) if getattr(item.requirement, key) <= max_value]
         yield from first_feasible(changes, _is_feasible)
     yield from first_feasible(better_cooling(requirement) if is_hot else (), _is_feasible)
     diameter = share ** (-1.0 / 3.0) * requirement.diameter

@@ -336,8 +336,8 @@ def _solve_with_cams(
         needles, work = needles.with_shares(rollers), work + residual.work
     if float(np.linalg.norm(_cam_offsets(contacts, z), axis=-1).max()) > needles.reach:
         raise RunError(
-            f"a cam is displaced by more than {1e6 * needles.reach:.3g} um in its bore, for which the equations of its "
-            'rollers do not hold: reduce the load (--load-nm), or set contact.needles = "lumped"'
+            f"a cam is displaced by more than {1e6 * needles.reach:.3g} um in its bore; the equations of its rollers "
+            'are not valid beyond this displacement: reduce the load (--load-nm), or set contact.needles = "lumped"'
         )
     return force, needles.resultants(rollers), work
 

@@ -143,16 +143,16 @@ def _error_rows() -> Iterator[SheetFigure]:
     for shaft in SHAFTS:
         prefix, layouts = ("", BOTH) if shaft == "output" else (f"{shaft}_", CENTRAL)
         for case, direction in product(CASES, DIRECTIONS):
-            end, condition = f"{case}_{direction}", f"{case}, {direction}"
+            suffix, condition = f"{case}_{direction}", f"{case}, {direction}"
             angle = f"the {shaft}'s angle about the ideal one, {condition}, with friction, {_TURN}."
             yield SheetFigure(
-                f"{shaft}_peak_to_peak_{end}_speed", "arcsec",
+                f"{shaft}_peak_to_peak_{suffix}_speed", "arcsec",
                 f"transmission error, peak to peak, {shaft}, {condition}", f"Range of {angle}",
-                f"{prefix}te_{end}_arcsec", layouts=layouts)
+                f"{prefix}te_{suffix}_arcsec", layouts=layouts)
             yield SheetFigure(
-                f"{shaft}_rms_{end}_speed", "arcsec",
+                f"{shaft}_rms_{suffix}_speed", "arcsec",
                 f"transmission error, rms about its mean, {shaft}, {condition}", f"Standard deviation of {angle}",
-                f"{prefix}te_rms_{end}_arcsec", layouts=layouts)
+                f"{prefix}te_rms_{suffix}_arcsec", layouts=layouts)
         yield SheetFigure(
             f"{shaft}_reversal", "arcsec", f"mean of the {shaft}, forward minus reverse, unloaded",
             f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.", layouts=layouts)

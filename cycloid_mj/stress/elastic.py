@@ -129,12 +129,12 @@ def equilibrate_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
 
 
 def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
-    """Solve for the accelerations of a part along its l loose motions under c load cases (d'Alembert).
+    """Solve for the accelerations of a part that its supports do not prevent, under c load cases (d'Alembert).
 
     Parameters
     ----------
     part
-        The part, with its loose motions: the rigid motions that no support fixes.
+        The part, with its l loose motions: the rigid motions that no support fixes.
     loads
         Nodal forces on n unknowns (n, c) [N], dense or sparse.
 

@@ -214,12 +214,12 @@ def test_bearings_around_discs_stay_inside_of_the_pins_of_sleeves(seat: str) -> 
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        (("output.support=cantilever",), "need a second disc"),
+        (("output.support=cantilever",), "need a second output disc"),
         (("output.main_bearings=crossed_roller",), "a single crossed roller bearing carries forces and moments alone"),
         (("output.main_bearings=angular_contact",), r"output.disc_thickness_mm to at least 16.1"),
         (
             ("output.main_bearings=angular_contact", "housing.outer_radius_mm=47"),
-            "no room between its pins and the screws",
+            "does not fit between the ring pins and the screws",
         ),
         (("output.main_bearings=tapered",), "no standard bearing"),
         (("output.disc_thickness_mm=11.9",), r"output.disc_thickness_mm to at least 12"),

@@ -275,7 +275,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     straddles = design.shaft.mounting == "straddle"
     if design.shaft.bore_radius and not straddles:
         raise DesignError(
-            "a shaft with a through bore needs a bearing in the hub, which seals its far end: set "
+            "a shaft with a through bore needs a bearing in the hub, where its far end is sealed: set "
             'shaft.mounting = "straddle", or shaft.bore_radius_mm = 0'
         )
     _require_cam_joint(reducer)
@@ -307,7 +307,8 @@ def _require_cam_joint(reducer: Reducer) -> None:
     design = reducer.design
     if design.shaft.cam_joint == "shrink" and design.material_of(names.SHAFT).is_plastic:
         raise DesignError(
-            'a plastic creeps in a shrink fit: set shaft.cam_joint = "key", or choose a metal (shaft_material.name)'
+            'a plastic shaft creeps in a shrink fit: set shaft.cam_joint = "key", or choose a metal '
+            "(shaft_material.name)"
         )
     cam_spline(reducer)
     cam_clamp(reducer)

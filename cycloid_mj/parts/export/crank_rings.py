@@ -72,7 +72,7 @@ def crank_collars(reducer: Reducer, casing: Casing, segments: Iterable[Segment])
 
 
 def counterweight_shift(reducer: Reducer) -> float:
-    """Compute how far the counterweight stands closer to the disc than in the mechanism, for its ring [m]."""
+    """Compute by how much the counterweight is moved towards the disc to make room for the ring next to it [m]."""
     offset = reducer.design.shaft.bearing_offset
     return max(RULES.collar - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
 

@@ -83,8 +83,8 @@ def _choose_largest(
             return bearing
     if math.isinf(max_bore):
         raise DesignError(
-            "no standard bearing with the room around it fits around the output disc: it needs a bore of at least "
-            f"{2e3 * min_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a smaller "
+            "no standard bearing, with the space that it needs, fits around the output disc: its bore must be at least "
+            f"{2e3 * min_bore:.4g} mm and its outside diameter at most {2e3 * max_radius:.4g} mm. Choose a smaller "
             'circle of output pins, a larger outer diameter, or output.main_bearing_seat = "hub"'
         )
     raise DesignError(
@@ -136,22 +136,22 @@ def _require_both_seats(reducer: Reducer, stop_ring_radius: float) -> None:
     design = reducer.design
     if design.output.support != "both_ends" or design.output.main_bearings == "crossed_roller":
         raise DesignError(
-            "bearings around both discs of the output need a second disc, and are a pair of ball or tapered roller "
+            "bearings around both discs of the output need a second output disc, and must be ball or tapered roller "
             "bearings, because a single crossed roller bearing carries forces and moments alone: set output.support = "
             '"both_ends" and output.main_bearings = "deep_groove", "angular_contact" or "tapered", or '
             'output.main_bearing_seat = "disc"'
         )
     if needs_stop_ring(reducer) and design.ring.has_sleeves:
         raise DesignError(
-            "the pins of sleeves stand in both covers, where the stop ring of the bearing around the second disc would "
-            'be: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
+            "the pins inside the sleeves extend into both covers and leave no space for the stop ring of the bearing "
+            'around the second output disc: set ring.sleeve_thickness_mm = 0, or output.main_bearings = "deep_groove"'
         )
     support = design.ring_root_radius + (RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall)
     if needs_stop_ring(reducer) and stop_ring_radius < support - stock.ROUNDING:
         raise DesignError(
-            "the ring leaves no room between its pins and the screws and dowels of the covers for the stop ring of the "
-            f"bearing around the second disc, which needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm; "
-            f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available: increase housing.outer_radius_mm, or set "
+            "the stop ring of the bearing around the second output disc does not fit between the ring pins and the "
+            f"screws and dowels of the covers: it needs a diameter of {MILLIMETRES * 2.0 * support:.4g} mm, but "
+            f"{MILLIMETRES * 2.0 * stop_ring_radius:.4g} mm are available. Increase housing.outer_radius_mm, or set "
             'output.main_bearings = "deep_groove"'
         )
 

@@ -376,9 +376,9 @@ def _curve_distance(
         if normal_component > 0.0
         else (distance_ratio - 1.0) / curvature
     )
-    width = radial + curvature_rate * p * p * p / 6.0
+    distance = radial + curvature_rate * p * p * p / 6.0
     return (
-        width,
+        distance,
         normal_component * inverse,
         tangent_component * inverse + 0.5 * curvature_rate * p * p,
         curvature * inverse + curvature_rate * p,
