@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError, RunError, UsageError
+from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, to_json_values
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.life.duty import Duty, constant_duty, describe_condition
+from cycloid_mj.life.duty import Duty, constant_duty, describe_condition, turning_points
 from cycloid_mj.life.wear_course import (
     CASES,
     SETTINGS,
@@ -325,13 +325,7 @@ def wear(
                 "greater than 0"
             )
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
-    points = [point for point in duty.points if point.speed]
-    if not points:
-        raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but parts wear only while the crank turns: set a nonzero "
-            "speed, such as 1640 rpm"
-        )
-    drive = WearingDrive(reducer, points, settings)
+    drive = WearingDrive(reducer, turning_points(duty, reducer.design, "parts wear"), settings)
     log = _Log(drive, hours, growth)
     for case in CASES:
         if not log.run_case(case, on_progress):

@@ -1,7 +1,5 @@
 """Cam load solved over the assumed stiffness of its bearing, compared with ideal sharing."""
 
-import math
-
 import numpy as np
 
 from cycloid_mj.base.array import Array
@@ -57,7 +55,6 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
     crank_angles = design.lobes * turn_evenly(reducer, POSES)
     ideal_forces = []
     for point in points:
-        speed = math.copysign(point.speed, design.drive.speed)
-        loaded_reducer = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
+        loaded_reducer = reducer.turning_at(point.speed).but(load={"torque": point.torque})
         ideal_forces.append(ideal_cam(loaded_reducer, crank_angles))
     return CamCompliance((*cases, make_case(IDEAL, None, ideal_forces)))

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cycloid_mj.base.errors import UsageError, reason
+from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
@@ -74,6 +74,24 @@ def add_rests(duty: Duty, share: float) -> Duty:
     if len(duty.points) > 1 or share == 1.0:
         return duty
     return replace(duty, points=(replace(duty.points[0], share=share), DutyPoint(0.0, 0.0, 1.0 - share)))
+
+
+def turning_points(duty: Duty, design: Design, effect: str) -> tuple[DutyPoint, ...]:
+    """Return the points of a duty cycle at which the input turns.
+
+    Raises
+    ------
+    DesignError
+        There are none. The message states the `effect` that needs them, such as "parts wear".
+    """
+    points = tuple(point for point in duty.points if point.speed)
+    if not points:
+        shaft, speed = ("sun gear", 2295) if design.layout == "rv" else ("crank", 1640)
+        raise DesignError(
+            f"{design.name}: drive.speed_rpm is 0, but {effect} only if the {shaft} turns: set a speed other than 0, "
+            f"such as {speed} rpm"
+        )
+    return points
 
 
 def _cycle(points: tuple[DutyPoint, ...], peak: float | None) -> Duty:

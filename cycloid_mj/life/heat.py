@@ -12,7 +12,7 @@ from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 USUAL_LIMIT = 120.0
 """Assumed service temperature of a material that is not in the library [°C]."""
@@ -115,17 +115,30 @@ def housing_temperature(reducer: Reducer, power_lost: float) -> float:
 def cooling_area(reducer: Reducer) -> float:
     """Compute the area that passes heat to the air [m2]: the outside of the covers without the mounting faces.
 
-    Without covers, it is a cylinder around ring and output disc, with both ends.
+    Without covers, it is a cylinder around ring and output disc, with both ends. For an RV reducer, it is a cylinder
+    around discs and flanges.
     """
-    design = reducer.design
+    design, radius = reducer.design, reducer.design.housing.outer_radius
+    if isinstance(reducer, RvReducer):
+        length = design.gear.stack_width + 2.0 * reducer.cranks.flange_thickness
+        return 2.0 * math.pi * radius * (radius + length)
     if has_casing(reducer):
         drive_casing = casing(reducer)
         mounting_term = drive_casing.motor.circle**2 + drive_casing.flange_radius**2
         return math.pi * (
             2.0 * drive_casing.outer * (drive_casing.outer + drive_casing.top - drive_casing.face) - mounting_term
         )
-    radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
+
+
+def cooled_end_area(reducer: Reducer) -> float:
+    """Compute the part of `cooling_area` that belongs to the output [m2].
+
+    It is both ends of the carrier of an RV reducer, an end of an output disc without covers, and 0 with covers.
+    """
+    if isinstance(reducer, RvReducer):
+        return 2.0 * math.pi * reducer.flange_radius**2
+    return 0.0 if has_casing(reducer) else math.pi * reducer.design.housing.outer_radius**2
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:

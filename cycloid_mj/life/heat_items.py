@@ -20,9 +20,8 @@ from cycloid_mj.life.heat import (
 )
 from cycloid_mj.life.item import ItemKind, RatedItem
 from cycloid_mj.life.loading import Loading
-from cycloid_mj.life.steady_state import SteadyState
+from cycloid_mj.life.steady_state import SteadyState, estimate_rises
 from cycloid_mj.life.thermal import thermal
-from cycloid_mj.life.thermal_network import build_network, heat_by_node
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
@@ -141,9 +140,7 @@ def rate_jam_difference(
     if steady_state is not None:
         difference = steady_state.difference
     else:
-        worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-        network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
-        rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
+        rises = estimate_rises(reducer, loadings, reducer.design.service.ambient_temperature)
         difference = share * (rises["disc"] - rises["ring"])
     yield RatedItem(
         "jam_difference",

@@ -1,17 +1,17 @@
 """The rating of a design for a duty cycle."""
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
-from cycloid_mj.base.errors import CycloidWarning, DesignError
+from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.life.as_built import Parts, default_parts, select_rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
-from cycloid_mj.life.duty import Duty, constant_duty, describe_condition
+from cycloid_mj.life.duty import Duty, constant_duty, describe_condition, turning_points
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.heat_items import rate_heat, rate_jam_difference, rate_thermal_limits
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
@@ -187,19 +187,15 @@ def _rate_all_items(
     DesignError
         The crank does not turn.
     """
-    turning_points = [point for point in duty.points if point.speed]
-    if not turning_points:
-        raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours can be computed only if the crank "
-            "turns: set a nonzero speed, such as 1640 rpm"
-        )
-    loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
+    points = turning_points(duty, reducer.design, "a life in hours can be computed")
+    loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     state = film_steady_state(reducer, duty) if steady else None
-    temperatures: Mapping[str, float] | None = None
+    temperatures = None
     if warms_up(reducer.design):
-        steady_temperatures = state.temperatures if state else estimate_temperatures(reducer, loadings)
-        temperatures = oil_temperatures(reducer, steady_temperatures)
+        temperatures = oil_temperatures(
+            reducer, state.temperatures if state else estimate_temperatures(reducer, loadings)
+        )
     by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak, temperatures),
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),

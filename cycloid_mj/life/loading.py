@@ -12,7 +12,6 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.expansion import at_temperatures
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
@@ -164,10 +163,10 @@ def solve_loading(
         No static equilibrium exists.
     """
     design = reducer.design
-    speed = math.copysign(point.speed, design.drive.speed)
-    cold_reducer = turning_reducer = reducer.but(drive={"speed": speed})
+    cold_reducer = turning_reducer = reducer.turning_at(point.speed)
+    speed = cold_reducer.design.drive.speed
     if temperatures is not None:
-        turning_reducer = Reducer(at_temperatures(cold_reducer.design, temperatures))
+        turning_reducer = cold_reducer.at_temperatures(temperatures)
     crank = design.lobes * turn_evenly(reducer, crank_angles)
     springs, torque = springs_of(turning_reducer, crank), math.copysign(abs(point.torque), speed)
     try:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.base.units import HOUR, RPM
 from cycloid_mj.design import describe_plastic_limits
@@ -15,7 +14,7 @@ from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import Ratings, RollerRow, oil_viscosity, rate_modified_life
-from cycloid_mj.life.duty import Duty, describe_condition
+from cycloid_mj.life.duty import Duty, describe_condition, turning_points
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating, sort_by_margin
 from cycloid_mj.life.pitting_factors import factors_of_contact, mean_speed_and_radius
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
@@ -55,12 +54,9 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
     RunError
         No static equilibrium exists at a torque of the duty.
     """
-    points = [point for point in duty.points if point.speed and point.torque]
-    if not points:
-        raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours can be computed only if the sun gear "
-            "turns: set a speed other than 0, such as 2295 rpm"
-        )
+    points = [
+        point for point in turning_points(duty, reducer.design, "a life in hours can be computed") if point.torque
+    ]
     torques = np.array([abs(point.torque) for point in points])
     bearing_turns, ratio = float(reducer.kinematics.bearing_turns), reducer.design.ratio
     weighted_speeds = np.array([bearing_turns * abs(point.speed / ratio) * point.share for point in points])

@@ -7,15 +7,13 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design.model import Material
-from cycloid_mj.geometry.expansion import at_temperatures
 from cycloid_mj.life.duty import DutyPoint
-from cycloid_mj.life.heat import heat_transfer_coefficient
 from cycloid_mj.life.rv import TAPERS, flange_forces
 from cycloid_mj.life.thermal_network import (
     Conductance,
     Network,
-    convection_source,
     line_contact_conductance,
+    outside_links,
     roller_conductance,
 )
 from cycloid_mj.reducer import RvReducer
@@ -59,21 +57,19 @@ def solve_rv_losses(
     RunError
         No static equilibrium exists.
     """
-    losses = []
-    for point in points:
-        turning_reducer = reducer.but(drive={"speed": math.copysign(point.speed, reducer.design.drive.speed)})
-        heated = warm_reducer(turning_reducer, temperatures)
-        losses.append(dict(friction_powers(heated, abs(point.torque), crank_angles)))
+    losses = tuple(
+        dict(
+            friction_powers(
+                reducer.turning_at(point.speed).at_temperatures(temperatures), abs(point.torque), crank_angles
+            )
+        )
+        for point in points
+    )
     max_torque = max(abs(point.torque) for point in points)
-    heated = warm_reducer(reducer, temperatures)
+    heated = reducer.at_temperatures(temperatures)
     loads = solve_running_equilibrium(heated, max_torque, crank_angles)
-    links = (*_contact_links(heated, loads), *_grease_links(reducer), *_air_links(reducer, temperatures["housing"]))
-    return tuple(losses), Network(links, capacities)
-
-
-def warm_reducer(reducer: RvReducer, temperatures: Mapping[str, float]) -> RvReducer:
-    """Return the reducer with the dimensions and materials at temperatures of its parts [°C]."""
-    return RvReducer(at_temperatures(reducer.design, temperatures))
+    links = (*_contact_links(heated, loads), *_grease_links(reducer), *outside_links(reducer, temperatures["housing"]))
+    return losses, Network(links, capacities)
 
 
 def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
@@ -128,22 +124,3 @@ def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
     coefficient = design.thermal.grease_conductivity / design.thermal.face_gap
     yield Conductance("disc", "output", 2.0 * coefficient * face, "grease between discs and flanges, k A/gap")
     yield Conductance("output", "housing", 2.0 * coefficient * rim, "grease between flanges and housing, k A/gap")
-
-
-def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conductance]:
-    """Yield the heat conductances [W/K] from the ring to the housing, and from housing and flanges to the air.
-
-    `wall_temperature` [°C] is the temperature of the housing's wall.
-    """
-    design = reducer.design
-    radius, end_area = design.housing.outer_radius, math.pi * reducer.flange_radius**2
-    length = design.gear.stack_width + 2.0 * reducer.cranks.flange_thickness
-    contact_area = 2.0 * math.pi * (radius**2 - design.ring.pin_circle_radius**2)
-    yield Conductance(
-        "ring", "housing", design.thermal.joint_conductance * contact_area, "clamped faces of the ring, h A"
-    )
-    coefficient = heat_transfer_coefficient(reducer, wall_temperature)
-    area = 2.0 * math.pi * radius * (radius + length) - 2.0 * end_area
-    source = f"h A, {convection_source(design, coefficient)}"
-    yield Conductance("housing", "ambient", coefficient * area, source)
-    yield Conductance("output", "ambient", coefficient * 2.0 * end_area, f"ends of the carrier, {source}")

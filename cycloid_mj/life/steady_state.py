@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, turning_points
 from cycloid_mj.life.heat import heat_limits, housing_temperature, mean_losses, running_share
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import solve_rv_losses
@@ -72,17 +72,6 @@ class ThermalSettings:
 SETTINGS = ThermalSettings()
 
 
-def turning_points(design: Design, duty: Duty) -> tuple[DutyPoint, ...]:
-    """Return the points of a duty cycle at which the crank turns; raise DesignError if there are none."""
-    points = tuple(point for point in duty.points if point.speed)
-    if not points:
-        raise DesignError(
-            f"{design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed "
-            "other than 0, such as 1640 rpm"
-        )
-    return points
-
-
 @dataclass(frozen=True)
 class SteadyState:
     """Temperatures, losses and network of a steady state.
@@ -137,7 +126,8 @@ def solve_steady_state(reducer: Reducer, duty: Duty, settings: ThermalSettings =
     RunError
         No static equilibrium exists at 20 °C.
     """
-    points = turning_points(reducer.design, add_rests(duty, reducer.design.service.duty_share))
+    duty = add_rests(duty, reducer.design.service.duty_share)
+    points = turning_points(duty, reducer.design, "the drive heats up")
     return _iterate_temperatures(state_seals(reducer), points, settings)
 
 
@@ -171,10 +161,19 @@ def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict
     `loadings` are the solved forces at each point of a duty, at 20 °C.
     """
     losses, share = mean_losses(reducer, loadings), running_share(reducer, loadings)
+    rises = estimate_rises(reducer, loadings, housing_temperature(reducer, share * sum(losses.values())))
+    return {part: reducer.design.service.ambient_temperature + share * rise for part, rise in rises.items()}
+
+
+def estimate_rises(reducer: Reducer, loadings: Sequence[Loading], wall_temperature: float) -> dict[str, float]:
+    """Estimate the steady temperature rises of the parts over the air [K] by the losses of solved forces.
+
+    `loadings` are the forces at each point of a duty, which runs without rests. `wall_temperature` [°C] is that of the
+    housing's wall, on which its heat transfer coefficient depends.
+    """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = build_network(reducer, worst, housing_temperature(reducer, share * sum(losses.values())))
-    rises, ambient = network.rises(heat_by_node(reducer, losses)), reducer.design.service.ambient_temperature
-    return {part: ambient + share * rise for part, rise in rises.items()}
+    network = build_network(reducer, worst, wall_temperature)
+    return network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
 
 
 def at_steady_temperatures(reducer: Drive) -> Drive:
@@ -187,7 +186,7 @@ def at_steady_temperatures(reducer: Drive) -> Drive:
     state = film_steady_state(reducer, constant_duty(design.rated_torque, design.drive.speed))
     if state is None:
         return reducer
-    return type(reducer)(at_temperatures(state_seals(reducer).design, state.warm_temperatures))
+    return state_seals(reducer).at_temperatures(state.warm_temperatures)
 
 
 @once
@@ -210,7 +209,7 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
         while not has_converged and step >= settings.smallest_step and remaining > 1:
             following = {part: value + step * (steady[part] - value) for part, value in temperatures.items()}
             with suppress(CycloidError):
-                if not _is_inadmissible(reducer.design, following, settings):
+                if _is_admissible(reducer.design, following, settings):
                     point_losses, network = solve_losses(reducer, points, following, capacities, settings)
                     break
             step *= 0.5
@@ -220,12 +219,17 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     return SteadyState(steady, losses, network, has_converged, cold, point_losses, temperatures)
 
 
-def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
-    """Return whether the parts jam at temperatures [°C], or are hotter than the rounds allow."""
-    if max(temperatures.values()) > settings.hottest or design.layout == RvReducer.LAYOUT:
-        return max(temperatures.values()) > settings.hottest
-    hot_design = at_temperatures(design, temperatures)
-    return tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
+def _is_admissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
+    """Return whether no part is too hot for the iteration, and all clearances remain at temperatures [°C].
+
+    The parts of an RV reducer may lose their clearance, because they are then preloaded.
+    """
+    if max(temperatures.values()) > settings.hottest:
+        return False
+    if design.layout == RvReducer.LAYOUT:
+        return True
+    warm_design = at_temperatures(design, temperatures)
+    return min(tooth_play(warm_design), *warm_clearances(warm_design).values()) > 0.0
 
 
 def solve_losses(

@@ -10,10 +10,8 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
 from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
-from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, describe_condition
-from cycloid_mj.life.heat import (
-    heat_limits,
-)
+from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, describe_condition, turning_points
+from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction
 from cycloid_mj.life.steady_state import (
     SETTINGS,
@@ -22,7 +20,6 @@ from cycloid_mj.life.steady_state import (
     mean_of_points,
     solve_losses,
     solve_steady_state,
-    turning_points,
 )
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
 from cycloid_mj.life.thermal_network import heat_by_node
@@ -62,7 +59,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 def _solve_thermal_state(cold: Reducer, duty: Duty, settings: ThermalSettings) -> ThermalState:
     """Compute the `ThermalState` of a drive at 20 °C under a duty that states its rests."""
     steady_state, reducer = solve_steady_state(cold, duty, settings), state_seals(cold)
-    points = turning_points(reducer.design, duty)
+    points = turning_points(duty, reducer.design, "the drive heats up")
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
     warm_design = at_temperatures(reducer.design, temperatures)
     ambient = reducer.design.service.ambient_temperature

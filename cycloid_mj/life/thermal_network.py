@@ -17,12 +17,8 @@ from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED, PARTNERS, Material
 from cycloid_mj.figures.geometry import masses
 from cycloid_mj.geometry.expansion import BODY_OF
-from cycloid_mj.life.bearings import (
-    ASSUMED_ROLLERS,
-    bearing_forces,
-    bearings_of,
-)
-from cycloid_mj.life.heat import cooling_area, heat_transfer_coefficient
+from cycloid_mj.life.bearings import ASSUMED_ROLLERS, bearing_forces, bearings_of
+from cycloid_mj.life.heat import cooled_end_area, cooling_area, heat_transfer_coefficient
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
@@ -190,7 +186,7 @@ def build_network(
         *_contact_links(loading.reducer, loading.contacts),
         *_bearing_links(reducer, loading),
         *_face_links(reducer.design),
-        *_housing_links(reducer, wall_temperature),
+        *outside_links(reducer, wall_temperature),
     )
     return Network(tuple(links), capacities or dict.fromkeys(HEATED, 1.0))
 
@@ -270,33 +266,21 @@ def _face_links(design: Design) -> Iterator[Conductance]:
         yield Conductance("disc", node, value, "grease on a face of the discs, k A/gap")
 
 
-def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
-    """Yield the heat conductances [W/K] from the ring to the housing and from there to the air.
+def outside_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
+    """Yield the heat conductances [W/K] from the ring to the housing, and from housing and output to the air.
 
-    The covers are the housing; without covers, an end of the output disc passes heat to the air as well.
-    `wall_temperature` [°C] is the temperature of the housing's wall.
+    The covers are the housing. `wall_temperature` [°C] is the temperature of the housing's wall.
     """
     design = reducer.design
-    outer_radius = design.housing.outer_radius
-    clamped_area = 2.0 * math.pi * (outer_radius**2 - design.ring.pin_circle_radius**2)
+    clamped_area = 2.0 * math.pi * (design.housing.outer_radius**2 - design.ring.pin_circle_radius**2)
     yield Conductance(
         "ring", "housing", design.thermal.joint_conductance * clamped_area, "clamped faces of the ring, h A"
     )
-    coefficient = heat_transfer_coefficient(reducer, wall_temperature)
-    source = convection_source(design, coefficient)
-    area = cooling_area(reducer)
-    if has_casing(reducer):
-        yield Conductance("housing", "ambient", coefficient * area, f"h A, {source}")
-        return
-    end_area = math.pi * outer_radius**2
-    yield Conductance("housing", "ambient", coefficient * (area - end_area), f"h A without covers, {source}")
-    yield Conductance("output", "ambient", coefficient * end_area, f"end of the output disc, {source}")
-
-
-def convection_source(design: Design, coefficient: float) -> str:
-    """Return the heat transfer coefficient to the air [W/(m2 K)] with its source, in words."""
+    coefficient, end_area = heat_transfer_coefficient(reducer, wall_temperature), cooled_end_area(reducer)
     source = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
-    return f"h = {coefficient:.3g} W/(m2 K) by {source}"
+    for node, area in (("housing", cooling_area(reducer) - end_area), ("output", end_area)):
+        if area:
+            yield Conductance(node, "ambient", coefficient * area, f"h A, h = {coefficient:.3g} W/(m2 K) by {source}")
 
 
 def heat_capacities(reducer: Reducer) -> dict[str, float]:

@@ -133,10 +133,7 @@ class WearingDrive:
         """
         rates = {surface.key: np.zeros(surface.cells) for surface in self.surfaces}
         for point in self.points:
-            turning_reducer = worn_reducer.but(
-                drive={"speed": math.copysign(point.speed, worn_reducer.design.drive.speed)}
-            )
-            sliding = _sliding_contacts(turning_reducer, self.crank, abs(point.torque))
+            sliding = _sliding_contacts(worn_reducer.turning_at(point.speed), self.crank, abs(point.torque))
             for surface in self.surfaces:
                 rates[surface.key] += point.share * dose_rate(surface, sliding[surface.contacts])
         return rates

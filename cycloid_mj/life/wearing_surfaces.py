@@ -6,7 +6,8 @@ Hertzian strip, which matters where a contact dwells: at the tips of the lobes, 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -47,16 +48,12 @@ class WearingSurface:
         For programs, and in words.
     part
         Part of `design.PARTS`, which determines the material.
-    gap
-        The gap that it opens.
     contacts
         The contacts that slide on it.
     count
         Number of equal sections on all parts.
     section
         Length of each section along the sliding [m]; it is closed, or repeats.
-    length
-        Length of a contact line across it [m].
     contact_coordinate
         Coordinate of the contact along the section [m], from -section/2, at the angles of `table_angles` and at pi,
         shape (`TABLE` + 1,); None for a surface that turns and so wears evenly.
@@ -64,19 +61,24 @@ class WearingSurface:
         Sliding speed of this surface over that of the contact [1].
     opening
         Opening of the gap per depth of wear.
+    gap
+        The gap that it opens.
+    length
+        Length of a contact line across it [m].
     """
 
     key: str
     name: str
     part: str
-    gap: Gap
     contacts: Contacts
     count: int
     section: float
-    length: float
     contact_coordinate: Array | None = None
     lever: float = 1.0
     opening: float = 1.0
+    _: KW_ONLY
+    gap: Gap
+    length: float
 
     place = deprecated_attribute("WearingSurface", "place", "contact_coordinate")
 
@@ -130,7 +132,8 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     film friction this differs between contacts, so flanks and seats wear.
     """
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
-    length, count = design.line_length(design.tooth_pair), ring.mate_count * design.gear.discs
+    surface = partial(WearingSurface, gap="teeth", length=design.line_length(design.tooth_pair))
+    count = ring.mate_count * design.gear.discs
     phase = np.append(table_angles(TABLE), math.pi)
     angle_on_pin = profile.conjugate_alpha(gear, phase)
     seat, bore_radius = design.seat_pair, ring.sleeve_bore_radius
@@ -142,46 +145,21 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
         flank_length = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
         flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
         flank_count = design.lobes * design.gear.discs * ring.halves
-        yield WearingSurface(
-            "flank",
-            "flanks of the discs",
-            "gear",
-            "teeth",
-            "flank",
-            flank_count,
-            flank_length,
-            length,
-            flank_coordinate,
-        )
+        yield surface("flank", "flanks of the discs", "gear", "flank", flank_count, flank_length, flank_coordinate)
     if seat == "pin_socket":
         # a smaller pin also widens the clearance of its socket
-        yield WearingSurface("pin", "pins", "pin", "teeth", "teeth", count, circumference, length, opening=2.0)
+        yield surface("pin", "pins", "pin", "teeth", count, circumference, opening=2.0)
     elif seat and flanks_wear:
-        yield WearingSurface("pin", "pins", "pin", "teeth", "flank", count, circumference, length)
+        yield surface("pin", "pins", "pin", "flank", count, circumference)
     elif not seat:
         key, name, part = ("pin", "pins", "pin") if ring.kind == "pin" else ("lobe", "lobes of the ring", "housing")
-        yield WearingSurface(key, name, part, "teeth", "flank", count, circumference, length, coordinate)
+        yield surface(key, name, part, "flank", count, circumference, coordinate)
     if seats_wear and seat == "pin_socket":
-        yield WearingSurface(
-            "socket", "sockets of the pins", "housing", "teeth", "seat", count, circumference, length, coordinate
-        )
+        yield surface("socket", "sockets of the pins", "housing", "seat", count, circumference, coordinate)
     elif seats_wear:
-        bore_circumference, lever = 2.0 * math.pi * bore_radius, bore_radius / ring.pin_radius
-        yield WearingSurface(
-            "sleeve", "bores of the sleeves", "pin", "teeth", "seat", count, bore_circumference, length, lever=lever
-        )
-        yield WearingSurface(
-            "core",
-            "pins in sleeves",
-            "pin",
-            "teeth",
-            "seat",
-            count,
-            bore_circumference,
-            length,
-            bore_radius * angle_on_pin,
-            lever,
-        )
+        section, lever = 2.0 * math.pi * bore_radius, bore_radius / ring.pin_radius
+        yield surface("sleeve", "bores of the sleeves", "pin", "seat", count, section, lever=lever)
+        yield surface("core", "pins in sleeves", "pin", "seat", count, section, bore_radius * angle_on_pin, lever)
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -190,33 +168,25 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     There are none with needle rollers.
     """
     design, output = reducer.design, reducer.design.output
-    length, count = design.line_length("output"), output.pins * design.gear.discs
     angle = np.append(table_angles(TABLE), math.pi)
+    surface = partial(
+        WearingSurface,
+        contacts="output",
+        count=output.pins * design.gear.discs,
+        gap="output",
+        length=design.line_length("output"),
+    )
     if not output.rollers:
         for key, name, part, radius in (
             ("hole", "holes of the discs", "gear", output.hole_radius),
             ("output_pin", "output pins", "output", output.pin_radius),
         ):
-            circumference = 2.0 * math.pi * radius
-            yield WearingSurface(key, name, part, "output", "output", count, circumference, length, radius * angle)
+            yield surface(key, name, part, section=2.0 * math.pi * radius, contact_coordinate=radius * angle)
     elif not output.has_needles:
-        radius, lever = output.root_radius, output.root_radius / output.pin_radius
-        circumference = 2.0 * math.pi * radius
-        yield WearingSurface(
-            "roller", "bores of the rollers", "output", "output", "output", count, circumference, length, lever=lever
-        )
-        yield WearingSurface(
-            "roller_core",
-            "cores of the rollers",
-            "output",
-            "output",
-            "output",
-            count,
-            circumference,
-            length,
-            radius * angle,
-            lever,
-        )
+        radius = output.root_radius
+        roller = partial(surface, section=2.0 * math.pi * radius, lever=radius / output.pin_radius)
+        yield roller("roller", "bores of the rollers", "output")
+        yield roller("roller_core", "cores of the rollers", "output", contact_coordinate=radius * angle)
 
 
 def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -227,10 +197,17 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     gear = reducer.design.gear
     if gear.bearing != "plain":
         return
-    circumference, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
-    yield WearingSurface("bore", "bores of the discs", "gear", "cam", "cam", gear.discs, circumference, gear.face_width)
-    coordinate = gear.bore_radius * angle
-    yield WearingSurface("cam", "cams", "shaft", "cam", "cam", gear.discs, circumference, gear.face_width, coordinate)
+    angle = np.append(table_angles(TABLE), math.pi)
+    surface = partial(
+        WearingSurface,
+        contacts="cam",
+        count=gear.discs,
+        section=2.0 * math.pi * gear.bore_radius,
+        gap="cam",
+        length=gear.face_width,
+    )
+    yield surface("bore", "bores of the discs", "gear")
+    yield surface("cam", "cams", "shaft", contact_coordinate=gear.bore_radius * angle)
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Contacts, SlidingContacts]:
@@ -323,10 +300,7 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
     pair. The result is limited to `hertz_reach` times `radius` [m], that of the pin or of the bore on a cam.
     """
     contact = reducer.contacts[kind]
-    pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)
-    width = np.zeros_like(force)
-    is_loaded = pressure > 0.0
-    width[is_loaded] = 2.0 * force[is_loaded] / (math.pi * reducer.design.line_length(kind) * pressure[is_loaded])
+    width = contact.half_width(force, contact.relative_curvature if curvature is None else curvature)
     return np.minimum(width, CONTACT.hertz_reach * radius)
 
 

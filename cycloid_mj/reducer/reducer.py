@@ -99,6 +99,22 @@ class Reducer:
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
         return type(self)(self.design.but(**changes), self.worn)
 
+    def turning_at(self, speed: float) -> Self:
+        """Return the reducer with a speed of its input [rad/s], in the direction of the design's own speed."""
+        return self.but(drive={"speed": math.copysign(speed, self.design.drive.speed)})
+
+    def at_temperatures(self, temperatures: Mapping[str, float]) -> Self:
+        """Return the reducer with other temperatures of its parts [°C], which may exceed those of a design file.
+
+        Raises
+        ------
+        DesignError
+            The parts jam at these temperatures.
+        """
+        from cycloid_mj.geometry.expansion import at_temperatures
+
+        return type(self)(at_temperatures(self.design, temperatures), self.worn)
+
     def with_nominal_torque(self, torque: float) -> Self:
         """Return the reducer whose motor has a nominal torque at the output [N m], with the same reserve of power."""
         drive, needed = self.design.drive, torque / self.design.reduction

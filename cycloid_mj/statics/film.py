@@ -20,6 +20,7 @@ from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
 from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.reducer.gaps import Gaps
+from cycloid_mj.reducer.reducer import Drive
 
 
 @dataclass(frozen=True)
@@ -540,7 +541,7 @@ def idle_power(reducer: Reducer, bearings: RollerBearings, inputs: FilmInputs = 
     return idle_torque_of(reducer, bearings, inputs) * bearings.speed
 
 
-def state_seals(reducer: Reducer) -> Reducer:
+def state_seals(reducer: Drive) -> Drive:
     """Return the reducer with the seal torques of the law ``film`` as `drag.crank` and `drag.output` of its design.
 
     A reducer with another law, or whose design sets `drag`, is returned unchanged. The seal torques depend on the

@@ -15,7 +15,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.checks import check_design
 from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_transfer_coefficient
-from cycloid_mj.life.rv_thermal import solve_rv_losses, warm_reducer
+from cycloid_mj.life.rv_thermal import solve_rv_losses
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.life.thermal_network import heat_by_node, heat_capacities
 from cycloid_mj.measure.efficiency_map import run_forward
@@ -72,7 +72,7 @@ def test_the_housing_takes_most_of_an_interference() -> None:
     disc = 0.7 * 40.0 / (2.0 * math.pi * 15e-3 * modulus)
     assert share == pytest.approx(1.0 / (1.0 + 3e8 * (lame + disc)), rel=0.25)
     hot = _at(disc=30.0)
-    relief = warm_reducer(reducer, hot).design.modification.equidistant
+    relief = reducer.at_temperatures(hot).design.modification.equidistant
     relief -= expand(at_temperatures(RV80E, hot)).modification.equidistant
     assert relief == pytest.approx((1.0 - share) * -tooth_play(at_temperatures(RV80E, hot)), rel=1e-2)
 
