@@ -100,15 +100,24 @@ def _outcome(state: "ThermalState", warnings: list[str], destination: Destinatio
     `destination` has the paths of the output files.
     """
     from cycloid_mj.base.result import quantity_table
+    from cycloid_mj.design.model import PARTNERS
+    from cycloid_mj.geometry.expansion import BODY_OF
     from cycloid_mj.plots.measure import curves_figure
     from cycloid_mj.plots.save import encode_figure
 
     failures, name = [], f"{state.design}-thermal"
     if state.jams_when_steady:
+        pair, clearance = min(state.clearances.items(), key=lambda item: item[1])
+        inner, outer = (BODY_OF[part] for part in PARTNERS[pair])
+        cause = (
+            f"the disc is {state.difference:.3g} K warmer than the ring, and {state.jam_difference:.3g} K close the "
+            "teeth"
+            if state.play <= min(0.0, clearance)
+            else f"the clearance of {pair.replace('_', ' ')} changes to {1e6 * clearance:.3g} um, with the {inner} at "
+            f"{state.temperatures[inner]:.3g} °C and the {outer} at {state.temperatures[outer]:.3g} °C"
+        )
         failures.append(
-            f"the parts jam when warm: the disc is {state.difference:.3g} K warmer than the ring, and "
-            f"{state.jam_difference:.3g} K close the teeth. Reduce the torque to {state.torque:.3g} N m, or increase "
-            "the clearances"
+            f"the parts jam when warm: {cause}. Reduce the torque to {state.torque:.3g} N m, or increase the clearances"
         )
     elif state.jams:
         failures.append(

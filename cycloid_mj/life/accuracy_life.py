@@ -313,7 +313,7 @@ def wear(
     Raises
     ------
     UsageError
-        Hours or growth are not positive.
+        Hours or growth are not positive, or the crank turns without torque.
     DesignError, RunError
         The crank does not turn, or no surface of the drive slides; the new drive has no static equilibrium.
     """

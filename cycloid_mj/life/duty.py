@@ -83,10 +83,17 @@ def turning_points(duty: Duty, design: Design, effect: str) -> tuple[DutyPoint, 
     ------
     DesignError
         There are none. The message states the `effect` that needs them, such as "parts wear".
+    UsageError
+        One of them has no torque.
     """
     points = tuple(point for point in duty.points if point.speed)
+    shaft, speed = ("sun gear", 2295) if design.layout == "rv" else ("crank", 1640)
+    if not all(point.torque for point in points):
+        raise UsageError(
+            f"{design.name}: the torque of the duty is 0 N m while the {shaft} turns, which is not allowed. Use a "
+            "small torque for an idling drive, or the speed 0 for a rest"
+        )
     if not points:
-        shaft, speed = ("sun gear", 2295) if design.layout == "rv" else ("crank", 1640)
         raise DesignError(
             f"{design.name}: drive.speed_rpm is 0, but {effect} only if the {shaft} turns: set a speed other than 0, "
             f"such as {speed} rpm"

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.units import FREEZING_POINT
-from cycloid_mj.design import PARTS, Design
+from cycloid_mj.design import PARTNERS, PARTS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
 from cycloid_mj.life.bearings import bearing_losses
@@ -151,6 +151,9 @@ def clearance_growth(reducer: Reducer, kind: str) -> float:
     design = reducer.design
     ring, output = design.ring, design.output
     expansions = {part: design.material_of(part).expansion for part in PARTS}
+    parts = (*PARTNERS[kind], "housing") if kind == "pin_gear" else PARTNERS[kind]
+    if len({expansions[part] for part in parts}) == 1:
+        return 0.0  # not the rounding error of terms that cancel
     if kind == "pin_gear":
         tip_radius = ring.pin_circle_radius - ring.pin_radius
         return (

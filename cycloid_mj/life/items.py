@@ -72,7 +72,7 @@ def rate(
     DesignError, RunError
         The crank does not turn; no static equilibrium exists at a torque of the duty.
     UsageError
-        The parts are to be toleranced, but the design has no tolerances.
+        The parts are to be toleranced, but the design has no tolerances; the input turns without torque.
     """
     if give is not None:
         warnings.warn("the argument `give` of rate() is deprecated: use `compliance`", CycloidWarning, stacklevel=2)

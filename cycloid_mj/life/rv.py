@@ -54,9 +54,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
     RunError
         No static equilibrium exists at a torque of the duty.
     """
-    points = [
-        point for point in turning_points(duty, reducer.design, "a life in hours can be computed") if point.torque
-    ]
+    points = turning_points(duty, reducer.design, "a life in hours can be computed")
     torques = np.array([abs(point.torque) for point in points])
     bearing_turns, ratio = float(reducer.kinematics.bearing_turns), reducer.design.ratio
     weighted_speeds = np.array([bearing_turns * abs(point.speed / ratio) * point.share for point in points])

@@ -33,7 +33,7 @@ class ThermalSettings:
     hottest
         Temperature at which the iteration ends [°C], the largest that a design file allows: no drive gets so hot.
     largest
-        Largest multiple of torque or speed that is searched for a limit.
+        Largest multiple of the speed, and of the duty's or the nominal torque, that is searched for a limit.
     solved
         Largest multiple of the duty, or of the nominal torque, up to which a limit is corrected with the losses at it.
     corrections, resolution

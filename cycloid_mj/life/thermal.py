@@ -49,6 +49,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         The crank does not turn.
     RunError
         No static equilibrium at 20 °C under a torque of the duty.
+    UsageError
+        The crank turns without torque.
     """
     cold = reducer_of(resolve(design).at_reference)
     duty = duty or constant_duty(cold.design.rated_torque, cold.design.drive.speed)
@@ -200,13 +202,14 @@ def _find_torque_limit(
     max_torque, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
     loaded_losses = mean_of_points(points, steady_state.warm if steady_state.converged else steady_state.cold)
     growth_by_source = _loss_growth(reducer, points, steady_state, loaded_losses, settings)
+    nominal_factor = max(1.0, reducer.design.rated_torque / max_torque)
     factor, name = _find_scale_limit(
         reducer,
         lambda share: [replace(point, torque=share * point.torque) for point in points],
         growth_by_source,
         steady_state,
-        settings.solved * max(1.0, reducer.design.rated_torque / max_torque),
-        settings,
+        settings.solved * nominal_factor,
+        replace(settings, largest=settings.largest * nominal_factor),
     )
     full_loss, loss_growth = (sum(losses.values()) / running for losses in (loaded_losses, growth_by_source))
 

@@ -54,7 +54,7 @@ class ThermalState(Presented):
         Clearance of each mating pair, and radial play of the teeth, at these temperatures [m].
     torque, speed
         Largest output torque [N m] and crank speed [rad/s] that no limit forbids, the other being that of the duty;
-        inf if none does within `ThermalSettings.largest` times the duty's.
+        inf if none does up to `ThermalSettings.largest` times the duty's or the nominal value.
     limited_by
         Limit of that torque, in words.
     duty_torques

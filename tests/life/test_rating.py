@@ -267,8 +267,9 @@ def test_thermal_expansion_changes_clearances() -> None:
     alpha = PIN.material.expansion
     assert clearance_growth(Reducer(PIN), "cam") == clearance_growth(Reducer(PIN), "pin_socket") == 0.0
     assert str(rate(PIN).items["cam_hot_clearance"].value) == "0.0", "and not less than nothing"
-    assert clearance_growth(Reducer(PIN), "pin_gear") == pytest.approx(0.0, abs=1e-12)
-    assert clearance_growth(Reducer(PIN), "output") == pytest.approx(0.0, abs=1e-12)
+    for name in ("pin", "massless-n49-d3-carrier-8um"):  # at the latter, the terms cancel except for rounding errors
+        reducer = Reducer(PRESETS.get(name) or unlike(name))
+        assert clearance_growth(reducer, "pin_gear") == clearance_growth(reducer, "output") == 0.0
     plastic = override(PIN, {"gear_material.name": "POM"})
     pom = plastic.gear_material.expansion
     assert pom == pytest.approx(110e-6)

@@ -2,15 +2,17 @@
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from commands import told
-from designs import CENTRAL, cases
+from designs import CENTRAL, cases, design_file, unlike
 
 import cycloid_mj as cm
-from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import PRESETS, Material, override
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.design.materials import MATERIALS
@@ -215,6 +217,13 @@ def test_the_command_prints_the_keys_of_the_issue() -> None:
     assert result["largest_difference_k"] >= result["difference_k"] - 1e-9
 
 
+@pytest.mark.parametrize("name", ["pin", "rv80e"])
+@pytest.mark.parametrize("command", [cm.thermal, cm.rate, partial(cm.wear, hours=1.0)])
+def test_a_drive_that_turns_without_torque_is_a_usage_error(command: Callable[..., object], name: str) -> None:
+    with pytest.raises(UsageError, match=rf"{name}: the torque of the duty is 0 N m while the (crank|sun gear) turns"):
+        command(name, duty=constant_duty(0.0, 100.0))
+
+
 def test_wrong_loads_are_usage_errors() -> None:
     for flag, words in (("--load-nm", " 0 is not allowed"), ("--cycle-min", " 0: must be from 0.1 to 1440")):
         code, _, err = told("thermal", "pin", flag, "0")
@@ -340,3 +349,20 @@ def test_the_thermal_torque_does_not_depend_on_the_torque_of_the_duty(name: str)
     )
     assert light.torque == pytest.approx(full.torque, rel=0.02)
     assert light.limited_by == full.limited_by
+
+
+def test_a_light_duty_has_a_thermal_torque() -> None:
+    """This drive withstands 43 times its nominal torque, more than 100 times the torque of the light duty."""
+    design = override(unlike("sleeved-n27-d1-carrier-3um"), ["friction.law=film"])
+    state = thermal(design, constant_duty(0.03 * design.rated_torque, design.drive.speed))
+    assert 10.0 * design.rated_torque < state.torque < 100.0 * design.rated_torque
+
+
+def test_a_jam_of_the_cam_names_its_clearance_and_parts() -> None:
+    """The crank of a PLA drive heats by its seals and loses hardly any heat through the plastic bearings."""
+    code, out, _ = told("thermal", design_file("nonpin-n33-d2-ring-60um"), "--set", "friction.law=film")
+    assert code == 0
+    message = " ".join(out.split())
+    assert "the parts jam when warm: the clearance of cam changes to -" in message
+    assert "with the crank at" in message
+    assert "closes the teeth" not in message.split("Reduce the torque")[0]
