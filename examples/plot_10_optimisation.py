@@ -4,8 +4,8 @@ An optimisation
 
 Find the eccentricity and the pin radius with the lowest tooth pressure for the paper's reducer.
 
-The checks of the design are additional limits; the result counts what they refuse. The pin circle and the clearances do
-not change, and the backlash may not increase.
+The checks of the design are additional limits; the result lists how many points each of them rejects. The pin circle
+and the clearances do not change, and the backlash may not increase.
 """
 
 import matplotlib.pyplot as plt

@@ -2,10 +2,12 @@
 Training on many drives
 =======================
 
-A policy that is trained on one joint knows one drive. `reduce --spread` writes the joints of many, within tolerances.
+A policy that is trained with a single joint knows only one drive. `reduce --spread` writes the joints of many random
+drives within the tolerances.
 
-Here, each of them moves the elbow of an arm with links and inertias of I2RT's YAM as in MuJoCo Menagerie and mjlab 1.6
-(`yam_elbow.xml`, without gripper). Running the joints needs only `mujoco`, NumPy and the output of `reduce`.
+Here, each of these joints moves the elbow of a robot arm. Links and inertias of the arm are those of I2RT's YAM in
+MuJoCo Menagerie and mjlab 1.6 (`yam_elbow.xml`, without gripper). To run the joints, you need only `mujoco`, NumPy and
+the files that `reduce` writes.
 """
 
 import csv

@@ -31,7 +31,7 @@ for check in cm.check(design):
         print(check)
 
 # %%
-# The force of each pin on the disc over the crank angle. A pin carries where it can push against the load.
+# The force of each pin on the disc over the crank angle. A pin carries load only where it can push against the load.
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
 reducer = cm.Reducer(design)

@@ -154,9 +154,9 @@ def mean_force(forces: Array) -> float:
 def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffness: float) -> float:
     """Compute the torsional stiffness [N m/rad] of the carrier against the ring in closed form, sun and ring fixed.
 
-    Its inverse is the sum of the compliances of teeth and of crank bearings. The bearings have one for the rotation of
-    the discs, and one each for forces tangential and radial to the eccentric. The compliance of n equal contact springs
-    is n f^2/k, with the stiffness k and the force f of a spring per unit torque.
+    Its inverse is the sum of four compliances: that of the teeth, and those of the crank bearings for the rotation of
+    the discs, for forces tangential to the eccentric, and for forces radial to it. The compliance of n equal contact
+    springs is n f^2/k, with the stiffness k and the force f of a spring per unit torque.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Surfaces that wear, and the dose of pressure times sliding distance that each of their points gets over a turn.
 
-Parts of a kind wear alike: doses are means over all lobes, pins or holes. A dose is spread over the width of the
+All parts of a kind wear equally: doses are means over all lobes, pins or holes. A dose is spread over the width of the
 Hertzian strip, which matters where a contact dwells: at the tips of the lobes, and where it turns back on a pin.
 """
 
@@ -45,7 +45,7 @@ class WearingSurface:
     Attributes
     ----------
     key, name
-        For programs, and in words.
+        Key of the surface in results, and its name in words.
     part
         Part of `design.PARTS`, which determines the material.
     contacts

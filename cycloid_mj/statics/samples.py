@@ -343,11 +343,11 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     # both halves of a ring have the same errors
     halves = design.ring.halves
     teeth = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
-    tooth_rooms = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
+    tooth_clearances = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
     holes = samples.hole_displacement.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     deviations = {
-        "clearance": springs.contacts.clearance + np.concatenate([tooth_rooms, output], axis=1),
+        "clearance": springs.contacts.clearance + np.concatenate([tooth_clearances, output], axis=1),
         "displacement": np.concatenate([np.tile(samples.pin_displacement, (1, discs * halves, 1)), holes], axis=1),
         "waves": np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
     } | {name: getattr(samples, name) for name in SampleDeviations._fields[3:]}
