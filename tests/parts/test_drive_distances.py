@@ -3,9 +3,11 @@
 import math
 
 import pytest
-from designs import CENTRAL
+from designs import CENTRAL, design_file
 
-from cycloid_mj.design import PRESETS
+from cycloid_mj.checks import check
+from cycloid_mj.design import PRESETS, load
+from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import PlacedPart, casing
@@ -42,3 +44,25 @@ def test_moving_parts_of_the_presets_never_touch(name):
     assert [one for one in distances if not one.keeps(sizes.play)] == []
     clearance = 1e6 * reducer.design.clearance.output
     assert any("output" in one.part and "gear" in one.other and 1e6 * one.value <= clearance + 0.1 for one in distances)
+
+
+def test_a_design_without_covers_is_a_fault_with_its_reason(tmp_path):
+    file = tmp_path / "short.toml"
+    bearings = 'main_bearing_seat = "disc"\nmain_bearings = "tapered"'
+    file.write_text(f'name = "short"\n[base]\npreset = "pin"\n[output]\n{bearings}\n')
+    (fault,) = check_drives.faults(str(file))
+    assert fault.startswith("no covers: no standard bearing with the room around it fits around the output disc")
+    assert check_drives.reported_violations(str(file)) == ()
+
+
+def test_new_drives_cover_all_processes():
+    flags = [words.split() for words in check_drives.NEW_DRIVES.values()]
+    assert len(flags) >= 10
+    chosen = {words[words.index("--process") + 1] if "--process" in words else "steel" for words in flags}
+    assert chosen == set(PROCESSES)
+
+
+def test_violated_rules_are_those_of_design_check():
+    (violation,) = check_drives.reported_violations(str(design_file("sleeved-n40-d2-ring-25um")))
+    (joints,) = [one for one in check(load(design_file("sleeved-n40-d2-ring-25um"))) if one.name == "joints"]
+    assert joints.got == violation

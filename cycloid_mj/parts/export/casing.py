@@ -103,9 +103,12 @@ class OutputSide(OutputFlange):
 
     Attributes
     ----------
-    hub, hub_floor, spacing
-        Bearing of the output (two of it, or one with crossed rollers), end of the cavity of the output's disc, where
-        the first of two starts, and the distance between both or from there to the only one.
+    hub
+        Bearing of the output: a pair of equal bearings, or one with crossed rollers.
+    hub_floor
+        End of the cavity for the output's disc in the output cover, where the inner bearing of a pair starts.
+    spacing
+        Distance between both bearings in the output cover; the distance of a single bearing there from `hub_floor`.
     retainer
         Ring that clamps the outer ring of a crossed roller bearing; None for a pair.
     motor_bearing
