@@ -31,7 +31,7 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
     forces, torsional_stiffness = np.empty_like(arms), np.empty_like(torque)
     for row in range(len(arms)):
         rotation, squared_arms = _solve_rotation(
-            arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0
+            arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0, np.inf
         )
         forces[row] = stiffness[row] * np.maximum(rotation * arms[row] - clearance, 0.0)
         torsional_stiffness[row] = stiffness[row] * squared_arms
@@ -49,25 +49,34 @@ def protruding_forces(
     """
     forces, reduced_clearance = np.empty_like(arms), clearance - error
     for row in range(len(arms)):
+        load = torque[row] / stiffness[row]
+        largest, _ = _solve_rotation(arms[row], weights[row], clearance, load, 0.0, 0.0, np.inf)
         for column in range(arms.shape[1]):
-            arm, load = arms[row, column], torque[row] / stiffness[row]
-            rotation, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, reduced_clearance)
+            arm = arms[row, column]
+            rotation, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, reduced_clearance, largest)
             forces[row, column] = stiffness[row] * max(rotation * arm - reduced_clearance, 0.0)
     return forces
 
 
 @njit(error_model="numpy", inner=True)
 def _solve_rotation(
-    arms: Array, weight: float, clearance: float, load: float, extra_arm: float, extra_clearance: float
+    arms: Array,
+    weight: float,
+    clearance: float,
+    load: float,
+    extra_arm: float,
+    extra_clearance: float,
+    start: float,
 ) -> tuple[float, float]:
     """Solve for the common rotation [rad] at which contact springs with clearance carry a moment.
 
     The springs have unit stiffness, so the moment `load` has the unit [m2]. There are `weight` springs at each of
     `arms` (m,) [m], and one spring with `extra_arm` and a clearance of its own (none if the arm is 0). The moment is a
-    convex, piecewise linear function of the rotation, so that Newton's method, started with all springs closed,
-    decreases to the solution. The second result is the sum of the squared arms of closed springs [m2].
+    convex, piecewise linear function of the rotation, so that Newton's method decreases to the solution from a larger
+    `start` [rad], such as the solution without the extra spring, or inf, at which all springs are closed. The second
+    result is the sum of the squared arms of closed springs [m2].
     """
-    rotation, squares = np.inf, 0.0
+    rotation, squares = start, 0.0
     while True:
         moment, squares = load, 1e-30
         for arm in arms:
