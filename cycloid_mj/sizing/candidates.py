@@ -1,6 +1,7 @@
 """Candidate drives: points of the unit cube, decoded to sizes in stock, and the complete designs of them."""
 
 import math
+from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any
 
@@ -105,7 +106,8 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     stud = _round_down(np.interp(coords[7], (0.0, 1.0), (0.4, 1.0)) * max_hole - eccentricity)
     is_bare = has_plastic_discs(requirement) & (coords[8] >= 0.75)
     if has_plastic_discs(requirement):
-        stud = np.where(is_bare, _round_to_dowels(stud), _outsides_of_tubes(stud))
+        tube, dowel = (_round_to_stock(stud, sizes) for sizes in (stock.tube_outsides(), stock.dowel_diameters()))
+        stud = np.where(is_bare, dowel, np.where(tube > 0.0, tube, stud))  # thinner sleeves are turned
     thickness = DISC_SHARE * requirement.diameter / 2.0
     core, needle_dynamic, disc_thickness, has_core = _choose_core_pins(
         coords[8], stud, is_bare, face, discs * face + (discs - 1) * gap, thickness, is_custom
@@ -130,17 +132,10 @@ def has_plastic_discs(requirement: Requirement) -> bool:
     return Material(name=requirement.made_of).is_plastic and not requirement.custom
 
 
-def _outsides_of_tubes(radius: Array) -> Array:
-    """Round radii of sleeves [m], shape (n,), down to those of tubes in stock; thinner sleeves are unchanged."""
-    outer = 0.5 * np.array((0.0, *stock.tube_outsides()))
-    chosen = outer[np.searchsorted(outer, radius + ROUNDING, side="right") - 1]
-    return np.where(chosen > 0.0, chosen, radius)
-
-
-def _round_to_dowels(radius: Array) -> Array:
-    """Round radii of output pins [m], shape (n,), down to those of dowels in stock; 0 for thinner pins."""
-    dowels = 0.5 * np.array((0.0, *stock.dowel_diameters()))
-    return np.asarray(dowels[np.searchsorted(dowels, radius + ROUNDING, side="right") - 1])
+def _round_to_stock(radius: Array, diameters: Sequence[float]) -> Array:
+    """Round n radii [m], shape (n,), down to those of parts with ascending `diameters` [m]; 0 for thinner parts."""
+    sizes = 0.5 * np.array((0.0, *diameters))
+    return np.asarray(sizes[np.searchsorted(sizes, radius + ROUNDING, side="right") - 1])
 
 
 def _choose(share: Array, count: int | Integers) -> Integers:
@@ -264,8 +259,10 @@ def _rate_rollers(count: float, size: Array, length: Array, pitch: Array) -> tup
 
 def _choose_bearing(share: Array, table: Sizes, fitting: Mask) -> tuple[Sizes, Mask]:
     """Return bearings of a table by a share of those that fit, (n, bearings) -> (n,), and whether there is one."""
-    index = _choose_fitting(share, fitting)
-    return table[index].view(np.recarray), index >= 0
+    order: Integers = np.cumsum(fitting, axis=1, dtype=np.int64)
+    wanted = _choose(share, order[:, -1]) + 1
+    has_bearing = order[:, -1] > 0
+    return table[np.where(has_bearing, (order >= wanted[:, None]).argmax(axis=1), -1)].view(np.recarray), has_bearing
 
 
 def _cam_bearings(choice: Array, root: Array, face: Array, is_custom: bool) -> tuple[Array, Array, Array, Array, Mask]:
@@ -300,13 +297,6 @@ def _cam_bearings(choice: Array, root: Array, face: Array, is_custom: bool) -> t
     count = np.maximum(np.floor(face / chosen.width + 1e-6), 1.0)
     ratings = count ** (7.0 / 9.0) * chosen.dynamic, count * chosen.static
     return np.round(0.5 * chosen.outside, 9), 0.5 * chosen.bore, *ratings, has_bearing
-
-
-def _choose_fitting(share: Array, fitting: Mask) -> Integers:
-    """Return the index of an option by a share of those that fit, shape (n, options) -> (n,); -1 where none fits."""
-    order: Integers = np.cumsum(fitting, axis=1, dtype=np.int64)
-    wanted = _choose(share, order[:, -1]) + 1
-    return np.where(order[:, -1] > 0, (order >= wanted[:, None]).argmax(axis=1), -1)
 
 
 def _least_shaft(requirement: Requirement) -> float:
@@ -475,7 +465,9 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     needles, is_bare = size["needle_dynamic"] > 0.0, size["core"] == size["stud"]
     is_tube = has_plastic_discs(requirement) and not is_bare and stock.is_tube(2.0 * size["stud"])
     tube_deviation = 0.5 * stock.tube_tolerance(2.0 * size["stud"]) / math.sqrt(3.0) if is_tube else 0.0
-    wall = size["outer"] - size["circle"] - size["pin"]
+    wall, friction = size["outer"] - size["circle"] - size["pin"], {}
+    if Material(name=requirement.made_of).is_plastic:
+        friction = {"boundary": round(sum(greased_friction(requirement.made_of)) / 2.0, 4)}
     return {
         "name": "new",
         "structure": "springs",
@@ -518,15 +510,8 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},
         **{table: dict(values) for table, values in limits.changes.items() if table not in ("ring", "friction")},
-        "friction": {**limits.changes["friction"], **_boundary_friction(requirement.made_of)},
+        "friction": {**limits.changes["friction"], **friction},
     }
-
-
-def _boundary_friction(material: str) -> dict[str, float]:
-    """Return the coefficient of boundary friction of a greased plastic as a key of ``friction``; empty for metals."""
-    if not Material(name=material).is_plastic:
-        return {}
-    return {"boundary": round(sum(greased_friction(material)) / 2.0, 4)}
 
 
 def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[str, Any]]:
