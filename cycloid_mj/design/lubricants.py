@@ -127,6 +127,7 @@ def lubricants() -> Mapping[str, Lubricant]:
     return {item.name: item for item in (*oils, *greases)}
 
 
+@cache
 def lubricant(name: str) -> Lubricant:
     """Return the lubricant with a name, ignoring case: viscosities, density and other properties.
 

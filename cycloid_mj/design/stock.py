@@ -8,7 +8,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -866,6 +866,7 @@ def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockB
     return max(fitting, key=lambda pair: (round(pair[1] * pair[0].width, 9), -pair[1]), default=None)
 
 
+@lru_cache(maxsize=256)
 def bearings_outside(outside: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
     """List the bearings in stock with an outside diameter [m]: needle bearings, or ball bearings if there are none.
 
@@ -882,6 +883,7 @@ def has_inner_ring(bearing: StockBearing) -> bool:
     return bearing not in needle_bearings()
 
 
+@lru_cache(maxsize=256)
 def bearings_on(bore: float, width: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
     """List the bearings for a shaft that have a width [m]: needle bearings, then ball bearings.
 

@@ -478,6 +478,8 @@ def solve_monotone(
         newton = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
         is_halved = np.abs(newton - x) <= np.abs(increment) / 2
         next_x = np.where((low <= newton) & (newton <= high) & is_halved, newton, (low + high) / 2)
+        if rtol:  # elements that have converged stay: rounding errors would bisect their brackets again
+            next_x = np.where(np.abs(increment) <= tolerance, x, next_x)
         x, increment = next_x, next_x - x
         if np.all(np.abs(increment) <= tolerance):
             break

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
-from cycloid_mj.statics.bearings import Planes, compute_reactions
+from cycloid_mj.statics.bearings import Planes, output_forces
 from cycloid_mj.statics.film import FilmFriction
 from cycloid_mj.statics.peaks import is_hertzian
 from cycloid_mj.statics.springs import POSES as POWER_POSES
@@ -82,14 +83,8 @@ class Loading:
         counterweight, then the reactions of the two bearings, that of the far one first.
     output
         Force of each disc on each output pin [N], shape (m, discs, pins).
-    on_output
-        Force of each disc on all output pins together [N], shape (m, discs, 2).
     teeth
         Largest force on a tooth [N].
-    pressures
-        Largest Hertz pressure by kind of pair [Pa]; none of a kind that fits too closely for Hertz, or carries nothing.
-    sliding
-        Sliding by kind of pair, of the contacts that slide.
     losses
         Power lost in teeth, cam, output pins and seals [W].
     crank_torque
@@ -109,14 +104,30 @@ class Loading:
     shaft: Array
     stations: Array
     output: Array
-    on_output: Array
     teeth: float
-    pressures: dict[str, float]
-    sliding: dict[str, Sliding]
     losses: dict[str, float]
     crank_torque: float
     wind_up: float
     work: float
+
+    @cached_property
+    def on_output(self) -> Array:
+        """Force of each disc on all output pins together [N], shape (m, discs, 2)."""
+        return output_forces(self.springs, self.contacts)
+
+    @cached_property
+    def pressures(self) -> dict[str, float]:
+        """Largest Hertz pressure by kind of pair [Pa], without kinds that carry nothing or fit too closely."""
+        return {
+            kind: peak_pressure(self.reducer, self.springs, self.contacts, kind)
+            for kind in self.reducer.design.pair_kinds
+            if is_hertzian(self.reducer, self.springs, self.contacts, kind)
+        }
+
+    @cached_property
+    def sliding(self) -> dict[str, Sliding]:
+        """Sliding by kind of pair, of the contacts that slide."""
+        return _sliding_loads(self.reducer, self.springs, self.contacts)
 
 
 Body = Literal["shaft", "disc", "output", "housing"]
@@ -191,10 +202,7 @@ def solve_loading(
         shaft=forces,
         stations=stations,
         output=contact_loads.output.reshape(crank_angles, cam_forces.shape[1], -1),
-        on_output=compute_reactions(turning_reducer, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
-        pressures=_peak_pressures(turning_reducer, springs, contact_loads),
-        sliding=_sliding_loads(turning_reducer, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
         wind_up=wind_up,
@@ -212,15 +220,6 @@ def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_lo
     preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
     arc_length = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
     return arc_length / (reducer.design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
-
-
-def _peak_pressures(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, float]:
-    """Return the largest Hertz pressure [Pa] of each kind of pair for which Hertz's theory is valid."""
-    return {
-        kind: peak_pressure(reducer, springs, contact_loads, kind)
-        for kind in reducer.design.pair_kinds
-        if is_hertzian(reducer, springs, contact_loads, kind)
-    }
 
 
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:

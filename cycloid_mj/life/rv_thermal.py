@@ -44,13 +44,12 @@ def solve_rv_losses(
     reducer: RvReducer,
     points: Sequence[DutyPoint],
     temperatures: Mapping[str, float],
-    capacities: Mapping[str, float],
     crank_angles: int,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
     """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
 
-    `temperatures` [°C] of the parts determine losses and conductances, `capacities` [J/K] are the heat capacities of
-    the network's nodes, and `crank_angles` is the number of crank angles.
+    `temperatures` [°C] of the parts determine losses and conductances; `crank_angles` is the number of crank angles.
+    The network is that of the steady state: its heat capacities are 1 J/K.
 
     Raises
     ------
@@ -69,7 +68,7 @@ def solve_rv_losses(
     heated = reducer.at_temperatures(temperatures)
     loads = solve_running_equilibrium(heated, max_torque, crank_angles)
     links = (*_contact_links(heated, loads), *_grease_links(reducer), *outside_links(reducer, temperatures["housing"]))
-    return losses, Network(links, capacities)
+    return losses, Network(links)
 
 
 def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:

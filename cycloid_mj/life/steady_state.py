@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design
@@ -12,7 +13,7 @@ from cycloid_mj.life.duty import Duty, DutyPoint, add_rests, constant_duty, turn
 from cycloid_mj.life.heat import heat_limits, housing_temperature, mean_losses, running_share
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.rv_thermal import solve_rv_losses
-from cycloid_mj.life.thermal_network import Network, build_network, heat_by_node, heat_capacities
+from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.reducer.reducer import Drive
 from cycloid_mj.statics.film import state_seals
@@ -82,8 +83,8 @@ class SteadyState:
         Temperature of each part [°C].
     losses
         Mean losses of the duty by source [W], with its rests.
-    network
-        Conductances, and heat capacities of the parts at 20 °C.
+    conductances
+        Conductances of the thermal network.
     converged
         Whether losses and temperatures agree.
     cold, warm
@@ -91,15 +92,23 @@ class SteadyState:
     warm_temperatures
         Temperature of each part at which `losses` were computed [°C]; those of the last round without a jam if the
         result is not converged.
+    reducer
+        The drive at 20 °C.
     """
 
     temperatures: Mapping[str, float]
     losses: Mapping[str, float]
-    network: Network
+    conductances: tuple[Conductance, ...]
     converged: bool
     cold: tuple[dict[str, float], ...]
     warm: tuple[dict[str, float], ...]
     warm_temperatures: Mapping[str, float]
+    reducer: Reducer
+
+    @cached_property
+    def network(self) -> Network:
+        """The thermal network, with the heat capacities of the parts at 20 °C."""
+        return Network(self.conductances, heat_capacities(self.reducer))
 
     @property
     def difference(self) -> float:
@@ -197,9 +206,9 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     temperatures, or have no equilibrium there, the step is shortened. If this is so after the shortest step as well,
     the result has the losses before that step and is not converged.
     """
-    ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
+    ambient = reducer.design.service.ambient_temperature
     temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
-    point_losses, network = solve_losses(reducer, points, temperatures, capacities, settings)
+    point_losses, network = solve_losses(reducer, points, temperatures, settings)
     cold, has_converged = point_losses, False
     for remaining in range(settings.rounds, 0, -1):
         losses = mean_of_points(points, point_losses)
@@ -210,13 +219,14 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
             following = {part: value + step * (steady[part] - value) for part, value in temperatures.items()}
             with suppress(CycloidError):
                 if _is_admissible(reducer.design, following, settings):
-                    point_losses, network = solve_losses(reducer, points, following, capacities, settings)
+                    point_losses, network = solve_losses(reducer, points, following, settings)
                     break
             step *= 0.5
         else:
             break
         temperatures = following
-    return SteadyState(steady, losses, network, has_converged, cold, point_losses, temperatures)
+    links = network.conductances
+    return SteadyState(steady, losses, links, has_converged, cold, point_losses, temperatures, reducer)
 
 
 def _is_admissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
@@ -236,7 +246,6 @@ def solve_losses(
     reducer: Reducer,
     points: Sequence[DutyPoint],
     temperatures: Mapping[str, float],
-    capacities: Mapping[str, float],
     settings: ThermalSettings,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
     """Return the losses [W] by source at each point of a duty cycle, and the thermal network at the largest torque.
@@ -247,20 +256,18 @@ def solve_losses(
         Points of the duty; their shares of time are not used.
     temperatures
         Temperature of each part [°C].
-    capacities
-        Heat capacity of each node of the network [J/K].
     settings
         Number of crank angles.
     """
     if isinstance(reducer, RvReducer):
-        return solve_rv_losses(reducer, points, temperatures, capacities, settings.crank_angles)
+        return solve_rv_losses(reducer, points, temperatures, settings.crank_angles)
     loadings = [
         solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
         for point in points
     ]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     point_losses = tuple(mean_losses(reducer, [loading]) for loading in loadings)
-    return point_losses, build_network(reducer, worst, temperatures["housing"], capacities)
+    return point_losses, build_network(reducer, worst, temperatures["housing"])
 
 
 def mean_of_points(points: Sequence[DutyPoint], point_losses: Sequence[Mapping[str, float]]) -> dict[str, float]:

@@ -250,9 +250,7 @@ def _loss_growth(
     for factor in factors:
         scaled_points = [replace(point, torque=factor * point.torque) for point in points]
         try:
-            point_losses, _ = solve_losses(
-                reducer, scaled_points, temperatures, steady_state.network.capacities, settings
-            )
+            point_losses, _ = solve_losses(reducer, scaled_points, temperatures, settings)
         except RunError:
             if factor == factors[-1]:
                 raise
@@ -327,7 +325,7 @@ def _find_scale_limit(
             break
         points = scale_duty(scale)
         try:
-            point_losses, network = solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
+            point_losses, network = solve_losses(reducer, points, limit.temperatures, settings)
         except RunError:
             break
         losses = mean_of_points(points, point_losses)

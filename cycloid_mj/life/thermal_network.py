@@ -7,7 +7,7 @@ temperatures: a fixed point.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -118,7 +118,7 @@ class Network:
     """
 
     conductances: tuple[Conductance, ...]
-    capacities: Mapping[str, float]
+    capacities: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(HEATED, 1.0))
     air: str = "ambient"
 
     @cached_property
@@ -173,14 +173,11 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
     return heat
 
 
-def build_network(
-    reducer: Reducer, loading: Loading, wall_temperature: float, capacities: Mapping[str, float] | None = None
-) -> Network:
+def build_network(reducer: Reducer, loading: Loading, wall_temperature: float) -> Network:
     """Build the thermal network of a drive (heat conductances between its parts and to the air) under solved loads.
 
-    `loading` has the solved forces. `wall_temperature` [°C] is the temperature of the housing's wall. `capacities`
-    [J/K] are heat capacities by node (`heat_capacities`); by default all are 1 J/K, and the network serves for steady
-    temperatures only.
+    `loading` has the solved forces. `wall_temperature` [°C] is the temperature of the housing's wall. The network
+    serves for steady temperatures only: its heat capacities are 1 J/K (see `heat_capacities`).
     """
     links = (
         *_contact_links(loading.reducer, loading.contacts),
@@ -188,7 +185,7 @@ def build_network(
         *_face_links(reducer.design),
         *outside_links(reducer, wall_temperature),
     )
-    return Network(tuple(links), capacities or dict.fromkeys(HEATED, 1.0))
+    return Network(links)
 
 
 def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:

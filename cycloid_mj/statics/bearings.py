@@ -104,19 +104,22 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
     Reactions
         Forces of the discs (m, D, 2) [N], and reactions of the bearings (m, 2) [N].
     """
+    ring = _react_by_disc(contact_loads.teeth, springs.directions[:, : springs.teeth], contact_loads.discs)
+    return compute_spatial_reactions(reducer, -contact_loads.cam, output_forces(springs, contact_loads), ring)
 
-    def sum_by_disc(forces: Array, directions: Array) -> Array:
-        """Compute the force by which each disc reacts to the normal forces on it [N], shape (m, D, 2).
 
-        `forces` (m, D n) [N] act on the discs along the unit vectors `directions` (m, D n, 2).
-        """
-        reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
-        return np.asarray(-reactions.sum(axis=2))
+def output_forces(springs: Springs, contact_loads: Loads) -> Array:
+    """Compute the force of each of D discs on all output pins together [N] at m crank angles, shape (m, D, 2)."""
+    return _react_by_disc(contact_loads.output, springs.directions[:, springs.teeth :], contact_loads.discs)
 
-    force_directions = springs.directions
-    output = sum_by_disc(contact_loads.output, force_directions[:, springs.teeth :])
-    ring = sum_by_disc(contact_loads.teeth, force_directions[:, : springs.teeth])
-    return compute_spatial_reactions(reducer, -contact_loads.cam, output, ring)
+
+def _react_by_disc(forces: Array, directions: Array, discs: int) -> Array:
+    """Compute the force by which each of D discs reacts to the normal forces on it [N], shape (m, D, 2).
+
+    `forces` (m, D n) [N] act on the discs along the unit vectors `directions` (m, D n, 2).
+    """
+    reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), discs, -1, 2)
+    return np.asarray(-reactions.sum(axis=2))
 
 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:

@@ -114,25 +114,24 @@ def test_runs_with_free_pins_that_warm_discs_press_agree_with_statics(
 
 def test_losses_at_20_degrees_are_those_of_statics_and_a_hot_disc_adds_friction_of_its_teeth() -> None:
     reducer, point = RvReducer(RV80E), DutyPoint(784.0, RV80E.drive.speed, 1.0)
-    capacities = heat_capacities(reducer)
-    (cold,), network = solve_rv_losses(reducer, [point], _at(), capacities, FEW_ANGLES)
+    (cold,), network = solve_rv_losses(reducer, [point], _at(), FEW_ANGLES)
     assert cold == friction_powers(reducer, 784.0, FEW_ANGLES)
-    (warm,), _ = solve_rv_losses(reducer, [point], _at(disc=30.0), capacities, FEW_ANGLES)
+    (warm,), _ = solve_rv_losses(reducer, [point], _at(disc=30.0), FEW_ANGLES)
     assert warm["teeth"] > 1.3 * cold["teeth"]
     heat = heat_by_node(reducer, cold)
     assert sum(heat.values()) == pytest.approx(sum(cold.values()))
     assert network.heat_to_air(network.rises(heat)) == pytest.approx(sum(cold.values()))
-    assert sum(capacities.values()) == pytest.approx(1.01 * 470.0 * rv_mass(reducer), rel=1e-6)
+    assert sum(heat_capacities(reducer).values()) == pytest.approx(1.01 * 470.0 * rv_mass(reducer), rel=1e-6)
 
 
 def test_heat_of_the_network_equals_the_losses_with_film_friction() -> None:
-    lubricated, capacities = RvReducer(RV80E.but(friction={"law": "film"})), heat_capacities(RvReducer(RV80E))
+    lubricated = RvReducer(RV80E.but(friction={"law": "film"}))
     point = DutyPoint(784.0, RV80E.drive.speed, 1.0)
-    (cold,), network = solve_rv_losses(lubricated, [point], _at(), capacities, FEW_ANGLES)
+    (cold,), network = solve_rv_losses(lubricated, [point], _at(), FEW_ANGLES)
     heat = heat_by_node(lubricated, cold)
     assert sum(heat.values()) == pytest.approx(sum(cold.values()), rel=1e-9)
     assert network.heat_to_air(network.rises(heat)) == pytest.approx(sum(cold.values()), rel=1e-9)
-    hot, _ = solve_rv_losses(lubricated, [point], dict.fromkeys(HEATED, 60.0), capacities, FEW_ANGLES)
+    hot, _ = solve_rv_losses(lubricated, [point], dict.fromkeys(HEATED, 60.0), FEW_ANGLES)
     assert sum(hot[0].values()) < 0.8 * sum(cold.values())
 
 
