@@ -137,8 +137,7 @@ def dominating_changes(reducer: Reducer) -> Iterator[tuple[tuple[Change, ...], l
     torques = find_torques(reducer)
     for changes in list_changes(reducer):
         changed = change_drive(reducer, changes)
-        figures = dict(original) if changed and _is_better_in_all(changed, original) else {}
-        if not changed or not figures:
+        if changed is None or not _is_better_in_all(changed, original):
             continue
         try:
             if find_jam_share(changed) > MAX_JAMS:
