@@ -32,23 +32,29 @@ def largest_mean_friction(reducer: Reducer, rate: float) -> float:
 
 
 def lubrication_table() -> Table:
-    """Tabulate the measured output rates next to the efficiency by the friction law ``film``, 5 to 95 % interval."""
+    """Tabulate the measured output rates next to the efficiency by the friction law ``film``, 5 to 95 % interval.
+
+    The ``pin`` design has a second row, with fixed pins, whose rate was not measured. It shows how much of the
+    efficiency is due to pins that turn in their sockets.
+    """
     rows = []
-    for name, kinds in TORQUES.items():
-        rate = kinds["measured"] / IDEAL
-        bound = largest_mean_friction(Reducer(PRESETS[name]), rate)
+    for name, kind, fixed in (
+        ("pin", "free pins, roll in their sockets", False),
+        ("pin, fixed pins", "pins slide", True),
+        ("nonpin", "lobes, slide", False),
+    ):
+        design = PRESETS[name.split(",")[0]]
+        rate, bound = "not measured", "-"
+        if fixed:
+            design = design.but(ring={"pins": "fixed"})
+        else:
+            measured_rate = TORQUES[name]["measured"] / IDEAL
+            rate, bound = f"{100.0 * measured_rate:.1f}", f"{largest_mean_friction(Reducer(design), measured_rate):.4f}"
         for temperature in TEMPERATURES:
             parts = dict.fromkeys(("disc", "ring", "crank", "output"), temperature)
-            film = Reducer(PRESETS[name].but(friction={"law": "film"}, thermal=parts, load={"torque": IDEAL}))
+            film = Reducer(design.but(friction={"law": "film"}, thermal=parts, load={"torque": IDEAL}))
             spread = sampled_efficiency(film, IDEAL)
-            pins = {"pin": "free pins, roll in their sockets", "nonpin": "lobes, slide"}[name]
-            cells = (
-                f"{100.0 * rate:.1f}",
-                f"{bound:.4f}",
-                f"{temperature:g}",
-                f"{spread.low:.1f} to {spread.high:.1f}",
-            )
-            rows.append((name, pins, *cells))
+            rows.append((name, kind, rate, bound, f"{temperature:g}", f"{spread.low:.1f} to {spread.high:.1f}"))
     head = (
         *("", "ring", "measured rate [%]", "mean friction of teeth and output pins, at most"),
         *("temperature [°C]", "film law, lithium grease 100: 5 to 95 % [%]"),

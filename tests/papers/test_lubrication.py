@@ -13,8 +13,10 @@ def test_the_friction_bound_agrees_with_a_hand_calculation(name: str, rate: floa
     assert largest_mean_friction(Reducer(PRESETS[name]), rate) == pytest.approx(by_hand, rel=0.04)
 
 
-def test_table_shows_that_free_pins_reach_the_measured_rate_and_lobes_do_not() -> None:
+def test_table_shows_that_free_pins_reach_the_measured_rate_and_fixed_pins_and_lobes_do_not() -> None:
     table = lubrication_table()
     highest = {(row[0], row[4]): float(str(row[5]).split(" to ")[1]) for row in table.rows}
     assert highest["pin", "60"] > 93.6
     assert max(highest["nonpin", "20"], highest["nonpin", "60"]) < 95.6
+    assert highest["pin, fixed pins", "60"] < highest["pin", "60"] - 3.0
+    assert {row[2] for row in table.rows if row[0] == "pin, fixed pins"} == {"not measured"}
