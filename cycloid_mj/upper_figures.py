@@ -114,8 +114,8 @@ UPPER_FIGURES = (
     ]),
     *_make_catalogue_entries(Need.GEOMETRY, "life.figures", [
         ("input_inertia", "kg cm2", "inertia at the input",
-         "Inertia at the crank (RV reducer: at the sun): crank, discs on their orbit, all other parts over the ratio "
-         "squared."),
+         "Inertia at the crank (RV reducer: at the sun): crank, discs on their orbit, and all other parts divided by "
+         "the square of the ratio."),
         ("length", "mm", "length of the mechanism",
          "Distance along the axis from the input journal (RV reducer: from the planets) to the far side of the output "
          "disc."),
@@ -124,7 +124,7 @@ UPPER_FIGURES = (
         ("drive_mass", "kg", "mass of the drive",
          "Mass including covers, bearings, screws, dowels and output flange, without motor and grease."),
         ("drive_inertia", "kg cm2", "inertia of the drive at the input",
-         "Inertia at the crank, including hub and flange of the output over the ratio squared."),
+         "Inertia at the crank, including hub and flange of the output divided by the square of the ratio."),
         ("drive_length", "mm", "overall length",
          "Distance along the axis from the motor flange to the face of the output flange, with covers."),
         ("drive_diameter", "mm", "overall diameter",
@@ -132,32 +132,32 @@ UPPER_FIGURES = (
     ], _has_covers),
     *_make_catalogue_entries(Need.GEOMETRY, "life.figures", [
         ("largest_speed", "rpm", "largest speed of the crank",
-         "Speed of the crank that the bearings of cams and shaft allow with grease: 300 000 over their mean diameter "
-         "in mm, half of it for rollers without a cage."),
+         "Speed of the crank that the bearings of cams and shaft allow with grease: 300 000 divided by their mean "
+         "diameter in mm, half of it for rollers without a cage."),
     ]),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         (f"{key}_speed", "rpm", f"largest speed of the crank, {words}",
-         f"Speed of the crank at which the housing reaches its limit under the nominal torque, {words}; at most the "
-         "largest that its bearings allow.")
+         f"Speed of the crank at which the housing reaches its temperature limit under the nominal torque, {words}; at "
+         "most the largest speed that its bearings allow.")
         for key, words in (("continuous", "continuous"), ("intermittent", "for a quarter of the time"))
     ]),
     *_make_catalogue_entries(Need.STATICS, "life.output_bearing", [
         ("output_tilting_capacity", "N m", "tilting moment on the output",
-         "Moment across the axis that the bearings of the output's hub support next to the nominal torque, for "
-         "the life of the design with its service factor (ISO 281) and standing (ISO 76)."),
+         "Moment perpendicular to the axis that the bearings of the output's hub carry in addition to the nominal "
+         "torque, for the life of the design with its service factor (ISO 281) and at standstill (ISO 76)."),
         ("output_tilting_stiffness", "N m/arcmin", "tilting stiffness of the output",
-         "Moment across the axis over the tilt by balls or rollers of the hub's bearings, at half their moment limit, "
-         "without clearance; seats in plastic covers elastic, hub and metal covers rigid."),
+         "Moment perpendicular to the axis divided by the tilt, at half the moment limit, without clearance; balls or "
+         "rollers and seats in plastic covers are elastic, hub and metal covers rigid."),
         ("output_radial_load", "N", "radial load on the output",
-         "Force across the axis on the flange's face that the hub's bearings support next to the nominal torque, as "
-         "the tilting moment."),
+         "Radial force at the face of the flange that the hub's bearings carry in addition to the nominal torque, "
+         "computed like the tilting moment."),
         ("output_axial_load", "N", "axial load on the output",
-         "Force along the axis on the flange without other loads: a quarter of a deep groove bearing's static rating, "
-         "or by ISO 281 and 76."),
+         "Axial force on the flange without other loads: a quarter of the static rating of a deep groove bearing; for "
+         "other bearings by ISO 281 and ISO 76."),
     ], _has_covers),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("life", "h", "life",
-         f"Time until the first part fails, wear excluded, by `cycloid-mj rate`, {_RATED}."),
+         f"Time until the first part fails, without wear, by `cycloid-mj rate`, {_RATED}."),
         ("bearing_life", "h", "life of the bearings",
          f"Shortest life of the bearings by ISO 281, {_RATED}."),
         ("least_safety", "1", "smallest safety factor",
@@ -165,33 +165,33 @@ UPPER_FIGURES = (
     ], layouts=BOTH),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("drive_efficiency", "%", "efficiency with all bearings",
-         f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}; with film "
+         f"Output power divided by power of the crank, with the bearings of shaft and output, {_RATED}; with film "
          "friction at the steady temperatures."),
         ("temperature_rise", "K", "temperature rise",
          f"Temperature of the housing above ambient, {_RATED}; with film friction in the steady state."),
     ]),
     *_make_catalogue_entries(Need.LIFE, "life.figures", [
         ("momentary_torque", "N m", "momentary torque",
-         "Torque on the output in an emergency stop with a safety factor of 1 of contacts, pins, bearings and joints "
-         "(RV reducer: of cycloid teeth and crank bearings)."),
+         "Torque on the output in an emergency stop at which the weakest contact, pin, bearing or joint has a safety "
+         "factor of 1 (RV reducer: the weakest cycloid tooth or crank bearing)."),
         ("torque_for_6000_h", "N m", "torque for 6000 h",
          "Rated torque on the output for service.life_h (by default 6000 h) at the design's speed; at most the "
-         "momentary torque (RV reducer: without heat)."),
+         "momentary torque (RV reducer: heat not considered)."),
     ], layouts=BOTH),
     *_make_part_entries(
         "stress_mpa", "MPa", "largest stress of {}",
         "Largest von Mises stress of {} away from contacts, or at a fillet by its notch factor, over a turn of the "
-        "crank under the load or else the nominal torque, by `cycloid-mj stress --quick`.",
+        "crank under the load (the nominal torque if there is no load), by `cycloid-mj stress --quick`.",
     ),
     *_make_part_entries(
         "contact_pressure_mpa", "MPa", "largest contact pressure on {}",
-        "Largest Hertz pressure on {} over a turn of the crank under the load, or the nominal torque without one, by "
-        "`cycloid-mj stress --quick`; none if every contact is conformal.",
+        "Largest Hertz pressure on {} over a turn of the crank under the load (the nominal torque if there is no "
+        "load), by `cycloid-mj stress --quick`; none if every contact is conformal.",
     ),
     *_make_part_entries(
         "contact_safety", "1", "safety factor of the contact pressure on {}",
-        "Shakedown limit 4 k of the surface over the largest Hertz pressure on {}, by `cycloid-mj stress --quick`: "
-        "below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",
+        "Shakedown limit 4 k of the surface divided by the largest Hertz pressure on {}, by `cycloid-mj stress "
+        "--quick`: below 1, the surface yields at every pass (pitting life: `cycloid-mj rate`).",
     ),
 )
 # fmt: on

@@ -86,7 +86,7 @@ def _make_entry(
 # fmt: off
 OF_GEOMETRY = (
     _make_entry("ratio", "turns of the input per turn of the output", "1",
-            "Turns of the input, crank or sun, per turn of the output, without sign.",
+            "Turns of the input (crank or sun) per turn of the output, without sign.",
             lambda reducer: float(abs(reducer.design.ratio))),
     _make_entry("nominal_torque_nm", "nominal torque", "N m",
             "Torque of the motor times the ratio: the default load of a design.",
@@ -98,13 +98,13 @@ OF_GEOMETRY = (
             "Mass of all parts as drawn, without covers and the rings of bearings; of an RV reducer with needles and "
             "tapered bearings, without main bearings.", mass, "mass"),
     _make_entry("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
-            "Nominal torque over the mass of all parts as drawn.",
+            "Nominal torque divided by the mass of all parts as drawn.",
             specific_torque),
     _make_entry("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
             "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
             least_convex_radius),
     _make_entry("short_width", "K1 = c N / E", "1",
-            "Eccentricity times the number of ring teeth over the pin-circle radius.",
+            "Eccentricity times the number of ring teeth, divided by the pin-circle radius.",
             short_width),
 )
 # fmt: on

@@ -99,14 +99,14 @@ _UNLOADED = f"under {TOUCH:g} of the nominal torque, without friction, over a tu
 # fmt: off
 OF_SAMPLES = (
     _make_entry("te_loaded_arcsec", "transmission error of the output, peak to peak, loaded", "arcsec",
-            f"Range of the output's angle about the ideal one {_RATED}.",
+            f"Range of the output's angle minus its ideal angle {_RATED}.",
             Sampled(("loaded",), lambda loaded: ARCSECONDS * loaded.output_range)),
     _make_entry("te_unloaded_arcsec", "transmission error of the output, peak to peak, unloaded", "arcsec",
-            f"Range of the output's angle about the ideal one {_UNLOADED}.",
+            f"Range of the output's angle minus its ideal angle {_UNLOADED}.",
             Sampled(("ahead",), lambda ahead: ARCSECONDS * ahead.output_range)),
     _make_entry("wind_up_arcmin", "turn of the output, loaded minus unloaded, mean", "arcmin",
-            "Turn of the output under the nominal torque at a locked crank, from contact without load: mean over a "
-            "turn, without friction.",
+            "Rotation of the output under the nominal torque at a locked crank, starting from contact without load: "
+            "mean over a turn, without friction.",
             Sampled(("ahead", "loaded"), lambda ahead, loaded: (loaded.output_mean - ahead.output_mean) / ARCMINUTE)),
     _make_entry("tooth_force_n", "largest force on a tooth", "N",
             f"Largest normal force of one contact between disc and ring {_RATED}.",

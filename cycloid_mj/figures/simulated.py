@@ -36,26 +36,27 @@ def _make_entry(
 # fmt: off
 OF_RUNS = (
     _make_entry("backlash_arcmin", "arcmin", "backlash of the output, simulated",
-            "Turn of the output from stop to stop at locked crank angles, by `cycloid-mj measure backlash`.",
+            "Rotation of the output from stop to stop at locked crank angles, by `cycloid-mj measure backlash`.",
             "backlash", "backlash"),
     _make_entry("lost_motion_arcmin", "arcmin", "lost motion, simulated",
-            "Turn of the output between -3 and 3 % of the nominal torque with friction, by `measure lost-motion`.",
+            "Rotation of the output between -3 and 3 % of the nominal torque with friction, by `measure lost-motion`.",
             "lost-motion", "lost_motion"),
     _make_entry("stiffness_nm_per_arcmin", "N m/arcmin", "torsional stiffness, simulated",
-            "Torque over the turn of the output from 50 to 100 % of the nominal torque, by `measure lost-motion`.",
+            "Change of torque per rotation of the output, from 50 to 100 % of the nominal torque, by `measure "
+            "lost-motion`.",
             "lost-motion", "stiffness"),
     _make_entry("te_loaded_arcsec", "arcsec", "transmission error of the output, peak to peak, loaded, simulated",
-            "Range of the output's angle about the ideal one under the nominal torque at speed, by `measure te`.",
+            "Range of the output's angle minus its ideal angle under the nominal torque at speed, by `measure te`.",
             "te", "output_peak_to_peak_loaded_forward_speed"),
     _make_entry("te_unloaded_arcsec", "arcsec", "transmission error of the output, peak to peak, unloaded, simulated",
-            "Range of the output's angle about the ideal one under 1 % of the nominal torque at speed, by "
+            "Range of the output's angle minus its ideal angle under 1 % of the nominal torque at speed, by "
             "`measure te`.",
             "te", "output_peak_to_peak_unloaded_forward_speed"),
     _make_entry("output_torque_nm", "N m", "output torque, simulated",
             "Mean torque of the output under the nominal torque on the crank, by `cycloid-mj measure torque`.",
             "torque", "output_torque"),
     _make_entry("efficiency_percent", "%", "efficiency, simulated",
-            "Power of the output over that of the crank under the nominal torque at speed, by `measure efficiency`.",
+            "Output power divided by power of the crank under the nominal torque at speed, by `measure efficiency`.",
             "efficiency", "efficiency"),
     _make_entry("capacity_nm", "N m", "capacity, simulated",
             "Torque on the output at which the first contact yields below its surface, by `cycloid-mj measure loads`.",

@@ -113,17 +113,18 @@ def _motion_rows() -> Iterator[SheetFigure]:
     """Yield the catalogue entries of backlash, lost motion, stiffness and compliances (key, name, unit, definition)."""
     yield SheetFigure(
         "backlash", "arcmin", "backlash of the output, mean",
-        "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
-        "friction and weight.", layouts=BOTH)
+        "Rotation of the output from stop to stop at a locked crank, as the limit for a torque of zero: mean over a "
+        "turn, without friction and weight.", layouts=BOTH)
     for end, extreme in (("min", "smallest"), ("max", "largest")):
         yield SheetFigure(
             f"backlash_{end}", "arcmin", f"backlash, {extreme} over the crank angle",
-            f"{extreme.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.",
+            f"{extreme.capitalize()} rotation of the output from stop to stop at any crank angle, otherwise as "
+            "`backlash_arcmin`.",
             layouts=BOTH)
     yield SheetFigure(
         "lost_motion_ideal", "arcmin", "lost motion at +-3 % of the load",
-        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin", layouts=BOTH)
-    definition = "Torque over the turn of the output from 50 to 100 % of the load"
+        f"Rotation of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin", layouts=BOTH)
+    definition = "Change of torque per rotation of the output, from 50 to 100 % of the load"
     yield SheetFigure(
         "stiffness_ideal", "N m/arcmin", "torsional stiffness, 50 to 100 % of the load",
         f"{definition}, {_IDEAL}.", "stiffness_nm_per_arcmin", layouts=BOTH)
@@ -133,7 +134,7 @@ def _motion_rows() -> Iterator[SheetFigure]:
     for part, part_text in COMPLIANT.items():
         yield SheetFigure(
             f"compliance_{part}", "arcmin/(N m)", f"compliance of {part_text}, in series",
-            f"Turn of the output per torque by the compliance of {part_text} only, {_IDEAL}.",
+            f"Rotation of the output per torque due to the compliance of {part_text} only, {_IDEAL}.",
             f"compliance_{part}_arcmin_per_nm",
             (lambda _: True) if part in ("output", "cam", "mesh") else _has_springs)
 
@@ -144,7 +145,7 @@ def _error_rows() -> Iterator[SheetFigure]:
         prefix, layouts = ("", BOTH) if shaft == "output" else (f"{shaft}_", CENTRAL)
         for case, direction in product(CASES, DIRECTIONS):
             suffix, condition = f"{case}_{direction}", f"{case}, {direction}"
-            angle = f"the {shaft}'s angle about the ideal one, {condition}, with friction, {_TURN}."
+            angle = f"the {shaft}'s angle minus its ideal angle, {condition}, with friction, {_TURN}."
             yield SheetFigure(
                 f"{shaft}_peak_to_peak_{suffix}_speed", "arcsec",
                 f"transmission error, peak to peak, {shaft}, {condition}", f"Range of {angle}",
@@ -155,15 +156,18 @@ def _error_rows() -> Iterator[SheetFigure]:
                 f"{prefix}te_rms_{suffix}_arcsec", layouts=layouts)
         yield SheetFigure(
             f"{shaft}_reversal", "arcsec", f"mean of the {shaft}, forward minus reverse, unloaded",
-            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.", layouts=layouts)
+            f"Mean deviation of the {shaft} from its ideal angle in forward motion minus that in reverse motion, "
+            "unloaded, with friction.", layouts=layouts)
         yield SheetFigure(
             f"{shaft}_wind_up", "arcsec", f"mean of the {shaft}, loaded minus unloaded, forward",
-            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.",
+            f"Mean deviation of the {shaft} from its ideal angle under the load minus that under 1 % of the load, "
+            "in forward motion, with friction.",
             layouts=layouts)
     yield SheetFigure(
         INERTIA_SHARE, "1", "inertia torque of the load if it followed that error, over the load",
-        "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
-        "at the design's speed, over the load: rms over a turn; from 0.1 on runs differ from statics.")
+        "Inertia of the parts that rotate with the output times the second derivative of its loaded transmission "
+        "error, forward, at the design's speed, divided by the load: rms over a turn; from 0.1 on, runs differ from "
+        "statics.")
 
 
 def _load_rows() -> Iterator[SheetFigure]:
@@ -178,7 +182,7 @@ def _load_rows() -> Iterator[SheetFigure]:
             ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {pair}, {_LOADED}."),
             ("carrying", "1", "loaded contacts, mean number", f"Number of loaded contacts, {pair}, {_LOADED}: mean."),
             ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {pair}, {_LOADED}."),
-            ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {pair}."),
+            ("margin", "1", "margin against first yield", f"Pressure of first yield / largest pressure, {pair}."),
         ):
             yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
                               layouts=BOTH if kind in ("pin_gear", "tooth") else CENTRAL)
@@ -191,7 +195,7 @@ def _load_rows() -> Iterator[SheetFigure]:
     for key, pair in BEARINGS.items():
         yield SheetFigure(
             f"{key}_force", "N", f"{pair}: largest force",
-            f"Largest force of the {pair} from the discs' forces {_LOADED}.",
+            f"Largest force on the {pair} due to the forces of the discs, {_LOADED}.",
             exists=_has_two_output_discs if key.startswith("output") else _has_several_discs)
     yield SheetFigure(
         "capacity", "N m", "capacity: torque at which a contact first yields, below its surface",
@@ -207,7 +211,7 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
     They are bearing and planet forces, and transmission errors.
     """
     ideal_condition = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
-    balanced_condition = "by the balance of all springs with clearances and errors, over a turn of the carrier"
+    balanced_condition = "in equilibrium of all springs with clearances and errors, over a turn of the carrier"
     for name, method, condition in (
         ("", "ideal sharing", ideal_condition),
         ("balanced_", "springs and clearances", f"{balanced_condition}, without friction"),
@@ -218,27 +222,28 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
             f"Largest force of a crank on its bearing in a disc under the load: {condition}.", layouts=RV)
         yield SheetFigure(
             f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {method}",
-            f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {condition}.", layouts=RV)
+            f"Mean of this force F that determines the life of roller bearings, (mean F^(10/3))^(3/10): {condition}.",
+            layouts=RV)
     yield SheetFigure(
         "planet_mesh_force", "N", "largest force of a planet on the sun",
         f"Largest normal force of a planet on the sun under the load: {balanced_condition}, with friction.", layouts=RV)
     yield SheetFigure(
         "te_errors", "arcsec", "transmission error by errors of cranks, bores, planets, output and pins, peak to peak",
-        "Range of the output's angle by the errors of cranks, bores, carrier and planets and the run-out of the output "
-        "at a fixed sun, in closed form without clearance and load, and by position errors of the ring pins, by "
-        "statics under the nominal torque, over a turn of the carrier.", "te_errors_arcsec", layouts=RV)
+        "Range of the output's angle at a fixed sun over a turn of the carrier, due to errors of cranks, bores, "
+        "carrier and planets and run-out of the output (closed form without clearance and load), and due to position "
+        "errors of the ring pins (statics under the nominal torque).", "te_errors_arcsec", layouts=RV)
     yield SheetFigure(
         "te_ideal", "arcsec", "transmission error under the load, without friction, peak to peak",
-        "Range of the output's angle about the ideal one under the load at a fixed sun, without friction and weight, "
-        "over a turn of the carrier.", "te_ideal_arcsec", layouts=RV)
+        "Range of the output's angle minus its ideal angle under the load at a fixed sun, without friction and "
+        "weight, over a turn of the carrier.", "te_ideal_arcsec", layouts=RV)
 
 
 def _loss_rows() -> Iterator[SheetFigure]:
     """Yield the catalogue entries of efficiencies and losses (key, name, unit, definition)."""
     yield SheetFigure(
         "efficiency", "%", "efficiency",
-        "Power of the output over that of the input under the load, at the design's speed, without the bearings of "
-        "shaft and output.", layouts=BOTH)
+        "Output power divided by input power under the load, at the design's speed, without the losses in the "
+        "bearings of shaft and output.", layouts=BOTH)
     for kind in ("pin_gear", "tooth", "cam", "output"):
         yield SheetFigure(
             f"{kind}_friction_power", "W", f"friction of {kind}",
@@ -257,7 +262,8 @@ def _loss_rows() -> Iterator[SheetFigure]:
         "Torque on the output that drives the crank against its share of the load; none if self-locking.")
     yield SheetFigure(
         "back_driving_efficiency", "%", "efficiency of back-driving",
-        "Power of the crank over that of the output when the output drives against the crank's share of the load.")
+        "Power of the crank divided by power of the output, if the output drives against the crank's share of the "
+        "load.")
 # fmt: on
 
 
