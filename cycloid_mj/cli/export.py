@@ -246,6 +246,11 @@ class ExportFlags:
             raise UsageError(
                 "--cam-bearing-bore-mm applies only with --plate: add --plate, or remove --cam-bearing-bore-mm"
             )
+        if self.cover_material != "auto" and not self.has_casing:
+            raise UsageError(
+                "--cover-material applies only with --plate, --assembly or --drawings: add one of them, or remove "
+                "--cover-material"
+            )
         if self.bed is not None and not self.plate:
             raise UsageError("--bed applies only with --plate: add --plate, or remove --bed")
         if (self.polylines or self.arcs is not None) and file_format != "dxf":
@@ -258,11 +263,18 @@ class ExportFlags:
 
     def require_supported(self, reducer: Reducer) -> None:
         """Raise UsageError for a flag that does not support the layout of the reducer."""
-        if isinstance(reducer, RvReducer) and self.plate:
+        if not isinstance(reducer, RvReducer):
+            return
+        if self.plate:
             raise UsageError(
                 f'--plate does not support layout = "rv" ({reducer.design.name}): an RV reducer has no printed casing '
-                "with covers, and its cranks and gears are steel parts. Use --format 3mf or stl without --plate, which "
+                "with covers, and its cranks and gears are steel parts. Use --format stl without --plate, which "
                 "writes a file for each part"
+            )
+        if self.interface != MOTOR or self.cover_material != "auto":
+            raise UsageError(
+                f'--motor, its dimensions and --cover-material do not support layout = "rv" ({reducer.design.name}): '
+                "an RV reducer has neither a motor flange nor covers. Remove these flags"
             )
 
     def print_settings(self, reducer: Reducer) -> "PrintSettings":

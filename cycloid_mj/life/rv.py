@@ -200,7 +200,7 @@ def _rate_bearing(
         speed = float(weighted_speeds.sum()) / running_share
         yield rate_modified_life(key, name, ratings, viscosity, settings.cleanliness, load, life, speed)
     peak_force = peak_torque * max(
-        float(force.max()) / torque for force, torque in zip(bearing_row.forces, torques, strict=True)
+        float(force.max() / torque) for force, torque in zip(bearing_row.forces, torques, strict=True)
     )
     yield RatedItem(
         f"{bearing_row.key}_static",

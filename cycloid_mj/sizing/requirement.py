@@ -60,6 +60,18 @@ LARGEST_PAIR = 0.6
 """Largest diameter of a pair, that of the cam, relative to that of a drive, at which a fit must be tabulated
 (heuristic)."""
 
+FLAGS_BY_KEY = {
+    "ring.teeth": "--ratio",
+    "gear.discs": "--discs",
+    "drive.torque_nm": "--torque-nm",
+    "drive.speed_rpm": "--speed-rpm or --output-rpm",
+    "service.life_h": "--life-h",
+    "service.duty_share": "--duty",
+    "service.film_coefficient_w_m2_k": "--cooling",
+    "service.ambient_temperature_c": "--ambient-c",
+}
+"""Keys of the design file that a requirement determines -> their flags."""
+
 FINER = 10.0**-0.1
 """Step of the clearances that a backlash may require (R10, ISO 3)."""
 
@@ -130,10 +142,16 @@ def make_requirement(
 
 
 def _check_changes(requirement: "Requirement") -> None:
-    """Raise UsageError if a change names an unknown key, or sets a value that no design accepts.
+    """Raise UsageError if a change names an unknown key, a value that no design accepts, or a key with its own flag.
 
-    Without this check, the search would discard all candidates and report that none of them fits.
+    Without this check, the search would discard all candidates and report that none of them fits, or overwrite the
+    value.
     """
+    for key in (change.partition("=")[0].strip() for change in requirement.changes):
+        if key in FLAGS_BY_KEY:
+            raise UsageError(
+                f"--set {key} contradicts the requirement, which determines this value: use {FLAGS_BY_KEY[key]}"
+            )
     counts = {"ring": {"teeth": requirement.ratio + 1}, "gear": {"discs": requirement.discs or 1}}
     design = PRESETS["rv80e"] if requirement.LAYOUT == "rv" else PRESETS["pin"].but(**counts)
     try:

@@ -36,7 +36,15 @@ def test_export_writes_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "rv80e", "--plate", "--out", "plate"]) == 2
     refusal = capsys.readouterr().err
     assert '--plate does not support layout = "rv" (rv80e)' in refusal
-    assert "Use --format 3mf or stl without --plate" in refusal
+    assert "Use --format stl without --plate" in refusal
+    assert main(["export", "rv80e", "--format", "stl", "--motor", "nema17"]) == 2
+    assert "an RV reducer has neither a motor flange nor covers" in capsys.readouterr().err
+
+
+def test_checks_are_json_values(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["design", "check", "rv64", "--json"]) == 0
+    checks = json.loads(capsys.readouterr().out)["checks"]
+    assert next(check for check in checks if check["name"] == "momentary_torque")["passed"] is True
 
 
 def test_statics_has_the_figures_of_the_rv80e(capsys: pytest.CaptureFixture[str]) -> None:

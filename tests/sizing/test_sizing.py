@@ -736,8 +736,12 @@ def test_the_command_states_the_largest_feasible_torque(tmp_path: Path, monkeypa
         (["--layout", "rv"], "--layout applies only when a new drive is sized"),
         (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "gear.nope=1"], "unknown key gear.nope"),
         (
-            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "ring.teeth=2"],
-            "must be from 4 to 400",
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "gear.face_width_mm=-1"],
+            "gear.face_width_mm = -1.0 is not allowed",
+        ),
+        (
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--set", "ring.teeth=36"],
+            "--set ring.teeth contradicts the requirement, which determines this value: use --ratio",
         ),
         (
             ["--layout", "rv", "--ratio", "121", "--diameter-mm", "160", "--torque-nm", "4", "--set", "load.torque=1"],

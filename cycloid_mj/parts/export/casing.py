@@ -490,7 +490,12 @@ def _cover_material(reducer: Reducer, requested: str) -> str:
         return "" if ring.is_plastic or ring.density <= 2.0 * MATERIALS[LIGHT_METAL].density else LIGHT_METAL
     name = material_name(requested)
     metals = [metal for metal in MATERIALS if not Material(name=metal).is_plastic]
-    if name not in metals or ring.is_plastic:
+    if ring.is_plastic:
+        raise DesignError(
+            f"covers of {requested!r} are not possible on a ring of {ring.name}: covers and ring may differ in "
+            "material only if both are metals. Omit the cover material"
+        )
+    if name not in metals:
         raise DesignError(
             f"covers of {requested!r} are not possible: covers and ring may differ in material only if both are "
             f"metals. Choose one of {', '.join(metals)}, or omit the cover material"
