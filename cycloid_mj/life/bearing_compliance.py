@@ -58,7 +58,7 @@ class CamCompliance:
         life = f", its life {_range_text(lives)}" if lives else ""
         return (
             f"cam load: {min(loads):.4g} to {max(loads):.4g} N{life}, over the range of its assumed stiffness "
-            "(stiffness.cam_n_m): with a softer cam the disc moves sideways and more teeth carry"
+            "(stiffness.cam_n_m): with a softer cam, the disc moves sideways and more teeth carry load"
         )
 
     def as_json(self) -> list[dict[str, Any]]:

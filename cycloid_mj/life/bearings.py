@@ -283,7 +283,7 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     life_ratio = (by_iso / bearing.dynamic) ** rolling.BALL_EXPONENT
     comparison_text = (
         f"; ISO 281 gives {by_iso:.4g} N for {balls.count} balls of {1e3 * balls.diameter:.3g} mm (estimated), "
-        f"{life_ratio:.3g} times the life; manufacturers differ as much"
+        f"{life_ratio:.3g} times the life; ratings of manufacturers differ by as much"
     )
     sources = f"C {source}{comparison_text}", f"C0 {source}"
     return Ratings(bearing.dynamic, bearing.static, *sources, balls.pitch, rolling.BALL_EXPONENT)

@@ -51,7 +51,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         shear_strength / shear_stress if shear_stress else math.inf,
         None,
         "F/(n pi r^2) against Y/sqrt(3)",
-        f"{shear_planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
+        f"shear planes: {shear_planes}, radius {1e3 * radius:.3g} mm; forces in proportion to the torque",
     )
     bending_stress = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak_torque / torque / (math.pi * radius**3)
     pin_bending = RatedItem(
@@ -63,7 +63,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         material.yield_strength / bending_stress if bending_stress else math.inf,
         None,
         "4 M/(pi r^3) against Y",
-        "nominal stress: a notch yields without failing; forces in proportion to the torque",
+        "nominal stress, because a notch yields locally without failure; forces in proportion to the torque",
     )
     tooth_skipping = torque_item(
         "peak_jump",
@@ -112,9 +112,9 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
     estimated_torque = torque * (limits[kind] / worst.pressures[kind]) ** 2
-    root_note = "the pressure is taken as the square root of the torque"
+    root_note = "the pressure is assumed to grow with the square root of the torque"
     if abs(estimated_torque) > max(FAR_BEYOND * other_limit, abs(torque)):
-        return abs(estimated_torque), f"in {kind}, at least: {root_note}, as another limit of the stop is far below"
+        return abs(estimated_torque), f"in {kind}, lower bound: {root_note}; another limit of the stop is far below"
     try:
         limit_torque, kind = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
     except RunError:

@@ -97,7 +97,8 @@ def _rate_hot_clearances(reducer: Reducer, temperature: float) -> Iterator[Rated
             clearance / -grown if grown < 0.0 else math.inf,
             None,
             "thermal expansion of both parts from 20 °C; safety factor of the clearance",
-            f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}{note}; negative: it grows",
+            f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}{note}; "
+            "negative: the clearance grows",
         )
 
 

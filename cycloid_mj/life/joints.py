@@ -316,7 +316,8 @@ def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
         f"{screwed_joint.designation} on a circle of {2e3 * screwed_joint.radius:.4g} mm, {1e-3 * preload:.3g} kN "
         f"each; assumed: friction {JOINTS.interface_friction:g} of the faces and {JOINTS.thread_friction:g} of "
         f"threads and heads; {torque * high_friction_factor * low_face_factor:.3g} to "
-        f"{torque * low_friction_factor * high_face_factor:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
+        f"{torque * low_friction_factor * high_face_factor:.3g} N m with "
+        "0.10 to 0.20 for faces and 0.16 to 0.10 for threads and heads",
     )
 
 
@@ -659,8 +660,8 @@ def second_disc_seat(reducer: Reducer) -> AxialSeat:
     least_force, largest_force = (output.pins * fit.force(value) for value in end_pressures)
     return AxialSeat(
         output.pins * fit.force(pressure),
-        f"{_describe_fit(zones, interference, pressure)}; {least_force:.3g} to {largest_force:.3g} N over the zones; "
-        f"friction {JOINTS.interface_friction:g} (assumed)",
+        f"{_describe_fit(zones, interference, pressure)}; {least_force:.3g} to {largest_force:.3g} N within the "
+        f"tolerance zones; friction {JOINTS.interface_friction:g} (assumed)",
     )
 
 
@@ -748,8 +749,8 @@ def _press_fit_item(
         torque,
         fit.torque(mean_pressure),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{_describe_fit(zones, interference, mean_pressure)}; {least_torque:.3g} to {largest_torque:.3g} N m over the "
-        f"zones; friction {JOINTS.interface_friction:g} (assumed)",
+        f"{_describe_fit(zones, interference, mean_pressure)}; {least_torque:.3g} to {largest_torque:.3g} N m within "
+        f"the tolerance zones; friction {JOINTS.interface_friction:g} (assumed)",
     )
 
 
@@ -774,7 +775,7 @@ def _fit_pressures(fit: strength.PressFit, zones: str, max_pressure: float) -> t
 
 def _describe_fit(zones: str, interference: float, pressure: float) -> str:
     """Return zones, mean `interference` [m] and `pressure` [Pa] of a press fit in words."""
-    return f"{zones}, mean interference less smoothing {1e6 * interference:.3g} um: {1e-6 * pressure:.3g} MPa"
+    return f"{zones}, mean interference after smoothing {1e6 * interference:.3g} um: {1e-6 * pressure:.3g} MPa"
 
 
 def fit_code(fit_text: str) -> str:

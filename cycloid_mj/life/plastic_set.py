@@ -46,7 +46,7 @@ def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> Rat
         None,
         1.0 / damage if damage else math.inf,
         "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
-        f"Y = {1e-6 * strength:.4g} MPa for a short load; a place is loaded while the contact strip passes it; at "
+        f"Y = {1e-6 * strength:.4g} MPa under a short load; each point is loaded while the contact passes it; at "
         f"standstill under the largest load the life is {standstill_life:.3g} h",
     )
 

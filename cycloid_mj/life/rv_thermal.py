@@ -21,7 +21,7 @@ from cycloid_mj.statics.rv import RvLoads
 from cycloid_mj.statics.rv_sheet import friction_powers, solve_running_equilibrium
 
 RV_THERMAL_ASSUMPTIONS = (
-    "half of each loss heats each of the two parts that meet; motor and driven machine take no heat",
+    "each of the two parts in contact receives half of their loss; motor and driven machine receive no heat",
     "a third of the rollers of each crank bearing is loaded; between flanges and housing there is grease, without the "
     "main bearings; conductivities by the kind of material",
     "discs that expand more than the ring are preloaded: the springs of the pins, the housing as a thin ring and the "

@@ -216,7 +216,7 @@ def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
         fatigue.safety,
         None,
         "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
-        f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
+        f"assumed: l {1e3 * span:.3g} mm (hole), t {1e3 * wall.thickness:.3g} mm; finite elements: --stress; "
         f"{_limit_source(reducer, wall.part)}",
     )
 

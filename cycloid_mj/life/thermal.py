@@ -417,7 +417,7 @@ def _assumptions(reducer: Reducer, steady_state: SteadyState) -> Iterator[str]:
         yield from RV_THERMAL_ASSUMPTIONS
     else:
         yield _friction_text(reducer)
-        yield "half of each loss heats each of the two parts that meet; motor and driven machine take no heat"
+        yield "each of the two parts in contact receives half of their loss; motor and driven machine receive no heat"
         yield "conductances of bearings assume 14 rollers, a third of them loaded"
         yield "conductivities by the kind of material"
     yield (

@@ -47,7 +47,8 @@ def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
             "um",
             None,
             WEAR_HOURS * limit / depth if depth else math.inf,
-            "Archard, k F s at the place that wears fastest, running one way; until the clearance has doubled",
+            "Archard, k F s at the point with the fastest wear, for one direction of rotation; until the clearance has "
+            "doubled",
             f"k = {MM3 * coefficient.typical:g} mm3/(N m), 5 to 95 %: {MM3 * coefficient.low:g} to "
             f"{MM3 * coefficient.high:g}; {coefficient.source}; steady wear without run-in: see `cycloid-mj wear`",
         )
