@@ -225,7 +225,10 @@ def test_a_drive_that_turns_without_torque_is_a_usage_error(command: Callable[..
 
 
 def test_wrong_loads_are_usage_errors() -> None:
-    for flag, words in (("--load-nm", " 0 is not allowed"), ("--cycle-min", " 0: must be from 0.1 to 1440")):
+    for flag, words in (
+        ("--load-nm", " 0: must be at least -1000000 and at most 1000000, not 0"),
+        ("--cycle-min", " 0: must be from 0.1 to 1440"),
+    ):
         code, _, err = told("thermal", "pin", flag, "0")
         assert code == 2
         assert f"{flag}{words}" in err
