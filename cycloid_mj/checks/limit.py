@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.check import UPPER, Change
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, section_of, unit_of
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 
 SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator.gt, "at least": operator.ge}
 STRICT = ("less than", "more than")
@@ -80,19 +80,14 @@ class Limit:
 
         The text is empty if the bound is 0 or infinite, or the file does not allow the value.
         """
-        if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
-            return ""
-        bound_text = self._safe_number
-        try:
-            override(reducer.design, [f"{self.file_key}={bound_text}"])
-        except DesignError:
+        if not LIMIT.smallest_bound < abs(self.bound) < math.inf or not _is_allowed(reducer, self):
             return ""
         verb, comparative = ("lower", "less") if self.side in UPPER else ("raise", "more")
-        return f"{verb} {self.file_key} to {bound_text} or {comparative}"
+        return f"{verb} {self.file_key} to {self.safe_number} or {comparative}"
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
         """Return the file's key and the value that satisfies the limit; None if the file does not allow it."""
-        return (self.file_key, float(self._safe_number)) if self.remedy(reducer) else None
+        return (self.file_key, float(self.safe_number)) if self.remedy(reducer) else None
 
     @property
     def unit(self) -> Unit:
@@ -106,7 +101,7 @@ class Limit:
         return f"{table}.{file_key(name, self._model_field)}"
 
     @property
-    def _safe_number(self) -> str:
+    def safe_number(self) -> str:
         """The last number of four digits, or the last integer, that satisfies the limit, in the file's unit."""
         inward = -1 if self.side in UPPER else 1
         margin = LIMIT.strict_margin * abs(self.bound) if self.side in STRICT else 0.0
@@ -119,6 +114,16 @@ class Limit:
         table, name = self.key.split(".")
         field: FieldInfo = section_of(Design.model_fields[table]).model_fields[name]
         return field
+
+
+@once
+def _is_allowed(reducer: Reducer, limit: Limit) -> bool:
+    """Return whether the design file allows the value that satisfies a limit."""
+    try:
+        override(reducer.design, [f"{limit.file_key}={limit.safe_number}"])
+    except DesignError:
+        return False
+    return True
 
 
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
