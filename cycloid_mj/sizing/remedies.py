@@ -18,7 +18,6 @@ from cycloid_mj.sizing.solve import (
     LENGTH_WORDS,
     create_pools,
     find_drive,
-    finer_requirements,
     is_feasible,
     least_length,
 )
@@ -103,7 +102,7 @@ class RemedySearch:
     def _predict(self, changed: Requirement) -> float:
         """Predict the largest torque of a requirement [N m]."""
         variants = [changed.but(discs=discs) for discs in changed.numbers_of_discs]
-        variants += [finer for variant in variants for finer in finer_requirements(variant)[-1:]]
+        variants += [finer for variant in variants for finer in variant.finer[-1:]]
         return max((pool.promise for pool in map(self.pool.changed, variants) if pool), default=0.0)
 
     def _rate(self, changed: Requirement) -> float:

@@ -394,18 +394,18 @@ class Requirement:
         return self.clearance_at(PIN_SIZE * self.diameter)
 
     @property
-    def has_usual_clearances(self) -> bool:
-        """Whether neither a clearance nor a fit is required."""
-        return not (self.clearance or self.fit)
+    def finer(self) -> list[Self]:
+        """The requirement with the finer clearances to try after its own, the largest first.
 
-    @property
-    def finer_clearances(self) -> tuple[float, ...]:
-        """The clearances to try after this one [m], the largest first: for a backlash all, else the finest."""
-        if not (self.has_usual_clearances or self.tightened):
-            return ()
+        Without a limit of the backlash, this is only the finest clearance of the process; if a clearance or a fit is
+        required, there are none.
+        """
+        if (self.clearance or self.fit) and not self.tightened:
+            return []
         finest = PROCESSES[self.process].finest
-        usual = (finest,) if finest < self.usual_clearance else ()
-        return usual if self.backlash == math.inf else tuple(self.tighter_clearances)
+        usual = [finest] if finest < self.usual_clearance else []
+        allowed = usual if self.backlash == math.inf else self.tighter_clearances
+        return [self.but(clearance=clearance, tightened=True) for clearance in allowed]
 
     @property
     def tighter_clearances(self) -> Iterator[float]:

@@ -146,7 +146,7 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
     If no reducer meets the requirement, the answer has the largest feasible torque, and changes of the requirement that
     make it feasible. `on_progress` is called with the answer before these changes are known.
     """
-    pool = list(candidates(requirement))
+    pool = candidates(requirement)
     if not pool:
         ratio, size = requirement.ratio, MILLIMETRES * requirement.diameter
         return Answer(requirement, (), 0.0, f"no planets and discs with a ratio of {ratio} fit into {size:g} mm")
@@ -163,8 +163,8 @@ def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = 
     return Answer(requirement, tuple(drives))
 
 
-def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
-    """Yield the candidate drives for a requirement that have room for their bearings, the shortest first."""
+def candidates(requirement: RvRequirement) -> list[Candidate]:
+    """List the candidate drives for a requirement that have room for their bearings, the shortest first."""
     pool = [
         candidate
         for cranks in (2, 3)
@@ -175,7 +175,7 @@ def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
         if (candidate := _lay_out_candidate(requirement, cranks, (sun, planet, ring), trochoid, bore, width))
         and candidate.length <= requirement.length
     ]
-    yield from sorted(pool, key=lambda item: item.length)
+    return sorted(pool, key=lambda item: item.length)
 
 
 def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
@@ -207,7 +207,8 @@ def _lay_out_candidate(
     model, model_cranks = MODEL.design, MODEL.cranks
     model_bore = model_cranks.eccentric_radius + 2.0 * model_cranks.needle_radius
     circle = round(requirement.diameter / 2.0 * model.ring.pin_circle_radius / model.housing.outer_radius, 4)
-    pin = _nearest_pin(2.0 * math.pi * circle / (ring * SHARES.pitch))
+    ideal_pin = 2.0 * math.pi * circle / (ring * SHARES.pitch)
+    pin = min((0.5 * size for size in stock.dowel_diameters()), key=lambda radius: abs(radius - ideal_pin))
     eccentricity = round(trochoid * circle / ring, 5)
     low, high = (share * circle for share in SHARES.crank_circle)
     modules = [item for item in MODULES if low <= item * (sun + planet) / 2.0 <= high]
@@ -259,11 +260,6 @@ def _lay_out_candidate(
         **conditions(requirement, requirement.torque),
     )
     return Candidate(RvReducer(override(design, requirement.changes)), requirement)
-
-
-def _nearest_pin(radius: float) -> float:
-    """Return the radius of the dowel in stock that is nearest to a radius [m]."""
-    return min((0.5 * diameter for diameter in stock.dowel_diameters()), key=lambda size: abs(size - radius))
 
 
 def _estimate_torque(reducer: RvReducer, requirement: RvRequirement) -> float:
@@ -356,7 +352,7 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
 
 def _is_feasible(requirement: RvRequirement) -> bool:
     """Return whether the search finds a drive that meets a requirement."""
-    return _search_shortest(requirement, list(candidates(requirement)))[0] is not None
+    return _search_shortest(requirement, candidates(requirement))[0] is not None
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:

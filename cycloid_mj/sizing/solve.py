@@ -152,15 +152,10 @@ def create_pools(requirement: Requirement, source: Pool | None = None) -> Iterat
         pool = source.changed(fixed) if source and same_size else create_pool(fixed, source)
         while pool:
             yield pool
-            finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
+            finer = (pool.changed(changed) for changed in pool.requirement.finer)
             pools = [replace(other, corrections={}) for other in finer if other]
             promising = (other for other in pools if other.promise >= SETTINGS.likely * fixed.torque)
             pool = next(promising, pools[-1] if pools else None)
-
-
-def finer_requirements(requirement: Requirement) -> list[Requirement]:
-    """List the requirement with the finer clearances that may be used, the largest first."""
-    return [requirement.but(clearance=clearance, tightened=True) for clearance in requirement.finer_clearances]
 
 
 def _describe_torque_limit(pool: Pool) -> str:
