@@ -1,7 +1,6 @@
 """Steady temperatures of the parts of a drive under a duty, where losses, temperatures and clearances agree."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -55,7 +54,7 @@ class ThermalSettings:
     """
 
     tolerance: float = 0.05
-    rounds: int = 12
+    rounds: int = 40
     hottest: float = 300.0
     largest: float = 100.0
     solved: float = 3.0
@@ -72,6 +71,10 @@ class ThermalSettings:
 
 SETTINGS = ThermalSettings()
 
+JAM, NO_EQUILIBRIUM = "the parts jam", "no static equilibrium exists"
+NO_AGREEMENT = "losses and temperatures do not agree"
+"""Obstacles to a steady state, in words."""
+
 
 @dataclass(frozen=True)
 class SteadyState:
@@ -85,8 +88,8 @@ class SteadyState:
         Mean losses of the duty by source [W], with its rests.
     conductances
         Conductances of the thermal network.
-    converged
-        Whether losses and temperatures agree.
+    obstacle
+        What prevents that losses and temperatures agree, in words; "" if they agree.
     cold, warm
         Losses by source while the drive is at each point of the duty [W], at 20 °C and at the temperatures of `losses`.
     warm_temperatures
@@ -99,7 +102,7 @@ class SteadyState:
     temperatures: Mapping[str, float]
     losses: Mapping[str, float]
     conductances: tuple[Conductance, ...]
-    converged: bool
+    obstacle: str
     cold: tuple[dict[str, float], ...]
     warm: tuple[dict[str, float], ...]
     warm_temperatures: Mapping[str, float]
@@ -111,6 +114,11 @@ class SteadyState:
         return Network(self.conductances, heat_capacities(self.reducer))
 
     @property
+    def converged(self) -> bool:
+        """Whether losses and temperatures agree."""
+        return not self.obstacle
+
+    @property
     def difference(self) -> float:
         """Difference of the temperatures of disc and ring [K]."""
         return self.temperatures["disc"] - self.temperatures["ring"]
@@ -119,7 +127,8 @@ class SteadyState:
     def words(self) -> str:
         """Temperatures at which the losses were computed, as a condition of results."""
         text = ", ".join(f"{part} {value:.3g}" for part, value in self.warm_temperatures.items() if part != "housing")
-        return f"steady temperatures: {text} °C{'' if self.converged else ', beyond which the parts jam'}"
+        beyond = {"": "", NO_AGREEMENT: ", not converged"}.get(self.obstacle, f", beyond which {self.obstacle}")
+        return f"steady temperatures: {text} °C{beyond}"
 
 
 def solve_steady_state(reducer: Reducer, duty: Duty, settings: ThermalSettings = SETTINGS) -> SteadyState:
@@ -203,43 +212,48 @@ def _iterate_temperatures(reducer: Reducer, points: Sequence[DutyPoint], setting
     """Solve for the steady state by fixed-point iteration from 20 °C, at the points of a duty at which the crank turns.
 
     Losses and conductances depend on the temperatures, also through the clearances. If the parts jam at the next
-    temperatures, or have no equilibrium there, the step is shortened. If this is so after the shortest step as well,
-    the result has the losses before that step and is not converged.
+    temperatures, have no equilibrium there or are too hot, the step is shortened. If this is so after the shortest step
+    as well, the result has the losses before that step and states the obstacle.
     """
     ambient = reducer.design.service.ambient_temperature
     temperatures: Mapping[str, float] = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     point_losses, network = solve_losses(reducer, points, temperatures, settings)
-    cold, has_converged = point_losses, False
+    cold, obstacle = point_losses, NO_AGREEMENT
     for remaining in range(settings.rounds, 0, -1):
         losses = mean_of_points(points, point_losses)
         steady = {part: ambient + rise for part, rise in network.rises(heat_by_node(reducer, losses)).items()}
-        has_converged = max(abs(steady[part] - temperatures[part]) for part in HEATED) < settings.tolerance
+        if max(abs(steady[part] - temperatures[part]) for part in HEATED) < settings.tolerance:
+            obstacle = ""
+            break
         step = 1.0
-        while not has_converged and step >= settings.smallest_step and remaining > 1:
+        while step >= settings.smallest_step and remaining > 1:
             following = {part: value + step * (steady[part] - value) for part, value in temperatures.items()}
-            with suppress(CycloidError):
-                if _is_admissible(reducer.design, following, settings):
+            obstacle = _find_obstacle(reducer.design, following, settings)
+            if not obstacle:
+                try:
                     point_losses, network = solve_losses(reducer, points, following, settings)
                     break
+                except CycloidError:
+                    obstacle = NO_EQUILIBRIUM if reducer.design.layout == RvReducer.LAYOUT else JAM
             step *= 0.5
         else:
             break
-        temperatures = following
+        temperatures, obstacle = following, NO_AGREEMENT
     links = network.conductances
-    return SteadyState(steady, losses, links, has_converged, cold, point_losses, temperatures, reducer)
+    return SteadyState(steady, losses, links, obstacle, cold, point_losses, temperatures, reducer)
 
 
-def _is_admissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
-    """Return whether no part is too hot for the iteration, and all clearances remain at temperatures [°C].
+def _find_obstacle(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> str:
+    """Return why a drive cannot have temperatures [°C] of its parts: a jam, or one is too hot; "" if it can.
 
     The parts of an RV reducer may lose their clearance, because they are then preloaded.
     """
     if max(temperatures.values()) > settings.hottest:
-        return False
+        return f"a part is hotter than {settings.hottest:g} °C"
     if design.layout == RvReducer.LAYOUT:
-        return True
+        return ""
     warm_design = at_temperatures(design, temperatures)
-    return min(tooth_play(warm_design), *warm_clearances(warm_design).values()) > 0.0
+    return "" if min(tooth_play(warm_design), *warm_clearances(warm_design).values()) > 0.0 else JAM
 
 
 def solve_losses(

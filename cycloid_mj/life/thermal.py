@@ -425,8 +425,7 @@ def _assumptions(reducer: Reducer, steady_state: SteadyState) -> Iterator[str]:
         f"beyond {SETTINGS.solved:g} times the nominal torque or the speed of the duty: such limits are extrapolated"
     )
     if not steady_state.converged:
-        reason = "losses and temperatures do not agree" if isinstance(reducer, RvReducer) else "the parts jam"
-        yield f"{reason} at these temperatures: the losses are those before the clearance is lost"
+        yield f"{steady_state.obstacle} at these temperatures: the losses are those of lower temperatures"
 
 
 def _friction_text(reducer: Reducer) -> str:

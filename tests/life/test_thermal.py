@@ -347,6 +347,25 @@ def test_temperatures_without_equilibrium_count_as_a_jam(monkeypatch: pytest.Mon
     assert state.words.endswith("beyond which the parts jam")
 
 
+def test_slow_iterations_converge_and_too_few_are_no_jam() -> None:
+    """The crank of a PLA drive loses little heat: its temperature approaches 30.6 °C by a seventh in each iteration."""
+    design = unlike("fixed-n34-d2-carrier-120um")
+    reducer, duty = Reducer(design), constant_duty(0.03 * design.rated_torque, design.drive.speed)
+    state = steady_state.solve_steady_state(reducer, duty)
+    assert state.converged
+    assert state.temperatures["crank"] == pytest.approx(30.7, abs=0.3)
+    early = steady_state.solve_steady_state(reducer, duty, replace(steady_state.SETTINGS, rounds=12))
+    assert not early.converged
+    assert early.words.endswith(" °C, not converged")
+
+
+def test_a_steady_state_hotter_than_the_limit_is_no_jam() -> None:
+    design = override(PRESETS["pin"], ["clearance.pin_gear_um=100", "clearance.cam_um=50", "clearance.output_um=50"])
+    state = steady_state.solve_steady_state(Reducer(design), constant_duty(160.0, design.drive.speed))
+    assert state.temperatures["disc"] > 300.0 > max(state.warm_temperatures.values())
+    assert state.words.endswith("beyond which a part is hotter than 300 °C")
+
+
 def test_a_constant_duty_ends_at_its_steady_temperatures() -> None:
     """The periodic state of a constant duty is the steady state, so that no peak is below its mean."""
     state = thermal("printed")
