@@ -63,7 +63,7 @@ NEW_DRIVES: Mapping[str, str] = {
     "printed": "--process printed --ratio 15 --diameter-mm 70 --torque-nm 1.5 --speed-rpm 200 --life-h 500",
     "printed-two-discs": "--process printed --ratio 21 --diameter-mm 110 --torque-nm 3 --discs 2",
     "printed-tapered": f"--process printed --ratio 15 --diameter-mm 130 --torque-nm 2 {BOTH_DISCS} "
-    "--set output.main_bearings=tapered --set output.disc_thickness_mm=26",
+    "--set output.main_bearings=tapered --set output.disc_thickness_mm=36",
 }
 """Requirements of drives for `design new`, over its three processes (steel is ground), and kinds of drives, by name."""
 
