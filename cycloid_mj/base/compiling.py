@@ -7,6 +7,8 @@ from typing import Any
 import numba
 from numba.core import event, sigutils
 from numba.core.ccallback import CFunc
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 
 from cycloid_mj.base.compile_cache import KernelCache, cache_folder, log_compilation
 from cycloid_mj.base.interrupt import defer_signals
@@ -25,7 +27,7 @@ def njit(
     are passed to numba.
     """
     if inner:
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": _InnerCompiler}
 
     def compile_kernel(function: Function) -> Any:
         compiled_function = numba.njit(**options, _nrt=allocates)(function)
@@ -51,6 +53,42 @@ def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
         return compiled_function
 
     return compile_callback
+
+
+class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
+    """LLVM code of an inner function, which is optimized and translated only as a part of the kernels that call it.
+
+    By default numba does both for each function, and again in each function that calls it.
+    """
+
+    @property
+    def codegen(self) -> "_InnerLibrary":
+        """Object whose `set_env` numba calls after the compilation of a function."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing: there is no machine code with a variable `name` for the `environment`, which only errors need."""
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0, since no function called `name` exists as machine code."""
+        self._ensure_finalized()
+        return 0
+
+    def _optimize_final_module(self) -> None:
+        """Do nothing: the code is optimized with that of the caller."""
+
+    def _finalize_final_module(self) -> None:
+        """Omit the translation to machine code."""
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+class _InnerCompiler(Compiler):  # type: ignore[misc]  # numba has no types
+    """Compiler of inner functions: numba's, with an `_InnerLibrary`."""
+
+    def __init__(self, typing_context: Any, target_context: Any, library: Any, *arguments: Any) -> None:
+        """Ignore `library`, which is None for every new function; the other arguments are those of the base class."""
+        super().__init__(typing_context, target_context, _InnerLibrary(target_context.codegen(), "inner"), *arguments)
 
 
 def cacheable() -> bool:
