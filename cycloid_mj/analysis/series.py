@@ -306,11 +306,12 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
         expected_names = {pair.name for pair in pairs if pair.kind == kind}
         logged_names = set(run.pairs(kind))
         if logged_names and logged_names != expected_names:
-            count = 1 if len(logged_names) % discs else discs
+            pairs_per_part = 1 if len(logged_names) % discs else discs
+            expected, logged = (len(names) // pairs_per_part for names in (expected_names, logged_names))
             raise LogError(
-                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names) // count} {part_name}, but the "
-                f"log contains forces for {len(logged_names) // count}: the attachment belongs to another run. Use the "
-                "original log, or simulate the design again"
+                f"the {DESIGN_FILE} attached to {run.label} has {expected} {part_name}, but the log contains forces "
+                f"for {logged}: the attachment belongs to another run. Use the original log, or simulate the design "
+                "again"
             )
 
 
