@@ -11,7 +11,7 @@ from cycloid_mj.checks.limit import round_beyond
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.design import override, value_of
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ ADVICE = AdviceSettings()
 
 RANKS = {Judgement.PASSED: 0, Judgement.NOT_APPLICABLE: 0, Judgement.WARNING: 1, Judgement.FAILED: 2}
 
-TWO_SIDED = "output.hole_radius_mm"
-"""The key whose value must be exact."""
+EXACT_KEYS = {"output.hole_radius_mm", "planet.planet_teeth", "cranks.radius_mm", "cranks.count", "gear.discs"}
+"""Keys whose value must be exact."""
 
 TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
 """Keys whose values add up to the hole's radius."""
@@ -108,8 +108,8 @@ def _complete_change(
             for check_after in checks_after.values()
             if _is_worse(check_after, checks_before.get(check_after.name), check.name)
         ]
-        hole_check = checks_after["hole_size"]
-        if not worse_checks and not hole_check.passed and complete_change.keys() & TIED:
+        hole_check = checks_after.get("hole_size")
+        if not worse_checks and hole_check and not hole_check.passed and complete_change.keys() & TIED:
             worse_checks = [hole_check]
         if not worse_checks:
             return complete_change
@@ -146,7 +146,7 @@ def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change
         if all(extends_change):
             return change
     if (
-        failed_check.key != TWO_SIDED
+        failed_check.key not in EXACT_KEYS
         and len(applied_change) == 1
         and (extended_change := _extend_change(reducer, failed_check, applied_change))
     ):
@@ -163,6 +163,7 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
     ((key, value),) = applied_change.items()
     original_value = value_of(reducer.design, key)
     is_decrease, is_integer = value < original_value, isinstance(original_value, int)
+    convert = int if is_integer else float
 
     def passes(candidate: float) -> bool:
         checks_after = quick_checks(reducer, {key: candidate})
@@ -170,7 +171,7 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
 
     failing_value = value
     for relative_step in ADVICE.strides:
-        passing_value = float(
+        passing_value = convert(
             round_beyond(
                 value / (1.0 + relative_step) if is_decrease else value * (1.0 + relative_step), is_decrease, is_integer
             )
@@ -181,7 +182,7 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
     else:
         return None
     while abs(passing_value - failing_value) > max(ADVICE.rtol * abs(passing_value), float(is_integer)):
-        midpoint = float(round_beyond(0.5 * (failing_value + passing_value), is_decrease, is_integer))
+        midpoint = convert(round_beyond(0.5 * (failing_value + passing_value), is_decrease, is_integer))
         if midpoint in (failing_value, passing_value):
             break
         failing_value, passing_value = (failing_value, midpoint) if passes(midpoint) else (midpoint, passing_value)
@@ -194,9 +195,11 @@ def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
     The result is None if the change is not allowed. `change` maps keys of the design file to new values.
     """
     try:
-        changed_reducer = Reducer(override(reducer.design, dict(change)))
+        changed_reducer = reducer_of(override(reducer.design, dict(change)))
         feasibility_checks = soundness(changed_reducer)
-        if any(check.judgement is Judgement.FAILED for check in feasibility_checks):
+        if isinstance(changed_reducer, RvReducer) or any(
+            check.judgement is Judgement.FAILED for check in feasibility_checks
+        ):
             return {check.name: check for check in feasibility_checks}
         return {
             check.name: check
@@ -212,5 +215,5 @@ def describe_change(reducer: Reducer, change: Change) -> str:
     for key, value in change.items():
         is_lower = value < value_of(reducer.design, key)
         text = f"{'lower' if is_lower else 'raise'} {key} to {value:.10g}"
-        texts.append(text if key == TWO_SIDED or len(change) > 1 else f"{text} or {'less' if is_lower else 'more'}")
+        texts.append(text if key in EXACT_KEYS or len(change) > 1 else f"{text} or {'less' if is_lower else 'more'}")
     return " and ".join(texts)

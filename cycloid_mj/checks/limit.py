@@ -87,7 +87,9 @@ class Limit:
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
         """Return the file's key and the value that satisfies the limit; None if the file does not allow it."""
-        return (self.file_key, float(self.safe_number)) if self.remedy(reducer) else None
+        if not self.remedy(reducer):
+            return None
+        return self.file_key, int(self.safe_number) if self._is_integer else float(self.safe_number)
 
     @property
     def unit(self) -> Unit:
@@ -106,7 +108,12 @@ class Limit:
         inward = -1 if self.side in UPPER else 1
         margin = LIMIT.strict_margin * abs(self.bound) if self.side in STRICT else 0.0
         bound = self.unit.from_si(self.bound + inward * margin)
-        return round_beyond(bound, inward < 0, self._model_field.annotation is int)
+        return round_beyond(bound, inward < 0, self._is_integer)
+
+    @property
+    def _is_integer(self) -> bool:
+        """Whether the value is an integer, which the design file requires without a decimal point."""
+        return self._model_field.annotation is int
 
     @property
     def _model_field(self) -> FieldInfo:

@@ -87,6 +87,8 @@ def _evaluate_rule(reducer: Reducer, rule: Rule) -> Check:
     remedy = single_remedies(reducer, remedies)
     if remedies and not remedy["remedy"]:
         remedy["remedy"] = f"no change of a single key is enough: change {keys} together"
+        if len(remedies) == 1:
+            remedy["remedy"] = f"no value of {keys} is enough: change other dimensions, too"
     check = Check(
         name=rule.name,
         passed=is_passed,

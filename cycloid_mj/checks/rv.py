@@ -55,7 +55,7 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
         + (f"{misfit} of a pitch" if misfit else "a part of a pitch"),
         remedy="" if misfit == 0 else "set planet.planet_teeth to " + " or ".join(map(str, meshing_teeth)),
         key="planet.planet_teeth",
-        changes=() if misfit == 0 else tuple({"planet.planet_teeth": float(teeth)} for teeth in meshing_teeth),
+        changes=() if misfit == 0 else tuple({"planet.planet_teeth": teeth} for teeth in meshing_teeth),
     )
 
 
@@ -76,7 +76,7 @@ def _check_dead_points(reducer: RvReducer) -> Check:
         remedy="" if is_passed else "set gear.discs to 2, or cranks.count to 3",
         severity="warning",
         key="cranks.count",
-        changes=() if is_passed else ({"gear.discs": 2.0}, {"cranks.count": 3.0}),
+        changes=() if is_passed else ({"gear.discs": 2}, {"cranks.count": 3}),
     )
 
 

@@ -13,7 +13,7 @@ from cycloid_mj.life.as_built import default_parts
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate, rate_for_verdict
 from cycloid_mj.life.rated import is_momentary, rated_torque
-from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer import Reducer, reducer_of
 
 REMEDY = "lower drive.torque_nm to the rated torque of `cycloid-mj datasheet`, or see `cycloid-mj rate` for each item"
 HEAT_REMEDY = (
@@ -80,9 +80,7 @@ def check_design(design: Named) -> Checks:
 
 def check_reducer(reducer: Reducer) -> Checks:
     """Run all checks of a reducer, as `check_design`."""
-    checks = check(reducer.design)
-    if not isinstance(reducer, RvReducer):
-        checks = verify_remedies(reducer, checks)
+    checks = verify_remedies(reducer, check(reducer.design))
     return checks if checks.failures else Checks((*checks, *life_checks(reducer)))
 
 
