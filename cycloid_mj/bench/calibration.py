@@ -4,10 +4,11 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
+from cycloid_mj.base.arguments import require_choice, require_number
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError, UsageError
@@ -476,14 +477,17 @@ def calibrate(
     Raises
     ------
     UsageError
-        There is no loop, a key is unknown, no loop depends on the keys, or a loop is not in degrees.
+        There is no loop, a key is unknown, no loop depends on the keys, a loop is not in degrees, or another argument
+        is not valid.
     RunError
         The model has no static equilibrium.
     CalibrationStopped
         Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
+    require_choice("held", held, get_args(Held))
+    require_number("crank", crank, "rad")
     reducer = reducer_of(resolve(design))
-    keys = default_keys(reducer) if keys is None else keys
+    keys = default_keys(reducer) if keys is None else [keys] if isinstance(keys, str) else keys
     if not loops:
         raise UsageError("no measured hysteresis loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)

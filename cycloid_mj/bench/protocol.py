@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+from cycloid_mj.base.arguments import require_count, require_number
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import UsageError
@@ -240,10 +241,14 @@ def protocol_of(
     Raises
     ------
     UsageError
-        The design does not exist, a file is malformed, or the torque of a loop is not in N m.
+        The design does not exist, a file is malformed, the torque of a loop is not in N m, or an argument is out of
+        range.
     RunError
         The model has no static equilibrium, or a run failed.
     """
+    if rated_nm:
+        require_number("rated_nm", rated_nm, "N m", above=0.0)
+    require_count("angles", angles, 1)
     reducer = reducer_of(resolve(design))
     files = BenchFiles(tuple(loops), te, starting, running, back_driving)
     return protocol(reducer, files, rated_nm or reducer.design.rated_torque, angles, progress)

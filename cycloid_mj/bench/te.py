@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.arguments import require_number
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame, make_frame
@@ -232,10 +233,13 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     Raises
     ------
     UsageError
-        The design does not exist, the load is 0, or the measurement has too few points to resolve its orders.
+        The design does not exist, the load is 0 or not finite, or the measurement has too few points to resolve its
+        orders.
     RunError
         No static equilibrium exists.
     """
+    if load is not None:
+        require_number("load", load, "N m")
     reducer = reducer_of(resolve(design))
     measured = _convert_to_cranks(reducer, measured)
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load

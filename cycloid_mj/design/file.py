@@ -72,10 +72,15 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
     Raises
     ------
     UsageError
-        The name is no preset and the file does not exist.
+        The name is no preset and the file does not exist, or `named` is neither a design nor a name.
     DesignError
         The file cannot be read or is not a valid design.
     """
+    if not isinstance(named, Design | str | Path):
+        raise UsageError(
+            f"{named!r:.80} is not a design: choose a Design, the name of a preset ({', '.join(PRESETS)}), or the path "
+            "of a design file"
+        )
     design = named if isinstance(named, Design) else preset(str(named)) or load(Path(named))
     return override(design, changes) if changes else design
 
@@ -242,6 +247,13 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     DesignError
         There is no such key, or its value is not allowed.
     """
+    if isinstance(changes, str):
+        changes = [changes]
+    if not isinstance(changes, Mapping | Sequence) or not all(isinstance(change, str) for change in changes):
+        raise UsageError(
+            f'changes = {changes!r:.80} is not allowed: use texts such as "load.torque_nm=36", or a mapping such as '
+            '{"load.torque_nm": 36}'
+        )
     if isinstance(changes, Mapping):
         return _apply_changes(design, [(path, _plain(value)) for path, value in changes.items()], "override", Path())
     return _apply_changes(design, [_pair(change) for change in changes], "--set", Path())

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.arguments import require_count
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
@@ -317,7 +318,7 @@ def tolerance(
     design: Named,
     samples: int = 10_000,
     seed: int = 0,
-    limits: Sequence[FigureLimit | str] = (),
+    limits: Sequence[FigureLimit | str] | str = (),
     progress: Progress = silent,
     engine: Engine = THREADS,
     verify: int = 0,
@@ -352,7 +353,8 @@ def tolerance(
     Raises
     ------
     UsageError
-        The design has no tolerances, a limit is not valid, or limits contradict each other.
+        The design has no tolerances, a limit is not valid, limits contradict each other, or an argument is out of
+        range.
     TooManyJams
         At least 99 % of the first 200 samples jam (of all samples if there are fewer). The attribute `tolerances` of
         the error has the quantities of these samples.
@@ -360,6 +362,9 @@ def tolerance(
         Ctrl-C was pressed. The attribute `tolerances` has the quantities of all samples before the first unsolved
         batch, and the finished simulations.
     """
+    require_count("samples", samples, 1)
+    require_count("seed", seed, 0)
+    limits = [limits] if isinstance(limits, str) else limits
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(
             f"--verify {verify} is out of range: give the number of worst samples to simulate, 0 to {MAX_WORST}"

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.arguments import require_number
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame
@@ -737,10 +738,12 @@ def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent
     Raises
     ------
     UsageError
-        The design does not exist.
+        The design does not exist, or the life is negative.
     DesignError
         The design cannot be read, its crank does not turn, or no torque is rated for that life.
     RunError
         No static equilibrium exists, for example because friction jams the reducer.
     """
+    if life_h:
+        require_number("life_h", life_h, "h", above=0.0)
     return datasheet(reducer_of(resolve(design)), life_h, progress)

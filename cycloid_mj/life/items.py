@@ -4,7 +4,9 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
+from typing import get_args
 
+from cycloid_mj.base.arguments import require_choice, require_count, require_number
 from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.geometry.measured import part_notes
@@ -72,8 +74,13 @@ def rate(
     DesignError, RunError
         The crank does not turn; no static equilibrium exists at a torque of the duty.
     UsageError
-        The parts are to be toleranced, but the design has no tolerances; the input turns without torque.
+        The parts are to be toleranced, but the design has no tolerances; the input turns without torque; an argument is
+        out of range.
     """
+    require_choice("parts", parts, get_args(Parts))
+    require_count("poses", poses, 1)
+    if life:
+        require_number("life", life, "h", above=0.0)
     if give is not None:
         warnings.warn("the argument `give` of rate() is deprecated: use `compliance`", CycloidWarning, stacklevel=2)
         compliance = give

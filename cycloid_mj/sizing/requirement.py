@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
+from cycloid_mj.base.arguments import require_choice
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import RPM
@@ -113,6 +114,7 @@ def make_requirement(
         raise UsageError(
             "both the crank speed and the output speed are set, but each determines the other: remove one of them"
         )
+    require_choice("process", process, PROCESSES)
     limits = PROCESSES[process]
     speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
     share, points = _parse_duty(duty, limits.duty_share)

@@ -7,11 +7,12 @@ discs has two more hinges, so that it can tilt.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import mujoco
 
 from cycloid_mj.base import names
+from cycloid_mj.base.arguments import require_choice
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Named, resolve
@@ -97,11 +98,14 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
 
     Raises
     ------
+    UsageError
+        `held` is not a shaft.
     DesignError
         A part of the design is not feasible, or ``contact.needles`` is "each".
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
+    require_choice("held", held, get_args(Held))
     reducer = reducer_of(resolve(design))
     if reducer.separate_needles or reducer.roller_needles.needles:
         raise DesignError(

@@ -5,11 +5,12 @@ Housing, shaft, cams and output are in the frame of the reducer axis, other part
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.arguments import require_choice, require_number
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
@@ -35,6 +36,7 @@ from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.edges import broken_edges
 from cycloid_mj.parts.export.joints import cross_holes_of, drive_joints
 from cycloid_mj.parts.export.motor_mount import Motor
+from cycloid_mj.parts.export.motors import MotorFlange, MotorName
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
 from cycloid_mj.parts.export.polylines import polyline_sections, svg_bytes
@@ -162,10 +164,17 @@ def export(
     DesignError
         A part cannot be manufactured, is not watertight, or its exported volume or clearance is not that of the design;
         the motor does not fit; or the sockets are closed, or the ring of several discs is in two halves.
+    UsageError
+        The format or the motor is unknown, or the tolerance of arcs is not positive.
     CycloidError
         The extra for DXF or STEP is not installed.
     """
     design = resolve(design).at_reference
+    require_choice("file_format", file_format, FORMATS)
+    if not isinstance(motor, MotorFlange):
+        require_choice("motor", motor, get_args(MotorName))
+    if arcs is not None:
+        require_number("arcs", arcs, "m", above=0.0)
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
     reducer = reducer_of(design)
     require_open_sockets(design, "files of its parts")
