@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -297,7 +298,8 @@ def _find_scale_limit(
     """Return the largest factor on torque or speed of a duty cycle at which no thermal limit is exceeded.
 
     The first estimate assumes losses that are linear in the factor. The secant method corrects it with the losses at
-    that factor and the temperatures of the limit. An estimate above `largest_corrected` is not corrected.
+    that factor and the temperatures of the limit. An estimate above `largest_corrected` is replaced by a linear
+    extrapolation from there, so that it does not depend on the torque of a light duty.
 
     Parameters
     ----------
@@ -320,6 +322,12 @@ def _find_scale_limit(
     network, last_point = steady_state.network, None
     limit = _estimate_scale_limit(reducer, steady_state, growth, settings)
     scale, loss_slope = limit.factor, sum(growth.values())
+    if largest_corrected <= scale < math.inf:
+        with suppress(RunError):
+            limit = _extrapolate_scale_limit(
+                reducer, scale_duty, largest_corrected, steady_state, limit.temperatures, settings
+            )
+            scale = limit.factor
     for _ in range(settings.corrections):
         if not 0.0 < scale < largest_corrected:
             break
@@ -360,6 +368,37 @@ def _estimate_scale_limit(
     )
     limit = _find_loss_factor_limit(reducer, rises, settings, idle_rises)
     return limit if limit.factor > 0.0 else _find_loss_factor_limit(reducer, rises, settings)
+
+
+def _extrapolate_scale_limit(
+    reducer: Reducer,
+    scale_duty: Callable[[float], Sequence[DutyPoint]],
+    largest: float,
+    steady_state: SteadyState,
+    temperatures: Mapping[str, float],
+    settings: ThermalSettings,
+) -> "_LossLimit":
+    """Return the factor on torque or speed at which a thermal limit is reached, extrapolated from large factors.
+
+    Losses are linear between those at half of the factor `largest` and at `largest`, with conductances at the latter.
+    All are computed at the `temperatures` of the parts [°C]. Other parameters and the result are those of
+    `_estimate_scale_limit` and `_find_scale_limit`.
+
+    Raises
+    ------
+    RunError
+        No static equilibrium exists at one of both factors.
+    """
+    losses = []
+    for factor in (0.5 * largest, largest):
+        points = scale_duty(factor)
+        point_losses, network = solve_losses(reducer, points, temperatures, settings)
+        losses.append(mean_of_points(points, point_losses))
+    half, full = losses
+    growth = {source: 2.0 * (loss - half[source]) for source, loss in full.items()}
+    state = replace(steady_state, losses=full, conductances=network.conductances)
+    limit = _estimate_scale_limit(reducer, state, growth, settings)
+    return replace(limit, factor=largest * limit.factor)
 
 
 @dataclass(frozen=True)

@@ -387,6 +387,18 @@ def test_the_thermal_torque_does_not_depend_on_the_torque_of_the_duty(name: str)
     assert light.limited_by == full.limited_by
 
 
+def test_a_limit_far_beyond_the_nominal_torque_is_extrapolated_from_three_times_it() -> None:
+    """23 times the nominal torque. From light loads alone, whose contacts conduct less heat, it was 13 times."""
+    design = unlike("nonpin-n69-d1-carrier-2um")
+    full, light = (
+        thermal(design, constant_duty(share * design.rated_torque, design.drive.speed)) for share in (1.0, 0.3)
+    )
+    assert light.torque == pytest.approx(full.torque, rel=0.02)
+    assert full.limited_by == light.limited_by == "100 °C, grease"
+    at_limit = thermal(design, constant_duty(full.torque, design.drive.speed))
+    assert max(at_limit.temperatures.values()) == pytest.approx(100.0, abs=4.0)
+
+
 def test_a_light_duty_has_a_thermal_torque() -> None:
     """This drive withstands 43 times its nominal torque, more than 100 times the torque of the light duty."""
     design = override(unlike("sleeved-n27-d1-carrier-3um"), ["friction.law=film"])
