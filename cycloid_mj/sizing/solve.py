@@ -47,14 +47,15 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         return Trial(trial.pool, trial.pool.lightest() or trial.best), Answer(trial.pool.requirement, ()), None
     if not failed:
         return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
-    length_changes = _longer(requirement, failed)
+    length = least_length(failed) if requirement.length < math.inf else math.inf
+    longer = FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length))
+    length_changes = (longer,) if requirement.length < length < math.inf else ()
     pool, drive = _find_strongest(requirement)
-    if not drive:
-        return None, Answer(requirement, (), 0.0, _describe_torque_limit(pool), length_changes), pool
-    if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
+    if drive and drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         pool = pool.changed(pool.requirement.but(torque=requirement.torque)) or pool
         return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
-    return None, Answer(requirement, (), drive.torque, _describe_torque_limit(pool), length_changes), pool
+    most = drive.torque if drive else 0.0
+    return None, Answer(requirement, (), most, _describe_torque_limit(pool), length_changes), pool
 
 
 def _search_pools(requirement: Requirement) -> tuple[Trial | None, list[Pool]]:
@@ -114,14 +115,6 @@ def _rated_merit(pool: Pool) -> float:
         return -math.inf
     excess = float(objective.excess({"capacity": drive.capacity, **drive.figures}))
     return -excess if excess > 0.0 else drive.capacity
-
-
-def _longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[FeasibleChange, ...]:
-    """Return the change of a limited length to the smallest one at which a drive of some pools passes, if any."""
-    length = least_length(pools) if requirement.length < math.inf else math.inf
-    if not requirement.length < length < math.inf:
-        return ()
-    return (FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length)),)
 
 
 def least_length(pools: Iterable[Pool]) -> float:
