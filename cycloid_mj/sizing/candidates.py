@@ -409,12 +409,27 @@ def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reduce
     output bearings if they fit.
     """
     try:
-        reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
+        return _assemble(requirement, sizes, torque)
     except CycloidError:
         return None
+
+
+def describe_obstacle(requirement: Requirement, sizes: Sizes, torque: float) -> str:
+    """Return the reason why the drive of a candidate cannot be built, without remedies; "" if it can be built."""
+    try:
+        _assemble(requirement, sizes, torque)
+    except CycloidError as error:
+        return str(error).partition(": ")[0]
+    return ""
+
+
+def _assemble(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer:
+    """Return what `build_drive` returns; raise CycloidError with the reason if the drive cannot be built."""
+    reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
     if preloaded := with_preloaded_bearings(requirement, reducer):
         return preloaded
-    return reducer if _is_buildable(requirement, reducer) else None
+    _require_buildable(requirement, reducer)
+    return reducer
 
 
 def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reducer | None:
@@ -426,26 +441,31 @@ def with_preloaded_bearings(requirement: Requirement, reducer: Reducer) -> Reduc
     if Material(name=requirement.made_of).is_plastic or any(item.startswith(key) for item in requirement.changes):
         return None
     changed = reducer.but(output={"main_bearings": "angular_contact"})
-    return changed if _is_buildable(requirement, changed) else None
+    try:
+        _require_buildable(requirement, changed)
+    except CycloidError:
+        return None
+    return changed
 
 
-def _is_buildable(requirement: Requirement, reducer: Reducer) -> bool:
-    """Return whether a drive passes its checks, its covers fit into the diameter, and pins and dowels are in stock.
+def _require_buildable(requirement: Requirement, reducer: Reducer) -> None:
+    """Raise CycloidError unless a drive passes its checks, fits into the diameter, and has pins and dowels in stock.
 
     `requirement` is that for the drive.
     """
-    try:
-        drive_casing = casing(reducer, requirement.motor)
-        if 2.0 * drive_casing.outer > requirement.diameter + ROUNDING or any(
-            describe_missing_dowels(reducer, drive_casing)
-        ):
-            return False
-        failed = (item for item in sound_checks(reducer) if not item.passed)
-        if any(item.severity == "error" or item.name in WALLS for item in failed):
-            return False
-        return requirement.custom or output_pin(reducer) is not None
-    except CycloidError:
-        return False
+    drive_casing = casing(reducer, requirement.motor)
+    if 2.0 * drive_casing.outer > requirement.diameter + ROUNDING:
+        raise CycloidError("the covers with their screws need a larger diameter")
+    reasons = [*describe_missing_dowels(reducer, drive_casing)]
+    reasons += [
+        f"{item.key} is {item.got} and must be {item.limit}"
+        for item in sound_checks(reducer)
+        if not item.passed and (item.severity == "error" or item.name in WALLS)
+    ]
+    if not reasons and not requirement.custom and output_pin(reducer) is None:
+        reasons = ["no dowel in stock has the diameter and length of the output pins"]
+    if reasons:
+        raise CycloidError(reasons[0])
 
 
 def design_of(requirement: Requirement, sizes: Sizes, torque: float = 1.0) -> Design:

@@ -123,7 +123,7 @@ class RemedySearch:
         requirement, verify the result.
         """
         predict = cache(lambda index: self._predict(changes[index].requirement))
-        scale, low, high = self.scale, 0, len(changes)
+        scale, low, high = self.scale, 0, _count_buildable(predict, len(changes))
         for probe in range(MAX_PROBES):
             if low == high:
                 break
@@ -139,6 +139,17 @@ class RemedySearch:
             scale = torque / max(predict(index), 1e-9)
             low, high = (low, index) if torque >= required else (index + 1, high)
         yield from first_feasible(changes[high:], is_feasible)
+
+
+def _count_buildable(predict: Callable[[int], float], count: int) -> int:
+    """Return the number of changes up to the last for which a torque above 0 is predicted.
+
+    It is less than `count` if no parts in stock suit the largest diameters; it is found by bisection.
+    """
+    if not count or predict(count - 1):
+        return count
+    first = _first_above(predict, math.ulp(0.0), 0, count)
+    return bisect_left(range(count), True, first, key=lambda index: not predict(index))
 
 
 def _first_above(function: Callable[[int], float], bound: float, low: int, high: int) -> int:

@@ -1,6 +1,7 @@
 """The search: elites of closed-form estimates, rated by statics as far as they could be the best."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -30,6 +31,7 @@ from cycloid_mj.sizing.candidates import (
     DIMENSIONS,
     build_drive,
     decode,
+    describe_obstacle,
     design_of,
 )
 from cycloid_mj.sizing.objective import Objective, lightest, most_efficient, strongest
@@ -676,9 +678,22 @@ def _capacities(guess: Estimate) -> list[Array]:
 
 def first_drive(requirement: Requirement) -> Reducer | None:
     """Return the first drive of the sequence that can be built; None if there is none."""
-    guess = FIRST_TORQUE * requirement.diameter**3
+    torque = FIRST_TORQUE * requirement.diameter**3
+    return next((drive for row in _first_sizes(requirement) if (drive := build_drive(requirement, row, torque))), None)
+
+
+def most_frequent_obstacle(requirement: Requirement) -> str:
+    """Return the most frequent reason why `first_drive` finds no drive; "" if no sizes of parts are compatible."""
+    torque = FIRST_TORQUE * requirement.diameter**3
+    obstacles = [describe_obstacle(requirement, row, torque) for row in _first_sizes(requirement)]
+    kinds = [re.sub(r"[\d.]+", "", obstacle) for obstacle in obstacles]
+    return max(zip(obstacles, kinds, strict=True), key=lambda pair: kinds.count(pair[1]), default=("", ""))[0]
+
+
+def _first_sizes(requirement: Requirement) -> Sizes:
+    """Return the dimensions of the first candidates of the sequence, at most 200."""
     _, sizes = decode(requirement, _sequence(SETTINGS.start))
-    return next((drive for row in sizes[:200] if (drive := build_drive(requirement, row, guess))), None)
+    return sizes[:200].view(np.recarray)
 
 
 def _sequence(count: int) -> Array:

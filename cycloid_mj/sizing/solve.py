@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange
 from cycloid_mj.sizing.objective import shortest, strongest
 from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, create_pool, floor_digits
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, create_pool, floor_digits, most_frequent_obstacle
 
 LENGTH_WORDS = "a length of {:.4g} mm"
 """Words of a change of the length [mm]."""
@@ -76,8 +76,9 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     times the torque, until one fails.
     """
     unlimited = requirement.but(torque=QUANTITIES["torque"].high)
-    pool = max(create_pools(unlimited), key=_rated_merit)
-    drive = pool.best(strongest(pool.requirement))
+    for pool in sorted(create_pools(unlimited), key=_rated_merit, reverse=True):
+        if drive := pool.best(strongest(pool.requirement)):
+            break
     drive = drive and pool.nearer_to_capacity(drive)
     while drive and EXCESS * drive.torque <= unlimited.torque:
         stronger, _ = _search_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque)))
@@ -170,16 +171,20 @@ def _describe_torque_limit(pool: Pool) -> str:
 
 
 def _describe_infeasible_size(requirement: Requirement) -> str:
-    """Describe why no drive of the required size exists: parts in stock, motor shaft, or ratio and clearance."""
-    discs = requirement.numbers_of_discs[0]
-    if not requirement.custom and create_pool(requirement.but(custom=True, discs=discs)):
+    """Describe why no drive of the required size exists: parts in stock, motor shaft, assembly, or ratio and clearance.
+
+    The assembly is the reason if there are discs, but none can be built into a drive.
+    """
+    required = requirement.but(discs=requirement.numbers_of_discs[0])
+    free = required.but(custom=True)
+    if not requirement.custom and create_pool(free):
         return "no pins and bearings in stock fit"
-    if requirement.motor != "auto" and create_pool(requirement.but(motor="auto", discs=discs)):
+    if requirement.motor != "auto" and create_pool(required.but(motor="auto")):
         return f"no crank that fits is thick enough for the shaft of the motor {requirement.motor}"
-    return (
-        f"no disc with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm with "
-        f"clearances of {1e6 * requirement.usual_clearance:g} um ({requirement.process})"
-    )
+    size = f"with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm"
+    if obstacle := most_frequent_obstacle(required) or most_frequent_obstacle(free):
+        return f"no drive {size} ({requirement.process}): {obstacle}"
+    return f"no disc {size} with clearances of {1e6 * requirement.usual_clearance:g} um ({requirement.process})"
 
 
 def length_parts(reducer: Reducer) -> str:

@@ -200,8 +200,8 @@ def test_drives_are_found_although_play_lets_the_usual_teeth_jump() -> None:
     asked = Requirement(112, 0.153, 3.96, process="printed")
     for drive in size_drive(asked).drives:
         require_held(drive, asked)
-    small = size_drive(Requirement(17, 0.045, 0.343, process="printed"))
-    assert small.most > 0.05
+    small = size_drive(Requirement(17, 0.0506, 0.343, process="printed"))
+    assert small.drives
     require_kept(small)
 
 
@@ -331,7 +331,7 @@ def test_candidates_of_free_sizes_without_room_for_a_bore_are_left_out() -> None
 
 @pytest.mark.slow
 def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> None:
-    refused = size_drive(Requirement(7, 0.026, 0.02))
+    refused = size_drive(Requirement(7, 0.032, 0.02))
     assert "no pins and bearings in stock fit" in refused.refusal
     assert any(way.requirement.custom for way in refused.remedies)
     require_kept(refused, ways=1)
@@ -339,7 +339,7 @@ def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> No
 
 @pytest.mark.slow
 def test_too_little_space_for_parts_in_stock_is_reported_with_a_length() -> None:
-    refused = size_drive(Requirement(5, 0.0926, 5.0, length=0.0425))
+    refused = size_drive(Requirement(5, 0.0926, 3.0, length=0.0425))
     (way,) = refused.remedies
     assert re.fullmatch(r"a length of [\d.]+ mm", way.words)
     assert way.requirement.diameter == 0.0926
@@ -349,8 +349,8 @@ def test_too_little_space_for_parts_in_stock_is_reported_with_a_length() -> None
 
 @pytest.mark.slow
 def test_a_larger_drive_is_the_remedy_where_it_suffices() -> None:
-    """The search found none without a slower crank."""
-    refused = size_drive(Requirement(5, 0.05, 20.0))
+    """The search found none without a slower crank: no parts in stock suit the largest of the diameters."""
+    refused = size_drive(Requirement(5, 0.05, 10.0))
     (way,) = refused.remedies
     assert re.fullmatch(r"[\d.]+ mm", way.words)
     require_kept(refused)
@@ -420,7 +420,7 @@ def test_refusals_at_any_length_name_the_same_smallest_length() -> None:
 def test_a_shorter_length_limit_that_a_drive_meets_finds_a_drive() -> None:
     """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
     asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
-    longest, *_ = solve(asked.but(length=0.058))
+    longest, *_ = solve(asked.but(length=0.065))
     assert longest
     length = math.ceil(1e4 * longest.best.figures["length"]) / 1e4
     again, *_ = solve(asked.but(length=length))
@@ -564,6 +564,14 @@ def test_a_crank_too_thin_for_the_shaft_of_the_motor_is_the_cause_of_a_refusal()
     assert solve(asked)[1].limit == "no crank that fits is thick enough for the shaft of the motor nema34"
 
 
+def test_parts_that_cannot_be_assembled_are_the_cause_of_a_refusal() -> None:
+    """The refusal stated that no disc fits, although 145 discs did."""
+    asked = Requirement(17, 0.045, 0.343, process="printed")
+    limit = solve(asked)[1].limit
+    assert limit.startswith("no drive with a ratio of 17 fits into 45 mm (printed): 4 screws ISO 4762"), limit
+    assert "do not fit in the output flange" in limit
+
+
 def test_two_stages_are_named_for_a_larger_ratio() -> None:
     with pytest.raises(UsageError, match="17 x 11 = 187"):
         SMALL.but(ratio=187)
@@ -590,7 +598,7 @@ def test_too_little_length_is_reported_with_one_that_is_feasible() -> None:
 
 @pytest.mark.slow
 def test_an_alternative_meets_both_torque_and_backlash() -> None:
-    asked = Requirement(39, 0.0379, 1.62, process="printed", backlash=3.7)
+    asked = Requirement(39, 0.06, 1.62, process="printed", backlash=3.7)
     refused = size_drive(asked)
     assert "its backlash is" in refused.refusal
     assert all(way.requirement.backlash == asked.backlash for way in refused.remedies)
@@ -622,7 +630,7 @@ def test_each_value_that_is_chosen_has_its_reason(small: Answer) -> None:
 @pytest.mark.parametrize(
     "asked",
     [
-        Requirement(15, 0.075, 0.5, process="printed", fit="H7/f7"),
+        Requirement(15, 0.075, 0.25, process="printed", fit="H7/f7"),
         Requirement(30, 0.1, 2.0, process="milled", discs=2, clearance=2e-5),
     ],
     ids=str,
