@@ -16,7 +16,7 @@ from cycloid_mj.checks.teeth import TEETH
 from cycloid_mj.design import PRESETS, Design, Material, override, stock
 from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.design.model import Gear
-from cycloid_mj.design.processes import PROCESSES, usual_tolerances
+from cycloid_mj.design.processes import PROCESSES, TOLERANCE_SHARE, usual_tolerances
 from cycloid_mj.design.units import bounds_of
 from cycloid_mj.life import rolling
 from cycloid_mj.life.estimate import SIZES, SIZES_DTYPE, Sizes
@@ -56,6 +56,9 @@ DIMENSIONS = 9
 
 POWER_RESERVE = 1.1
 """Power of the motor relative to that of torque and speed (heuristic)."""
+
+JAMMING_DEVIATIONS = 2.33
+"""Standard deviations of a clearance that it must exceed: 1 % of a normal distribution is beyond them."""
 
 ROUNDING = 2.5e-6
 """Step of free dimensions [m]."""
@@ -121,6 +124,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= max_width)
     # the wall between sockets, as the check "neighbouring_pins"
     valid &= pin + requirement.usual_clearance < (math.sin(math.pi / teeth) - 0.5 * TEETH.min_wall_share) * circle
+    valid &= is_bare | _turns_in_holes(requirement, stud)
     return points[valid], sizes[valid]
 
 
@@ -130,6 +134,22 @@ def has_plastic_discs(requirement: Requirement) -> bool:
     Pins and sleeves of any size (`Requirement.custom`) are excluded.
     """
     return Material(name=requirement.made_of).is_plastic and not requirement.custom
+
+
+def _tube_deviation(requirement: Requirement, radius: float) -> float:
+    """Return the standard deviation of the radius of an output sleeve [m]: that of a tube in stock, or 0 if turned."""
+    is_tube = has_plastic_discs(requirement) and stock.is_tube(2.0 * radius)
+    return 0.5 * stock.tube_tolerance(2.0 * radius) / math.sqrt(3.0) if is_tube else 0.0
+
+
+def _turns_in_holes(requirement: Requirement, radius: Array) -> Mask:
+    """Return whether output sleeves of n radii [m] have clearance in 99 % of drives, in spite of a tube's tolerance."""
+    is_free = np.ones(len(radius), bool)
+    for size in () if requirement.fit else np.unique(radius).tolist():
+        clearance = requirement.clearance_at(2.0 * size)
+        deviation = math.hypot(TOLERANCE_SHARE * clearance, _tube_deviation(requirement, size))
+        is_free[radius == size] = JAMMING_DEVIATIONS * deviation < clearance
+    return is_free
 
 
 def _round_to_stock(radius: Array, diameters: Sequence[float]) -> Array:
@@ -483,8 +503,7 @@ def _design_tables(requirement: Requirement, sizes: Sizes, torque: float) -> dic
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     pin_clearance, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
     needles, is_bare = size["needle_dynamic"] > 0.0, size["core"] == size["stud"]
-    is_tube = has_plastic_discs(requirement) and not is_bare and stock.is_tube(2.0 * size["stud"])
-    tube_deviation = 0.5 * stock.tube_tolerance(2.0 * size["stud"]) / math.sqrt(3.0) if is_tube else 0.0
+    tube_deviation = 0.0 if is_bare else _tube_deviation(requirement, size["stud"])
     wall, friction = size["outer"] - size["circle"] - size["pin"], {}
     if Material(name=requirement.made_of).is_plastic:
         friction = {"boundary": round(sum(greased_friction(requirement.made_of)) / 2.0, 4)}
