@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.checks.cam_rollers import cam_pressure_limit, has_bare_rollers
@@ -116,7 +117,16 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     if abs(estimated_torque) > max(FAR_BEYOND * other_limit, abs(torque)):
         return abs(estimated_torque), f"in {kind}, lower bound: {root_note}; another limit of the stop is far below"
     try:
-        limit_torque, kind = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
+        limit_torque, kind = _torque_at_pressure(worst, tuple(limits.items()), estimated_torque)
     except RunError:
         return abs(estimated_torque), f"in {kind}; no equilibrium was found there: {root_note}"
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"
+
+
+@lru_cache(maxsize=1)  # yield and dents of most plastics have the same limits
+def _torque_at_pressure(worst: Loading, limits: tuple[tuple[str, float], ...], torque: float) -> tuple[float, str]:
+    """Find the output torque [N m] at which a contact reaches its pressure limit, from a `torque`, and its kind.
+
+    `limits` are pairs of kind and pressure [Pa]. The last result is cached.
+    """
+    return torque_at_pressure(worst.reducer, worst.springs, dict(limits), torque)
