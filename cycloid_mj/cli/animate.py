@@ -6,10 +6,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.animation import ANIMATION
-from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, integer_flag, number_flag
+from cycloid_mj.cli.outfile import claim_file
 from cycloid_mj.cli.ranges import RANGES
 
 EXAMPLES = """Examples:
@@ -74,7 +74,7 @@ def animate(
     from cycloid_mj.plots.movie import write_movie
 
     scene = select_samples(read(log), magnify, frames, turns, disc - 1)
-    claim_outputs(Path(out), force=output_flags.force)
+    claim_file(Path(out), output_flags.force)
     page = claim_page(output_flags, f"{Path(out).stem}-film")
     write_movie(draw_frames(scene, width), out, fps)
     return deliver_files(f"film: {log}", [out], page, output_flags)

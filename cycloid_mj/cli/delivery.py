@@ -10,10 +10,10 @@ from cycloid_mj.base.atomic_write import encodable_text, write_files
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim_outputs, require_ending
+from cycloid_mj.base.overwrite_guard import require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.flags import CommonFlags, Delivery
-from cycloid_mj.cli.outfile import STDOUT, Columns, claim_folder, write_csv
+from cycloid_mj.cli.outfile import STDOUT, Columns, claim_file, claim_folder, write_csv
 from cycloid_mj.cli.terminal import json_text, note, say, say_json, show, tell, with_warnings
 from cycloid_mj.design import PRESETS
 
@@ -111,7 +111,7 @@ def claim_page(
     If ``--html`` does not name the page, its name is `stem` in the folder `directory`, and only with `with_page` or
     ``--html``. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run,
     whose page may be replaced. Raise UsageError for a name that cannot be a page, TakenError if the file must not be
-    replaced, and CycloidError if its folder cannot be created.
+    replaced, and CycloidError if it cannot be written.
     """
     if flags.html is None and not with_page:
         return None
@@ -132,7 +132,7 @@ def claim_page(
     )
     require_ending(path, ".html")
     if not resumed:
-        claim_outputs(path, force=flags.force)
+        claim_file(path, flags.force)
     return path
 
 

@@ -52,6 +52,27 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     claim_outputs(Path(file), force=force)
 
 
+def claim_file(path: Path, force: bool) -> None:
+    """Check before the work that a named file can be written in an existing folder.
+
+    Raises
+    ------
+    CycloidError
+        The folder does not exist or is not writable, or the name is that of a folder or a device.
+    TakenError
+        The file exists, and either `force` is not set or the command reads this file.
+    """
+    if not path.parent.is_dir():
+        raise CycloidError(
+            f"cannot write {path}: there is no folder {path.parent}. Create it, or choose another file name"
+        )
+    if path.exists() and not path.is_file():
+        raise CycloidError(f"cannot write {path}: it is not a regular file. Choose another file name")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise CycloidError(f"cannot write {path}: permission denied. Choose a file in another folder")
+    claim_outputs(path, force=force)
+
+
 def write_csv(file: str, columns: Columns) -> None:
     """Write columns of n numbers, shape (n,) each, as CSV with all digits, to a file or stdout.
 

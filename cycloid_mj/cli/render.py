@@ -6,10 +6,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, integer_flag, number_flag
+from cycloid_mj.cli.outfile import claim_file
 from cycloid_mj.reducer import reducer_of
 
 EXAMPLES = """Examples:
@@ -68,7 +68,7 @@ def render(
         raise UsageError(
             f"--time-s {time_s:g} is outside the run: give a time from {run.time[0]:.6g} to {run.time[-1]:.6g} s"
         )
-    claim_outputs(Path(out), force=output_flags.force)
+    claim_file(Path(out), output_flags.force)
     page = claim_page(output_flags, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     require_mujoco()

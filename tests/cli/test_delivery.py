@@ -110,6 +110,20 @@ def test_the_name_of_a_page_ends_in_html(html: tuple[str, ...]) -> None:
         claim_destination(Delivery(html=html), "stem")
 
 
+def test_a_page_that_cannot_be_written_is_reported_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def work(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("cycloid_mj.life.thermal.thermal", work)
+    assert main(["thermal", "pin", "--html", str(tmp_path / "missing" / "page.html")]) == 1
+    assert f"there is no folder {tmp_path / 'missing'}. Create it" in capsys.readouterr().err
+    (tmp_path / "folder.html").mkdir()
+    assert main(["thermal", "pin", "--html", str(tmp_path / "folder.html")]) == 1
+    assert "it is not a regular file. Choose another file name" in capsys.readouterr().err
+
+
 def test_csv_has_every_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["statics", "pin", "--out", str(tmp_path), "--json", "--quiet"]) == 0
     figures = json.loads(capsys.readouterr().out)["quantities"]
