@@ -47,9 +47,9 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         return Trial(trial.pool, trial.pool.lightest() or trial.best), Answer(trial.pool.requirement, ()), None
     if not failed:
         return None, Answer(requirement, (), 0.0, _describe_infeasible_size(requirement)), None
-    length = least_length(failed) if requirement.length < math.inf else math.inf
-    longer = FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length))
-    length_changes = (longer,) if requirement.length < length < math.inf else ()
+    trial, length_changes = _search_longer(requirement, failed)
+    if trial:
+        return trial, Answer(trial.pool.requirement, ()), None
     pool, drive = _find_strongest(requirement)
     if drive and drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
         pool = pool.changed(pool.requirement.but(torque=requirement.torque)) or pool
@@ -118,14 +118,37 @@ def _rated_merit(pool: Pool) -> float:
     return -excess if excess > 0.0 else drive.capacity
 
 
+def _search_longer(requirement: Requirement, pools: Iterable[Pool]) -> tuple[Trial | None, tuple[FeasibleChange, ...]]:
+    """Search for the lightest drive of the smallest feasible length, if the required length is too small for `pools`.
+
+    The lightest drive can be shorter than the shortest of the search for the length. If it has the required length, it
+    is returned; otherwise the change of the length to that of this drive, if there is one.
+    """
+    length = least_length(pools) if requirement.length < math.inf else math.inf
+    if not requirement.length < length < math.inf:
+        return None, ()
+    trial, _ = _search_pools(requirement.but(length=length))
+    if trial:
+        drive = trial.pool.lightest() or trial.best
+        if drive.figures["length"] <= requirement.length:
+            short = trial.pool.requirement.but(length=requirement.length)
+            return Trial(replace(trial.pool, requirement=short), drive), ()
+        length = _round_up_length(drive.figures["length"])
+    return None, (FeasibleChange(LENGTH_WORDS.format(MILLIMETRES * length), requirement.but(length=length)),)
+
+
 def least_length(pools: Iterable[Pool]) -> float:
     """Return the smallest length of drives of some pools that carry the torque within their tolerances [m], or inf.
 
     The length is rounded up.
     """
     drives = [pool.best(shortest(pool.requirement), max_evaluations=SETTINGS.few_ratings) for pool in pools]
-    lengths = (drive.figures["length"] for drive in drives if drive)
-    return min((math.ceil(1e4 * length) / 1e4 for length in lengths), default=math.inf)
+    return min((_round_up_length(drive.figures["length"]) for drive in drives if drive), default=math.inf)
+
+
+def _round_up_length(length: float) -> float:
+    """Round a length [m] up to tenths of a millimetre."""
+    return math.ceil(1e4 * length) / 1e4
 
 
 def is_feasible(requirement: Requirement) -> bool:
