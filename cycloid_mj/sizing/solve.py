@@ -76,9 +76,9 @@ def _find_strongest(requirement: Requirement) -> tuple[Pool, Rated | None]:
     times the torque, until one fails.
     """
     unlimited = requirement.but(torque=QUANTITIES["torque"].high)
-    for pool in sorted(create_pools(unlimited), key=_rated_merit, reverse=True):
-        if drive := pool.best(strongest(pool.requirement)):
-            break
+    pools = sorted(create_pools(unlimited), key=_rated_merit, reverse=True)
+    results = ((pool, drive) for pool in pools if (drive := pool.best(strongest(pool.requirement))))
+    pool, drive = next(results, (pools[0], None))
     drive = drive and pool.nearer_to_capacity(drive)
     while drive and EXCESS * drive.torque <= unlimited.torque:
         stronger, _ = _search_pools(requirement.but(torque=floor_digits(EXCESS * drive.torque)))
