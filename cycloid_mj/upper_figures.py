@@ -70,9 +70,10 @@ def _make_catalogue_entries(
 
 
 def _part_function(kind: str, name: str) -> Compute:
-    """Return a function that computes the quantity `name` of the parts of a `kind` of a reducer by finite elements.
+    """Return a function that computes the quantity `name` of a kind of part of a reducer by finite elements.
 
-    `kind` is a key of `PARTS`, such as "gear"; `name` is a key of ``stress.figures.FIGURES_OF_PARTS``.
+    `kind` is the kind of part, a key of `PARTS` such as "gear"; `name` is a key of ``stress.figures.FIGURES_OF_PARTS``.
+    Of several parts of a kind, such as two discs, the value is the largest, or that of the smallest safety factor.
     """
 
     def compute(reducer: Reducer) -> float:

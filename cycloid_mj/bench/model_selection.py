@@ -39,7 +39,7 @@ class ModelFit:
     akaike: float
     """Bayesian and Akaike's information criterion; they compare only with those of the same comparison."""
     values: dict[str, float]
-    """The fitted values by key, in their units."""
+    """The fitted values of the parameters by key, in their units."""
 
 
 @dataclass(frozen=True)
@@ -79,20 +79,21 @@ def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
 
 
 def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
-    """Return residuals, information criteria and fitted values of several models that are fitted to the same loops.
+    """Compare several models that are fitted to the same measured loops; return one `ModelFit` for each, in order.
 
-    The keys of `fits` are pairs of a model's key and its meaning in words; the results are in the same order. All
-    criteria use the same number of independent residuals: that of the model with the most parameters, because its
-    residuals are nearest to noise.
+    A `ModelFit` has the rms residual of each loop over the height of the loop [1], the Bayesian and Akaike's
+    information criterion [1], and the fitted values of the model's parameters in their units. The keys of `fits` are
+    pairs of a model's key and its meaning in words. All criteria use the same number of independent residuals of each
+    loop: those of the model with the most parameters, because its residuals are nearest to noise.
     """
-    independent_counts = max(fits.values(), key=lambda fit: len(fit.parameters)).independent
+    independent_residuals = max(fits.values(), key=lambda fit: len(fit.parameters)).independent
     return tuple(
         ModelFit(
             key,
             meaning,
             tuple(fitted.rms(index) / loop.height for index, loop in enumerate(fitted.loops)),
-            fitted.bayesian_criterion(independent_counts),
-            fitted.akaike_criterion(independent_counts),
+            fitted.bayesian_criterion(independent_residuals),
+            fitted.akaike_criterion(independent_residuals),
             {parameter.key: float(value) for parameter, value in zip(fitted.parameters, fitted.values, strict=True)},
         )
         for (key, meaning), fitted in fits.items()

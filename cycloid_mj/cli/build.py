@@ -114,7 +114,7 @@ def _require_writable(out: str) -> None:
 
 
 def _surface_deviations(manifest: bytes) -> dict[str, dict[str, Any]]:
-    """Read the deviations of the convex pieces from the manifest, by surface."""
+    """Read the deviations of the convex pieces from the true surfaces in the manifest (`quality_um`), by surface."""
     from json import loads
 
     content = loads(manifest)
@@ -123,25 +123,30 @@ def _surface_deviations(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 
 def _measure_plain_coacd(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
-    """Decompose the toothed parts by CoACD without slices, for comparison; return deviations of the surfaces [um].
+    """Decompose the toothed parts by CoACD alone, for comparison; return how far the pieces miss the true surfaces.
 
-    The result is by part and threshold of CoACD. `seed` is the random seed of CoACD.
+    The model instead divides the working surfaces into slices. A key of the result is a text with the part and the
+    threshold of CoACD, such as "gear, plain CoACD 0.05". A value is that of `quality_um`: largest and rms overfill and
+    underfill along the normals [um], error of the volume [1], and number of pieces. `seed` is the random seed of CoACD.
     """
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 
-    figures: dict[str, dict[str, Any]] = {}
+    deviations: dict[str, dict[str, Any]] = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
         note(f"decomposing the parts by CoACD alone, for comparison (threshold {threshold:g})")
-        parts: list[Plain] = [plain_gear(reducer, settings)]
+        decompositions: list[Plain] = [plain_gear(reducer, settings)]
         if reducer.design.ring.kind == "nonpin":
-            parts.append(plain_ring(reducer, settings))
-        figures |= {f"{item.part}, plain CoACD {threshold:g}": quality_um(item.quality) for item in parts}
-    return figures
+            decompositions.append(plain_ring(reducer, settings))
+        deviations |= {
+            f"{decomposition.part}, plain CoACD {threshold:g}": quality_um(decomposition.quality)
+            for decomposition in decompositions
+        }
+    return deviations
 
 
-def _tabulate_deviations(name: str, figures: dict[str, Any]) -> tuple[str, ...]:
-    lengths = [f"{figures[key]:.3f}" for key in ("max_overfill_um", "rms_overfill_um")]
-    lengths += [f"{figures[key]:.3f}" for key in ("max_underfill_um", "rms_underfill_um")]
-    return (name, str(figures["parts"]), *lengths, f"{figures['volume_error']:.1e}")
+def _tabulate_deviations(name: str, deviations: dict[str, Any]) -> tuple[str, ...]:
+    lengths = [f"{deviations[key]:.3f}" for key in ("max_overfill_um", "rms_overfill_um")]
+    lengths += [f"{deviations[key]:.3f}" for key in ("max_underfill_um", "rms_underfill_um")]
+    return (name, str(deviations["parts"]), *lengths, f"{deviations['volume_error']:.1e}")

@@ -167,12 +167,16 @@ class MotorInterface:
     ] = None
 
     def choose_motor(self) -> "Motor":
-        """Return the motor of the flags: its name, or its dimensions if a flag such as ``--motor-shaft-mm`` sets one.
+        """Return the motor of the flags: the name of ``--motor``, or a `MotorFlange` if a flag sets a dimension.
+
+        Dimensions without a flag are those of ``--motor``. With the names "auto" and "circle", which have no
+        dimensions, the flange is a custom bolt circle: without flags for them, the pilot has 0.6 times the diameter of
+        the circle, and there is no motor shaft.
 
         Raises
         ------
         UsageError
-            The bolt circle or the thread is missing, or no screw in stock has the thread.
+            A custom bolt circle lacks its diameter or the thread, or no screw in stock has the thread.
         """
         from cycloid_mj.design import stock
         from cycloid_mj.parts.export.motors import MOTORS, MotorFlange

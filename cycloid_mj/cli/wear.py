@@ -82,7 +82,7 @@ def _outcome(result: "WearLife", destination: Destination) -> Outcome:
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure
 
-    typical_course, name = result.courses["typical"], f"{result.design}-wear"
+    typical_course, picture_name = result.courses["typical"], f"{result.design}-wear"
     initial_lost_motion, final_lost_motion = (
         typical_course.lost_motion[0] / ARCMINUTE,
         typical_course.lost_motion[-1] / ARCMINUTE,
@@ -101,8 +101,10 @@ def _outcome(result: "WearLife", destination: Destination) -> Outcome:
         summary=[f"{case}: {course.end}" for case, course in result.courses.items()],
         tables=result.tables(),
         notes=[f"assumed: {sentence}" for sentence in result.assumptions],
-        pictures={name: partial(encode_figure, wear_figure(result))} if destination.folder or destination.page else {},
-        captions={name: "Lost motion over the hours with its interval, and depths of wear."},
+        pictures={picture_name: partial(encode_figure, wear_figure(result))}
+        if destination.folder or destination.page
+        else {},
+        captions={picture_name: "Lost motion over the hours with its interval, and depths of wear."},
         frame=result.frame,
         result=result.as_json(),
         code=130 if result.interrupted else 0,

@@ -141,12 +141,13 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Check that designs under loads, `cases`, can be compared; return one design for each name.
+    """Check that the designs in `cases`, each under a load, can be compared; return name -> its first design.
 
     Raises
     ------
     UsageError
-        A name stands for several designs, or the designs cannot be compared.
+        A name stands for several designs, there are fewer than two names, not every design occurs exactly once under
+        each load, or the cases differ in a setting that compared designs must share (`conditions`).
     DesignError
         A design has massless pins.
     """

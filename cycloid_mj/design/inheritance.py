@@ -104,12 +104,12 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
     design = resolve(named, changes)
     kinds = design.pair_kinds
     unused_keys = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
-    values = {
+    inherited_values = {
         key: value
         for key in _describing_keys(design)
         if key not in stated_keys | unused_keys and (value := value_of(base.design, key))
     }
-    return Inheritance(base.name, BASE in tables, base.factor, values)
+    return Inheritance(base.name, BASE in tables, base.factor, inherited_values)
 
 
 def _describing_keys(design: Design) -> list[str]:

@@ -265,8 +265,9 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def preset_reasons(name: str, design: Design) -> dict[str, str]:
-    """Return the reasons for values of the preset called `name`, by ``table.name`` of the model; empty for other names.
+    """Return the reasons for values of the preset called `name`; empty if no preset has this name.
 
+    The keys are attributes of `Design`, such as "ring.pin_radius", and not keys of a design file, which end in units.
     `design` is derived from the preset; values that differ from the preset are left out.
     """
     name = name.casefold()

@@ -163,9 +163,12 @@ class Tolerances(Tabular):
         Assoc. 22, 1927).
         """
         count, good_share = self.samples, float(self.good.mean())
-        weight = NormalDist().inv_cdf(0.975) ** 2 / count
-        centre = (good_share + 0.5 * weight) / (1.0 + weight)
-        half_width = math.sqrt(weight * good_share * (1.0 - good_share) + 0.25 * weight**2) / (1.0 + weight)
+        # weight of the share 1/2 in the centre, relative to that of the observed share
+        weight_of_half = NormalDist().inv_cdf(0.975) ** 2 / count
+        centre = (good_share + 0.5 * weight_of_half) / (1.0 + weight_of_half)
+        half_width = math.sqrt(weight_of_half * good_share * (1.0 - good_share) + 0.25 * weight_of_half**2) / (
+            1.0 + weight_of_half
+        )
         return max(centre - half_width, 0.0), min(centre + half_width, 1.0)
 
     @property

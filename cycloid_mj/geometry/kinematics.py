@@ -170,8 +170,9 @@ def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, A
         Position [m] and velocity [m/s], shape (n, 2) each.
     """
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    x, y, angular_speed = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
-    return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + angular_speed * np.stack([-y, x], axis=1)
+    arm_x, arm_y, angular_speed = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
+    position = pose[:, :2] + np.stack([arm_x, arm_y], axis=1)
+    return position, motion[:, :2] + angular_speed * np.stack([-arm_y, arm_x], axis=1)
 
 
 def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:

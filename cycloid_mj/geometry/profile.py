@@ -393,11 +393,13 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
         turning_rate=lambda t: turning_rate(gear, t),
         arc_rate=lambda t: arc_rate(gear, t, offset),
     )
-    edges = sorted({0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes})
-    pieces = [sagitta_nodes(flank, start_t, end_t, chord_error)[:-1] for start_t, end_t in itertools.pairwise(edges)]
-    increasing = np.concatenate(pieces)
+    arc_ends = sorted({0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes})
+    arc_parameters = [
+        sagitta_nodes(flank, start_t, end_t, chord_error)[:-1] for start_t, end_t in itertools.pairwise(arc_ends)
+    ]
+    half_lobe = np.concatenate(arc_parameters)
     lobe_angle = 2 * np.pi / gear.lobes
-    one_lobe = np.concatenate([increasing, [lobe_angle / 2], lobe_angle - increasing[:0:-1]])
+    one_lobe = np.concatenate([half_lobe, [lobe_angle / 2], lobe_angle - half_lobe[:0:-1]])
     parameters = np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
     parameters.setflags(write=False)
     return parameters

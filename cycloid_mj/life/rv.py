@@ -54,31 +54,31 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float, temperatures: Mapping[s
     RunError
         No static equilibrium exists at a torque of the duty.
     """
-    points = turning_points(duty, reducer.design, "a life in hours can be computed")
-    torques = np.array([abs(point.torque) for point in points])
+    duty_points = turning_points(duty, reducer.design, "a life in hours can be computed")
+    torques = np.array([abs(point.torque) for point in duty_points])
     bearing_turns, ratio = float(reducer.kinematics.bearing_turns), reducer.design.ratio
-    weighted_speeds = np.array([bearing_turns * abs(point.speed / ratio) * point.share for point in points])
-    speed_ratios = np.array([abs(point.speed / reducer.design.drive.speed) for point in points])
-    items = [
+    weighted_crank_speeds = np.array([bearing_turns * abs(point.speed / ratio) * point.share for point in duty_points])
+    speed_ratios = np.array([abs(point.speed / reducer.design.drive.speed) for point in duty_points])
+    rated_items = [
         *(
-            item
-            for row in _crank_bearing_rows(reducer, torques)
-            for item in _rate_bearing(
+            rated_item
+            for bearing_row in _crank_bearing_rows(reducer, torques)
+            for rated_item in _rate_bearing(
                 reducer,
-                row,
+                bearing_row,
                 torques,
-                weighted_speeds,
+                weighted_crank_speeds,
                 duty.peak,
-                sum(point.share for point in points),
-                oil_viscosity(reducer, row.pair, temperatures),
+                sum(point.share for point in duty_points),
+                oil_viscosity(reducer, bearing_row.pair, temperatures),
             )
         ),
-        *_rate_teeth(reducer, torques, weighted_speeds, duty.peak, speed_ratios),
-        *_rate_planets(reducer, torques, weighted_speeds, speed_ratios),
+        *_rate_teeth(reducer, torques, weighted_crank_speeds, duty.peak, speed_ratios),
+        *_rate_planets(reducer, torques, weighted_crank_speeds, speed_ratios),
     ]
-    sorted_items = sort_by_margin(items, life)
+    items_by_margin = sort_by_margin(rated_items, life)
     condition, assumptions = describe_condition(reducer.design, duty), tuple(_assumptions(reducer, duty))
-    return Rating(reducer.design.name, condition, life, sorted_items, assumptions, None, 0.0, reducer.parts_text)
+    return Rating(reducer.design.name, condition, life, items_by_margin, assumptions, None, 0.0, reducer.parts_text)
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:

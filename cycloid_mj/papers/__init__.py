@@ -163,18 +163,18 @@ def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) ->
         return None
 
 
-def _load_paper(point: EntryPoint, loaded_keys: Container[str]) -> Paper:
+def _load_paper(entry_point: EntryPoint, loaded_keys: Container[str]) -> Paper:
     """Load a paper from an entry point, and load its command as a check.
 
     `loaded_keys` are the keys of the papers loaded before. Raises an exception if the paper or its command cannot be
     loaded or has the wrong type, or if the key of the paper is not a valid command name or already exists.
     """
     try:
-        paper = point.load()
+        paper = entry_point.load()
     except Exception as problem:
-        raise LookupError(f"{point.value} does not load: {problem}") from problem
+        raise LookupError(f"{entry_point.value} does not load: {problem}") from problem
     if not isinstance(paper, Paper):
-        raise TypeError(f"{point.value} is not a Paper but of type {type(paper).__name__}")
+        raise TypeError(f"{entry_point.value} is not a Paper but of type {type(paper).__name__}")
     if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
         raise ValueError(f"its key {paper.key!r} is not a valid command name")
     if paper.key in loaded_keys:

@@ -78,7 +78,7 @@ class FullModel(ABC):
 
     @abstractmethod
     def compliances(self) -> dict[str, float]:
-        """Compute the compliance of the output due to each kind of spring at its torque [rad/(N m)], by kind."""
+        """Compute the compliance of the output due to each kind of spring [rad/(N m)]: kind -> mean over a turn."""
 
     @abstractmethod
     def time_constants(self) -> dict[str, float]:
@@ -138,7 +138,8 @@ class CentralModel(FullModel):
     def compliances(self) -> dict[str, float]:
         """Compute the torsional compliance of each kind of contact, of bending pins and of the structure [rad/(N m)].
 
-        The keys are output pins, cam, teeth, bending of pins and twist of the structure.
+        The values are means over a turn of the crank at the rated torque. The keys are "output" (contacts of the output
+        pins), "cam", "mesh" (teeth), "bending" (of the output pins) and "twist" (of the structure).
         """
         reducer = self._reducer
         compliances = [
@@ -222,10 +223,11 @@ class RvModel(FullModel):
         return output_rotation(turning_reducer, equilibrium.carrier_turn)
 
     def compliances(self) -> dict[str, float]:
-        """Compute the compliance of teeth, crank bearings and planets [rad/(N m)] at the output.
+        """Compute the compliance of teeth ("mesh"), crank bearings and planets at the output [rad/(N m)].
 
-        The values are valid between the ends of the straight part of the wind-up curve. The compliance of a spring is
-        the work of the change of its force over the square of the change of the torque.
+        The keys are "mesh", `names.CRANK_BEARING` and `names.PLANET_MESH`. The values are means over a turn of the
+        carrier, valid between the ends of the straight part of the wind-up curve. The compliance of a spring is the
+        work of the change of its force over the square of the change of the torque.
         """
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)

@@ -14,7 +14,7 @@ from cycloid_mj.reducer.rv_bodies import crank_joint, crank_names
 
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
-    """Return the names of the columns that poses require."""
+    """Return the names of the log columns that `poses` requires: angles of input and output, and poses of the discs."""
     planar = (name for gear in names.gears(reducer.design.gear.discs) for name in names.planar_joints(gear))
     cranks = map(crank_joint, crank_names(reducer)) if isinstance(reducer, RvReducer) else ()
     return (f"{reducer.INPUT}_angle", *planar, *cranks, "output_angle")
@@ -41,13 +41,14 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     Parameters
     ----------
     columns
-        Values by name, shape (n,), in SI units. Pins without columns are fixed to the ring, or are massless pins: these
-        are placed in contact with disc and socket.
+        Columns of a log by their names, shape (n,), in SI units. Those in `pose_columns` of the reducer are required.
+        Pins without columns are fixed to the ring, or are massless pins: these are placed in contact with disc and
+        socket.
 
     Raises
     ------
     LogError
-        A column is missing.
+        A column in `pose_columns` is missing.
     """
     design = reducer.design
     missing = [name for name in pose_columns(reducer) if name not in columns]
@@ -57,50 +58,50 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
             "`cycloid-mj simulate` again to write a complete log"
         )
     zeros = np.zeros_like(columns["output_angle"])
-    ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
+    ring_angle, carrier_angle = reducer.member.ring_and_carrier(columns["output_angle"])
     poses_by_part = {
-        names.HOUSING: _pose(zeros, zeros, ring),
+        names.HOUSING: _pose(zeros, zeros, ring_angle),
         **(
-            _crank_poses(reducer, columns, carrier)
+            _crank_poses(reducer, columns, carrier_angle)
             if isinstance(reducer, RvReducer)
             else {names.SHAFT: _pose(zeros, zeros, columns["crank_angle"])}
         ),
         **{
-            gear: _pose(*(columns[name] for name in names.planar_joints(gear)))
-            for gear in names.gears(design.gear.discs)
+            disc: _pose(*(columns[name] for name in names.planar_joints(disc)))
+            for disc in names.gears(design.gear.discs)
         },
-        names.OUTPUT: _pose(zeros, zeros, carrier),
+        names.OUTPUT: _pose(zeros, zeros, carrier_angle),
     }
     if design.ring.kind == "pin":
-        pin_poses = _pin_poses(reducer, columns, ring)
+        pin_poses = _pin_poses(reducer, columns, ring_angle)
         poses_by_part |= {names.pin(number): pose for number, pose in enumerate(pin_poses, start=1)}
     return poses_by_part
 
 
-def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Array) -> dict[str, Array]:
+def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier_angle: Array) -> dict[str, Array]:
     """Compute the poses of sun and cranks by name, shape (n, 3) each: x [m], y [m] and angle [rad].
 
-    `columns` are the log columns by name, shape (n,), `carrier` (n,) [rad] is the angle of the carrier.
+    `columns` are the log columns by name, shape (n,), `carrier_angle` (n,) [rad] is the angle of the carrier.
     """
-    zeros = np.zeros_like(carrier)
+    zeros = np.zeros_like(carrier_angle)
     x, y, angle = (columns.get(name, zeros) for name in names.planar_joints(names.SUN))
     poses_by_part = {names.SUN: _pose(x, y, angle)}
     for crank in crank_names(reducer):
-        centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).position, (carrier.size, 2)), carrier)
-        crank_angle = usable(carrier) + usable(columns[crank_joint(crank)])
+        centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).position, (carrier_angle.size, 2)), carrier_angle)
+        crank_angle = usable(carrier_angle) + usable(columns[crank_joint(crank)])
         poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], crank_angle)
     return poses_by_part
 
 
-def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
+def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring_angle: Array) -> Array:
     """Compute the poses of all N ring pins at n samples, shape (N, n, 3): x [m], y [m] and angle [rad].
 
-    `ring` (n,) [rad] are the angles of the ring, and `columns` the log columns, which have the pins' displacements in
-    the frame of the ring. Pins without columns do not move in this frame, except massless pins: they are displaced by
-    their clearance in the direction in which the discs push them.
+    `ring_angle` (n,) [rad] are the angles of the ring, and `columns` the log columns, which have the pins'
+    displacements in the frame of the ring. Pins without columns do not move in this frame, except massless pins: they
+    are displaced by their clearance in the direction in which the discs push them.
     """
     nominal = ring_places(reducer)
-    numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring)
+    numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring_angle)
     displacements = np.array(
         [
             [columns.get(names.column(names.pin(number), name), zeros) for name in ("x", "y", "angle")]
@@ -114,9 +115,9 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
                 for number in numbers
             ]
         )
-        displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring))
-    centres = rotate(nominal[:, np.newaxis] + displacements[..., :2], ring)
-    return usable(np.concatenate([centres, displacements[..., 2:] + ring[:, np.newaxis]], axis=-1))
+        displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring_angle))
+    centres = rotate(nominal[:, np.newaxis] + displacements[..., :2], ring_angle)
+    return usable(np.concatenate([centres, displacements[..., 2:] + ring_angle[:, np.newaxis]], axis=-1))
 
 
 def _force_on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:

@@ -126,16 +126,18 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """Return the largest stresses in the shaft at k crank angles: a `Notch` for the journals, then one per shoulder.
+    """Return the largest stresses in the shaft over k crank angles: a `Notch` for the journals, then one per shoulder.
 
     The first is the most stressed section of all journals, without a notch (notch factors of 1). `moments` (k, s, 3) [N
     m] are the moments about x, y and z at the s stations of `shaft`, at the crank angles `angle` (k,) [rad]. The first
     stations are the shoulders.
     """
-    bending = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])
-    torsion = 0.5 * shaft.nominal_bending * np.abs(moments[..., 2])
-    seat = seat_factors(reducer.design, reducer.design.material_of("shaft").tensile_strength)
-    fillet = math.inf if seat and not has_cam_shoulders(reducer.design) else reducer.design.shaft.shoulder_fillet
+    bending_stress = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])
+    torsion_stress = 0.5 * shaft.nominal_bending * np.abs(moments[..., 2])
+    factors_of_seat = seat_factors(reducer.design, reducer.design.material_of("shaft").tensile_strength)
+    fillet_radius = (
+        math.inf if factors_of_seat and not has_cam_shoulders(reducer.design) else reducer.design.shaft.shoulder_fillet
+    )
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
         """Return the largest stress over the turn at the shaft's station with the index `station`.
@@ -144,20 +146,25 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
         radius of the fillet.
         """
         bending_factor, torsion_factor = factors
-        station_bending, station_torsion = bending[:, station], torsion[:, station]
+        station_bending, station_torsion = bending_stress[:, station], torsion_stress[:, station]
         angle_index = int(
             np.argmax(np.hypot(bending_factor * station_bending, np.sqrt(3.0) * torsion_factor * station_torsion))
         )
         stresses = float(station_bending[angle_index]), float(station_torsion[angle_index])
         return Notch(name, shaft.radius, fillet, float(angle[angle_index]), *stresses, *factors)
 
-    nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
+    nominal = np.hypot(bending_stress, np.sqrt(3.0) * torsion_stress)
     largest_station = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
-    position = f"journal at z = {shaft.stations[largest_station] / MILLIMETRE:.1f} mm"
+    journal_name = f"journal at z = {shaft.stations[largest_station] / MILLIMETRE:.1f} mm"
     return (
-        notch(position, largest_station, math.inf, (1.0, 1.0)),
+        notch(journal_name, largest_station, math.inf, (1.0, 1.0)),
         *(
-            notch(shoulder.name, station, fillet, _notch_factors(shaft.radius, fillet, shoulder.outer, seat))
+            notch(
+                shoulder.name,
+                station,
+                fillet_radius,
+                _notch_factors(shaft.radius, fillet_radius, shoulder.outer, factors_of_seat),
+            )
             for station, shoulder in enumerate(shaft.shoulders)
         ),
     )

@@ -35,9 +35,10 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def _slow_ideal_row(quick: bool) -> ValidationRow:
-    """Compare the cam's force on a disc of the ideal reducer, turning slowly under load, with the closed form.
+    """Compare the cam's force on a disc of the ideal reducer, turning slowly under load, with `statics_load`.
 
-    With `quick` the crank turns at 100 rpm instead of 40.
+    This closed form is the equilibrium of the disc with ideally shared forces of ring pins and output pins, without
+    weight and inertia. With `quick` the crank turns at 100 rpm instead of 40.
     """
     rpm = 100.0 if quick else 40.0
     design = design_of_kind(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
@@ -50,7 +51,7 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
 
 
 def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the mean force of the cam on a fast disc with the closed form: radial and upward components.
+    """Compare the mean force of the cam on a fast disc with `statics_load`: radial and upward components.
 
     The reducer has almost no clearance, no friction and a stiff cam. It runs at 1640 rpm under 0.5 N m, with a gravity
     of 98 m/s2. `quick` is ignored.
@@ -114,7 +115,11 @@ def _rated_rows() -> list[ValidationRow]:
 
 
 def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.0)) -> Array:
-    """Compute the ideal force of the cam on the disc [N], shape (n, 2), with a `force` [N] on the disc."""
+    """Compute the ideal force of the cam on the disc in closed form [N], shape (n, 2), at n crank angles `crank` [rad].
+
+    It is in equilibrium with the ideally shared forces of ring pins and output pins at the design's load, and with a
+    `force` [N] on the disc, such as `body_force`.
+    """
     design = reducer.design
     gear, torque, output = tooth_profile(design), design.load.torque, design.output
     tooth_loads = ideal_loads.ideal_load_sharing(gear, torque, crank)

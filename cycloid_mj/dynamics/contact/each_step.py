@@ -491,16 +491,17 @@ def _write_sample(run: StepState) -> None:
     The address is advanced to the next row. A sample has the values at the addresses `run.sources`, solver statistics,
     forces and powers of all pairs, and the powers of drags; see ``sample_layout``.
     """
-    row = run.rows
+    address = run.rows
     run.rows += run.width
     for k in range(run.source_count):
-        write_float(row, read_float(read_address(run.sources + 8 * k)))
-        row += 8
-    pairs = row + 8 * sample_layout.OF_SOLVER
+        write_float(address, read_float(read_address(run.sources + 8 * k)))
+        address += 8
+    summary, pair_table = address, address + 8 * sample_layout.OF_SOLVER
     for k in range(run.pairs):
-        write_float(pairs + 8 * (sample_layout.OF_PAIR * k + sample_layout.PEAK_FORCE), read_float(run.peak + 8 * k))
+        peak_address = pair_table + 8 * (sample_layout.OF_PAIR * k + sample_layout.PEAK_FORCE)
+        write_float(peak_address, read_float(run.peak + 8 * k))
         write_float(run.peak + 8 * k, 0.0)
-    sum_contacts(run, row, pairs)
+    sum_contacts(run, summary, pair_table)
     iterations, acceleration_sum, warnings = 0, 0.0, 0
     for k in range(run.islands):
         iterations = max(iterations, read_int(run.solver_niter + 4 * k))
@@ -508,11 +509,11 @@ def _write_sample(run: StepState) -> None:
         acceleration_sum += read_float(run.qacc + 8 * k)
     for k in range(run.warning_kinds):
         warnings += read_int(run.warning_number + run.warning_stride * k)
-    write_float(row + 8 * sample_layout.ITERATIONS, float(iterations))
-    write_float(row + 8 * sample_layout.ACCELERATION_SUM, acceleration_sum)
-    write_float(row + 8 * sample_layout.WARNINGS, float(warnings))
-    drags = pairs + 8 * sample_layout.OF_PAIR * run.pairs
+    write_float(summary + 8 * sample_layout.ITERATIONS, float(iterations))
+    write_float(summary + 8 * sample_layout.ACCELERATION_SUM, acceleration_sum)
+    write_float(summary + 8 * sample_layout.WARNINGS, float(warnings))
+    drag_powers = pair_table + 8 * sample_layout.OF_PAIR * run.pairs
     for k in range(run.drag_count):
-        row = 8 * read_int(run.drags + 4 * k)
-        force, speed = read_float(read_address(run.efc_force) + row), read_float(read_address(run.efc_vel) + row)
-        write_float(drags + 8 * k, -force * speed)
+        offset = 8 * read_int(run.drags + 4 * k)
+        force, speed = read_float(read_address(run.efc_force) + offset), read_float(read_address(run.efc_vel) + offset)
+        write_float(drag_powers + 8 * k, -force * speed)

@@ -180,19 +180,19 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
     tuple of float
         Parameter of the foot point [rad], distance [m], positive outside, and outward unit normal (x, y).
     """
-    radius, eccentricity, teeth = curve
-    start, sin_t, cos_t = trochoid_start(x, y, curve)
-    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, start, sin_t, cos_t)
+    radius, eccentricity, ring_teeth = curve
+    closed_form_start, sin_t, cos_t = trochoid_start(x, y, curve)
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, closed_form_start, sin_t, cos_t)
     if converged and abs(distance) < 0.1 * eccentricity:
         return t, distance, nx, ny
-    pitch = 2.0 * math.pi / (teeth - 1.0)
-    best_start, least_square = start, math.inf
+    pitch = 2.0 * math.pi / (ring_teeth - 1.0)
+    best_start, min_squared_distance = closed_form_start, math.inf
     for i in range(SETTINGS.grid):
-        candidate = start + pitch * (i / SETTINGS.grid - 0.5) * 2.0
-        dx = radius * math.sin(candidate) - eccentricity * math.sin(teeth * candidate) - x
-        dy = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
-        if dx * dx + dy * dy < least_square:
-            best_start, least_square = candidate, dx * dx + dy * dy
+        candidate = closed_form_start + pitch * (i / SETTINGS.grid - 0.5) * 2.0
+        dx = radius * math.sin(candidate) - eccentricity * math.sin(ring_teeth * candidate) - x
+        dy = radius * math.cos(candidate) - eccentricity * math.cos(ring_teeth * candidate) - y
+        if dx * dx + dy * dy < min_squared_distance:
+            best_start, min_squared_distance = candidate, dx * dx + dy * dy
     t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best_start, math.sin(best_start), math.cos(best_start))
     return t, distance, nx, ny
 

@@ -389,23 +389,23 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
 
     `encoding` has the file format and its settings.
     """
-    part_list = rv_parts(reducer)
-    error = encoding.chord_error
+    parts_by_name = rv_parts(reducer)
+    chord_error = encoding.chord_error
 
     def encode(name: str, part: Part) -> bytes:
         """Return the content of the file of the part `name` in the format of `encoding`."""
         if encoding.is_mesh:
-            return encoding.mesh(name, mesh(part.solid(error)))
+            return encoding.mesh(name, mesh(part.solid(chord_error)))
         if encoding.is_polylines:
             return encoding.polylines_of(part)
         if encoding.file_format == "dxf":
             return dxf_bytes(part.sections(1), (), encoding.arcs)
         return _encode_step(reducer, part.solid(EXPORT_CHORD_ERROR), part.sections(SPLINES))
 
-    discs = [part_list[gear].solid(error).prisms[0].outline for gear in reducer.gears]
-    ring = part_list[names.HOUSING].solid(error).prisms[0].holes[0]
-    files = {f"{name}.{encoding.file_format}": encode(name, part) for name, part in part_list.items()}
-    return Export(files, measure_rings(reducer, discs, ring))
+    discs = [parts_by_name[disc].solid(chord_error).prisms[0].outline for disc in reducer.gears]
+    ring_outline = parts_by_name[names.HOUSING].solid(chord_error).prisms[0].holes[0]
+    files = {f"{name}.{encoding.file_format}": encode(name, part) for name, part in parts_by_name.items()}
+    return Export(files, measure_rings(reducer, discs, ring_outline))
 
 
 def _encode_step(reducer: Reducer, solid: Solid, segments: tuple[PartSection, ...]) -> bytes:

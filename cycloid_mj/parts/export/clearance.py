@@ -94,12 +94,16 @@ def measure_disc(
     design = reducer.design
     outline, bore, *holes = gear_loops
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
-    points = {
+    clearances_by_kind = {
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
     flank, *socket = _measure_ring(reducer, outline, ring_loop, disc)
-    return flank, *(_checked_clearance(reducer, pair, values) for pair, values in points.items()), *socket
+    return (
+        flank,
+        *(_checked_clearance(reducer, kind, clearances) for kind, clearances in clearances_by_kind.items()),
+        *socket,
+    )
 
 
 def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) -> tuple[OutlineClearance, ...]:
@@ -125,24 +129,24 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
         Index of the disc.
     """
     design = reducer.design
-    teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
+    tooth_pair = "pin_gear" if design.ring.kind == "pin" else "tooth"
     rotated_outline = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
-    points: dict[str, Array] = {teeth: _flank_clearance(reducer, rotated_outline)}
+    clearances_by_kind: dict[str, Array] = {tooth_pair: _flank_clearance(reducer, rotated_outline)}
     if design.ring.has_sockets:
-        points["pin_socket"] = _socket_distances(reducer, ring_loop) - design.ring.pin_radius
-    return tuple(_checked_clearance(reducer, pair, values) for pair, values in points.items())
+        clearances_by_kind["pin_socket"] = _socket_distances(reducer, ring_loop) - design.ring.pin_radius
+    return tuple(_checked_clearance(reducer, kind, clearances) for kind, clearances in clearances_by_kind.items())
 
 
-def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
+def _checked_clearance(reducer: Reducer, pair_kind: str, clearances: Array) -> OutlineClearance:
     """Return the smallest and largest clearance on exported outlines; raise if they are not the design's.
 
     Parameters
     ----------
     reducer
         The reducer.
-    pair
+    pair_kind
         Kind of the pair, such as "pin_gear".
-    values
+    clearances
         Measured clearance at n points (n,) [m].
 
     Raises
@@ -150,13 +154,16 @@ def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineCle
     DesignError
         A value differs from the clearance of the design by more than `TOLERANCE`.
     """
-    item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), float(values.min()), float(values.max()))
-    if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
+    result = OutlineClearance(
+        pair_kind, getattr(reducer.design.clearance, pair_kind), float(clearances.min()), float(clearances.max())
+    )
+    if max(result.asked - result.least, result.most - result.asked) > TOLERANCE:
         raise DesignError(
-            f"the clearance {item.pair} of the exported outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um "
-            f"instead of {1e6 * item.asked:.4g} um, so the file is not written: please report this design"
+            f"the clearance {pair_kind} of the exported outline is {1e6 * result.least:.4g} to "
+            f"{1e6 * result.most:.4g} um instead of {1e6 * result.asked:.4g} um, so the file is "
+            "not written: please report this design"
         )
-    return item
+    return result
 
 
 def _merge_discs(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[OutlineClearance, ...]:

@@ -285,21 +285,22 @@ def _second_seat_start(casing: Casing) -> float:
     return casing.motor_bearing[0] - (casing.play if casing.stop_ring else 0.0)
 
 
-def _output_bearings(casing: Casing, ends: tuple[tuple[float, float], ...]) -> BoughtPart:
-    """Return one bought part with a position for each bearing of the output, at the `ends` (start, end) along z [m].
+def _output_bearings(casing: Casing, bearing_ends: tuple[tuple[float, float], ...]) -> BoughtPart:
+    """Return the bought part of equal bearings of the output: one position, the bearing's centre, for each bearing.
 
-    Bearings in the output cover have the highest numbers.
+    `bearing_ends` are the start and end of each bearing along z [m]. The numbers of the bearings increase along z, so
+    that those in the motor cover precede those in the output cover.
     """
-    hub = casing.hub
+    bearing = casing.hub
     return BoughtPart(
         names.OUTPUT_BEARING,
-        tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
+        tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width),
         names.HOUSING,
-        tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in ends),
-        bearing_dimensions(hub),
-        designation=hub.designation,
-        fit=hub_bearing_fit(hub),
-        first=len(casing.bearings) + 1 - len(ends) if ends[-1] == casing.bearings[-1] else 1,
+        tuple((0.0, 0.0, 0.5 * (start + end)) for start, end in bearing_ends),
+        bearing_dimensions(bearing),
+        designation=bearing.designation,
+        fit=hub_bearing_fit(bearing),
+        first=len(casing.bearings) + 1 - len(bearing_ends) if bearing_ends[-1] == casing.bearings[-1] else 1,
     )
 
 

@@ -128,17 +128,19 @@ def _describe_motor_cover(reducer: Reducer, casing: Casing) -> str:
 
     A motor with tapped holes is first bolted on from within.
     """
-    count = "the" if casing.far else "both"
+    article = "the" if casing.far else "both"
     spacer_text = f", both {names.BEARING_SPACER} between them" if bearing_spacers(reducer, casing) else ""
-    seal = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if casing.crank_end.seal else ""
-    ring = f", snap the {names.BORE_RING} in" if casing.crank_end.bore_ring else ""
-    step = f"press {seal}{count} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{spacer_text}{ring}"
+    seal_text = f"the {names.SHAFT_SEAL}, its lip towards the discs, and " if casing.crank_end.seal else ""
+    ring_text = f", snap the {names.BORE_RING} in" if casing.crank_end.bore_ring else ""
+    press_text = (
+        f"press {seal_text}{article} {names.SHAFT_BEARING} into the {names.MOTOR_COVER}{spacer_text}{ring_text}"
+    )
     if not casing.motor.tapped:
-        return f"P{step[1:]}"
+        return f"P{press_text[1:]}"
     bolt, length = motor_screw(casing.motor, casing.wall)
-    screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
-    crank_test = "Turn the crank by hand through one turn"
-    return f"{crank_test}; bolt the motor on ({casing.motor.name}, {screws} from within), {step}"
+    screws_text = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
+    test_text = "Turn the crank by hand through one turn"
+    return f"{test_text}; bolt the motor on ({casing.motor.name}, {screws_text} from within), {press_text}"
 
 
 def _describe_last_step(reducer: Reducer, casing: Casing) -> str:
