@@ -18,6 +18,7 @@ from cycloid_mj.design.lubricants import greased_friction
 from cycloid_mj.design.model import Gear
 from cycloid_mj.design.processes import PROCESSES, TOLERANCE_SHARE, usual_tolerances
 from cycloid_mj.design.units import bounds_of
+from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.life import rolling
 from cycloid_mj.life.estimate import SIZES, SIZES_DTYPE, Sizes
 from cycloid_mj.parts.export.bearings import output_pin
@@ -473,6 +474,8 @@ def _require_buildable(requirement: Requirement, reducer: Reducer) -> None:
 
     `requirement` is that for the drive.
     """
+    if requirement.fit:
+        tolerance_zones(reducer)  # raises an error if the fit is not tabulated at the diameter of a pair
     drive_casing = casing(reducer, requirement.motor)
     if 2.0 * drive_casing.outer > requirement.diameter + ROUNDING:
         raise CycloidError("the covers with their screws need a larger diameter")
