@@ -129,10 +129,11 @@ def _crank(motion: Series) -> Crank:
 
 
 def _evaluate_discs(motion: Series) -> tuple[Disc, ...]:
-    """Return a `Disc` for each disc: its speed, transmission error, and path and speed of the point q of the series.
+    """Return the findings on each disc: speed, transmission error, and path and speed of its point q.
 
-    The tuple is empty for a single disc, which the findings of the run describe. `motion` are the time series of the
-    run.
+    The point has the coordinates `Series.q` in the frame of each disc, by default those of the centre of hole 1.
+    `motion` are the time series of the run. The tuple is empty for a single disc, which the findings of the run
+    describe.
     """
     count = motion.design.gear.discs
     series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []

@@ -128,12 +128,12 @@ class LimitedConnection(H11Protocol):
 
     def _close_longest_waiting(self) -> None:
         """Abort the connection that has waited longest for a complete request; do nothing if none waits."""
-        waiting_since = {
+        start_times = {
             connection: connection._waiting_since
             for connection in self.connections
             if isinstance(connection, LimitedConnection)
         }
-        waiting = {connection: time for connection, time in waiting_since.items() if time is not None}
+        waiting = {connection: start for connection, start in start_times.items() if start is not None}
         if waiting:
             oldest = min(waiting, key=waiting.__getitem__)
             oldest._stop_waiting()  # else it would be chosen again before the event loop has removed it

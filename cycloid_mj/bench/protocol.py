@@ -350,8 +350,8 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
 def find_breakaway_torque(crank: Array, torque: Array) -> float:
     """Return the magnitude of the torque [N m] at which a crank begins to turn; NaN if it does not turn.
 
-    The torque is that of the last point whose crank angle differs from the first by at most `START.turned`. `crank`
-    [rad] and `torque` [N m] are in chronological order, shape (n,).
+    The torque is that of the last point whose crank angle differs from the first by at most 0.1 deg (`START.turned`).
+    `crank` [rad] and `torque` [N m] are in chronological order, shape (n,).
     """
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:
@@ -361,9 +361,10 @@ def find_breakaway_torque(crank: Array, torque: Array) -> float:
 
 
 def read_breakaway_torque(path: Path, torque_column: str) -> float:
-    """Read the torque at which the crank begins to turn [N m] from a CSV file with the columns crank_deg and torque.
+    """Read a start from rest from a CSV file, and return the torque at which its crank begins to turn [N m].
 
-    `torque_column` is the name of the column of the torque [N m].
+    The file has the crank angle in the column ``crank_deg`` [deg] and the torque in the column named `torque_column`
+    [N m]. The crank has begun to turn when its angle differs from the first by more than 0.1 deg (`START.turned`).
 
     Raises
     ------
@@ -371,13 +372,13 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
         The file is malformed, or its crank does not turn.
     """
     columns = read_columns(path, (CRANK, torque_column), "a start from rest")
-    value = find_breakaway_torque(DEGREE * columns[CRANK], columns[torque_column])
-    if math.isnan(value):
+    breakaway_torque = find_breakaway_torque(DEGREE * columns[CRANK], columns[torque_column])
+    if math.isnan(breakaway_torque):
         raise UsageError(
             f"{path}: {CRANK} stays within 0.1 deg of its first value, so the crank never starts to turn. Increase the "
             "torque during the measurement until the crank turns"
         )
-    return value
+    return breakaway_torque
 
 
 def _loop_quantities(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:

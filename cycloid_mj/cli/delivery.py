@@ -108,10 +108,19 @@ def claim_page(
 ) -> Path | None:
     """Check and reserve the file of the HTML page of a command, and return its path; None if no page is requested.
 
-    If ``--html`` does not name the page, its name is `stem` in the folder `directory`, and only with `with_page` or
-    ``--html``. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run,
-    whose page may be replaced. Raise UsageError for a name that cannot be a page, TakenError if the file must not be
-    replaced, and CycloidError if it cannot be written.
+    A page is requested by the flag ``--html``, or by `with_page` for a command that writes its page without this flag.
+    ``--html`` can name the file; otherwise, it is ``<stem>.html`` in the folder `directory`, or in `RUNS` if that is
+    None. `flags` are the output flags of the command. `resumed` is whether the command continues an earlier run, whose
+    page it will replace: the file is then neither checked nor reserved.
+
+    Raises
+    ------
+    UsageError
+        ``--html`` names several files, or a file that cannot be a page.
+    TakenError
+        The file exists and must not be replaced.
+    CycloidError
+        The file cannot be written, or the folder `RUNS` cannot be created.
     """
     if flags.html is None and not with_page:
         return None

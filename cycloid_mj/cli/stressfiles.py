@@ -92,18 +92,19 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
 def _describe_failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
     """Yield a sentence for each part whose stress exceeds its yield strength.
 
-    `findings` are the stresses of the parts. Parts with stress by finite elements come first, then sections of an RV
-    reducer with nominal stress (cranks, teeth).
+    `findings` has the stresses of the parts of each design. Parts with stress by finite elements come first, then the
+    cranks and gear teeth of RV reducers, whose stress is nominal.
     """
     for stresses in findings:
-        for part in stresses.parts:
-            if part.safety < 1.0:
-                yield f"{stresses.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+        for part_findings in stresses.parts:
+            if part_findings.safety < 1.0:
+                part, stress = part_findings.part, part_findings.governing
+                yield f"{stresses.design} {part}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
     for stresses in findings:
         if stresses.strength:
-            for name, stress in stresses.strength.largest.items():
+            for part, stress in stresses.strength.largest.items():
                 if stress > stresses.strength.yield_strength:
-                    yield f"{stresses.design} {name}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+                    yield f"{stresses.design} {part}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
 
 
 def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
@@ -163,7 +164,7 @@ def _weakest_parts(findings: "Iterable[StressFindings]") -> dict[str, str]:
 def _csv_rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
     """Yield a row of the CSV file for each part of each stress computation: the keys of `COLUMNS` and values.
 
-    `findings` are the stresses of the parts.
+    `findings` has the stresses of the parts of each design.
     """
     for stresses in findings:
         for part in stresses.parts:
@@ -183,7 +184,7 @@ def _csv_rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float
 def _stress_tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
     """Yield the tables of each design: the stress of its parts away from contacts, and below contacts.
 
-    `findings` are the stresses of the parts. An RV reducer has a table of its cranks and gears, too.
+    `findings` has the stresses of the parts of each design. An RV reducer has a table of its cranks and gears, too.
     """
     from cycloid_mj.stress.table import (
         BULK_HEADER,

@@ -350,8 +350,9 @@ def _plain(value: Any) -> Any:
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     """Return the complete design file of a design as TOML text with comments; `loads` reads back an equal design.
 
-    `reasons` are explanations of values, which are written in the comments. Their keys are ``table.name`` with the
-    names of the model, or the name alone for a value outside of tables.
+    `reasons` are explanations of values, which are written in the comments. Their keys are the attribute names of
+    `Design`, without the units of the file's keys: ``table.name``, such as ``load.torque`` for ``load.torque_nm``, or
+    the name alone for a value outside of tables.
     """
     reasons = reasons or {}
     lines = ["# cycloid_mj design file. Each key ends in its unit."]
@@ -361,23 +362,22 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            used_rows = [row for row in _fields(value) if _is_listed(design, name, row)]
-            if used_rows:
+            listed_fields = [inner for inner in _fields(value) if _is_listed(design, name, *inner)]
+            if listed_fields:
                 lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
             lines += [
-                _line(key, inner_field, inner_value, reasons.get(f"{name}.{key}", ""))
-                for key, inner_field, inner_value in used_rows
+                _line(inner_name, inner_field, inner_value, reasons.get(f"{name}.{inner_name}", ""))
+                for inner_name, inner_field, inner_value in listed_fields
             ]
         elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
 
 
-def _is_listed(design: Design, table: str, row: tuple[str, FieldInfo, Any]) -> bool:
-    """Return whether a design file lists a row of a table: key, field and value."""
-    key, field, value = row
-    is_set = f"{table}.{key}" in LISTED_IF_SET and value != field.default
-    return is_set or applies(design.layout, table, key)
+def _is_listed(design: Design, table: str, name: str, field: FieldInfo, value: Any) -> bool:
+    """Return whether a design file lists the value of a `field`, which has the attribute name `name` in a table."""
+    is_set = f"{table}.{name}" in LISTED_IF_SET and value != field.default
+    return is_set or applies(design.layout, table, name)
 
 
 def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -> str:
@@ -389,11 +389,11 @@ def dump_short(design: Design, preset_name: str, changed: Container[str] = ()) -
     for name, field, value in _fields(design):
         if isinstance(value, Section):
             paths = {
-                f"{name}.{file_key(key, inner_field)}": (key, inner_field, inner_value)
-                for key, inner_field, inner_value in _fields(value)
+                f"{name}.{file_key(inner_name, inner_field)}": (inner_name, inner_field, inner_value)
+                for inner_name, inner_field, inner_value in _fields(value)
             }
             lines = [
-                _line(*row) for path, row in paths.items() if path in ("ring.teeth", PIN_CIRCLE) or path in changed
+                _line(*inner) for path, inner in paths.items() if path in ("ring.teeth", PIN_CIRCLE) or path in changed
             ]
             table_lines += ["", f"[{name}]", *lines] if lines else []
         elif name == "name" or name in changed:

@@ -474,23 +474,31 @@ class _Stepping:
 
 
 def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
-    """Return the functions that advance a MuJoCo run, with the conditions that end the run.
+    """Return the stepper of a MuJoCo run, with two conditions that end the run: a warning, or too many iterations.
 
-    It reads the sensors, drags, contact laws and film table of the `compiled` model; `data` is the ``MjData`` to
-    advance, `plan` has the number of steps per sample.
+    `compiled` is the MuJoCo model of `reducer`. From the reducer, the stepper gets the contact laws and, for lubricated
+    contacts (law ``film``), the table of friction coefficients. Its samples have the sensor values, and the losses by
+    seals and lubricant (drags). `data` is the ``MjData`` to advance; `plan` has the number of steps per sample.
     """
-    index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, names.DRAGS)
+    drag_row_by_loss = drag_rows(compiled.model, names.DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
-    impacts = [law for law in laws if law]
-    sources, orbits = sensor_addresses(data, reducer), disc_freedoms(compiled.model, reducer)
-    film = film_rows(reducer, compiled.pairs)
-    steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits, film)
+    stepper = EachStep(
+        compiled.model,
+        data,
+        pair_index(compiled.model, compiled.pairs),
+        every=plan.stride,
+        sources=sensor_addresses(data, reducer),
+        drags=[*drag_row_by_loss.values()],
+        impacts=[law for law in laws if law],
+        orbit_dofs=disc_freedoms(compiled.model, reducer),
+        film=film_rows(reducer, compiled.pairs),
+    )
 
     def warning() -> str:
         first_warning = int(np.argmax(data.warning.number > 0))
         return f"MuJoCo issued a warning: {mujoco.mju_warningText(first_warning, data.warning[first_warning].lastinfo)}"
 
-    return _Stepping(steps, warning, compiled.model.opt.iterations)
+    return _Stepping(stepper, warning, compiled.model.opt.iterations)
 
 
 def disc_freedoms(model: Any, reducer: Reducer) -> list[int]:
@@ -511,7 +519,7 @@ class _Recorder:
         compiled, reducer
             The model, and its reducer.
         stepping, plan
-            Functions that advance the run, and its numbers of steps and samples.
+            Stepper of the run with the limits of its solver, and the numbers of steps and samples.
         has_own_cycle
             Whether the drive cycle is that of the design: only then friction is checked for a jam.
         """

@@ -131,26 +131,33 @@ def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
 
 
 def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
-    """Yield the bearings of cams, shaft, output hub and output rollers that `bearings_of` lists."""
+    """Yield all rolling bearings of a drive, for `bearings_of`: on cams, shaft, output hub and output pins.
+
+    The shaft always has two. The cams have rolling bearings unless they are plain, the hub if the drive has a casing,
+    and the output pins if their rollers run on needles.
+    """
     design = reducer.design
     output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
         yield Bearing("cam_bearing", "cam bearing", cam_ratings(reducer), CAM)
     shaft_ratings, has_straddle_mounting = _shaft_ratings(reducer), shaft.mounting == "straddle"
-    for end, name in (("far", "shaft bearing far from the discs"), ("near", "shaft bearing next to the discs")):
+    for position, bearing_name in (
+        ("far", "shaft bearing far from the discs"),
+        ("near", "shaft bearing next to the discs"),
+    ):
         bodies: tuple[Body, Body] = (
-            ("shaft", "output") if has_straddle_mounting and end == "far" else ("shaft", "housing")
+            ("shaft", "output") if has_straddle_mounting and position == "far" else ("shaft", "housing")
         )
-        yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, bodies, bore=2.0 * shaft.radius)
+        yield Bearing(f"shaft_bearing_{position}", bearing_name, shaft_ratings, bodies, bore=2.0 * shaft.radius)
     if has_casing(reducer):
         ratings, hub = _hub_ratings(reducer), casing(reducer).hub
         if hub.has_crossed_rollers:
-            name = "crossed roller bearing of the output"
-            yield Bearing("output_bearing", name, ratings, ("output", "housing"), bore=hub.bore)
+            bearing_name = "crossed roller bearing of the output"
+            yield Bearing("output_bearing", bearing_name, ratings, ("output", "housing"), bore=hub.bore)
         else:
-            for end_name in ("inner", "outer"):
-                name = f"{end_name} bearing of the output"
-                yield Bearing(f"output_bearing_{end_name}", name, ratings, ("output", "housing"), bore=hub.bore)
+            for position in ("inner", "outer"):
+                key, bearing_name = f"output_bearing_{position}", f"{position} bearing of the output"
+                yield Bearing(key, bearing_name, ratings, ("output", "housing"), bore=hub.bore)
     if output.has_needles:
         spin_ratio = output.hole_radius / output.pin_radius - 1.0
         yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin_ratio)

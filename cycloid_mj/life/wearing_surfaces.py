@@ -211,9 +211,11 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Contacts, SlidingContacts]:
-    """Return the sliding contacts over a turn by kind: teeth (all, on flanks, in seats), output pins and plain cams.
+    """Return the sliding contacts over a turn at the crank speed of the design, by kind.
 
-    `springs` and `contact_loads` are the contact springs and the forces at the crank angles of the turn.
+    The keys are "teeth" (all contacts), "flank" and "seat", see `_split_teeth`, "output" (output pins) and "cam" (plain
+    cams). `springs` and `contact_loads` are the contact springs and the forces at the m crank angles of the turn. All
+    arrays have the shape (m, contacts).
     """
     design, teeth = reducer.design, springs.teeth
     slip_speeds = np.abs(springs.slip)
@@ -252,10 +254,11 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 
 
 def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Contacts, SlidingContacts]:
-    """Solve for forces and sliding speeds of the contacts of discs and ring of an RV reducer.
+    """Solve for forces and sliding speeds of the tooth contacts of an RV reducer, at the crank speed of the design.
 
     `torque` acts on the output [N m]. `crank` [rad] are m crank angles relative to the ring, shape (m,). The result has
-    the single key "teeth"; its arrays of positions, forces, speeds and half widths have the shape (m, contacts).
+    the keys "teeth" (all contacts), "flank" and "seat", see `_split_teeth`. All arrays, which are angles, forces,
+    speeds and half widths, have the shape (m, contacts).
 
     Raises
     ------
@@ -267,24 +270,25 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
     solution = solve_rv_loads(springs, carrier_torque, friction)
     force = solution.pins
     speed = np.abs(springs.slip) * abs(reducer.speed_against_ring)
-    kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
-    half_width = _half_width(reducer, kind, force, springs.curvature, radius)
+    tooth_pair, pin_radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
+    half_width = _half_width(reducer, tooth_pair, force, springs.curvature, pin_radius)
     if isinstance(friction, RvFilm):
-        _, in_seat = friction.surfaces(solution).smaller_friction(force)
+        _, is_in_seat = friction.surfaces(solution).smaller_friction(force)
     else:
-        in_seat = slides_in_seat(reducer.design, None, force.shape)
-    return _split_teeth(SlidingContacts(_wrap(-springs.phase), force, speed, half_width), in_seat)
+        is_in_seat = slides_in_seat(reducer.design, None, force.shape)
+    return _split_teeth(SlidingContacts(_wrap(-springs.phase), force, speed, half_width), is_in_seat)
 
 
-def _split_teeth(teeth: SlidingContacts, in_seat: Mask) -> dict[Contacts, SlidingContacts]:
-    """Return all contacts of the teeth, those that slide on the flank, and those that slide in the seat of a pin.
+def _split_teeth(teeth: SlidingContacts, is_in_seat: Mask) -> dict[Contacts, SlidingContacts]:
+    """Return all contacts of the teeth ("teeth"), those that slide on the flank ("flank") or in a pin's seat ("seat").
 
-    A contact has no force where it does not slide. `in_seat` is true for contacts that slide in the seat.
+    Each value has all contacts; those that do not slide on this surface have no force. `is_in_seat` is true for
+    contacts that slide in the seat.
     """
     return {
         "teeth": teeth,
-        "flank": replace(teeth, force=np.where(in_seat, 0.0, teeth.force)),
-        "seat": replace(teeth, force=np.where(in_seat, teeth.force, 0.0)),
+        "flank": replace(teeth, force=np.where(is_in_seat, 0.0, teeth.force)),
+        "seat": replace(teeth, force=np.where(is_in_seat, teeth.force, 0.0)),
     }
 
 

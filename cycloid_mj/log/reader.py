@@ -306,14 +306,25 @@ def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> No
 
 
 def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
-    """Return a run of the first `samples` samples of all columns in the `contents` of a log.
+    """Return the run in a log that has been read: all columns of its topics over their common times.
 
-    The run of a truncated file is incomplete, and its note states its last time and what the file lacks.
+    Parameters
+    ----------
+    contents
+        Contents of the file. Each of its `groups` describes the columns of a topic.
+    samples
+        Number of samples of the log that are used from the first on: all topics have them. If only some rows were
+        selected, the run has those among these samples.
+    is_complete
+        Whether the file is complete. The run of a truncated file is incomplete, and its note states its last time and
+        what the file lacks. A run that ended early is incomplete in a complete file, too.
+    path
+        The file, for messages and as the name of the run.
 
     Raises
     ------
     LogError
-        Groups differ in their times, or share a column.
+        Two topics differ in their times, or have a column of the same name.
     """
     groups = contents.groups
     columns_by_group = {channel_id: contents.samples[channel_id].finish(samples) for channel_id in groups}
@@ -329,14 +340,14 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
         for name, values in zip(groups[channel_id].units, group_columns, strict=True)
     }
     end_entries = contents.metadata.get(END, {})
-    note, complete = end_entries.get("note", ""), end_entries.get("complete") == "true"
+    note, is_finished = end_entries.get("note", ""), end_entries.get("complete") == "true"
     if not is_complete:
         truncation_note = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
         missing = missing_contents(contents.metadata, contents.attachments)
-        note, complete = "; ".join(filter(None, (note, truncation_note, *missing))), False
+        note, is_finished = "; ".join(filter(None, (note, truncation_note, *missing))), False
     try:
         provenance = contents.metadata.get(PROVENANCE, {})
         topics = {group.topic: tuple(group.units) for group in groups.values()}
-        return Run(time, columns, units, provenance, contents.attachments, complete, note, topics, str(path))
+        return Run(time, columns, units, provenance, contents.attachments, is_finished, note, topics, str(path))
     except LogError as problem:
         raise container.corrupt_log_error(path, str(problem)) from problem

@@ -344,22 +344,28 @@ def _tables(
 
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
-    """Return curves of the output torque [N m] over the crank angle, and of the amplitudes of its crank orders.
+    """Return the curves of a torque test: simulated and mean output torque over the crank angle, and its spectrum.
 
-    `test` is the simulated run with a braked output.
+    The torque is in [N m], the angle in [deg] from the start. The spectrum has the amplitudes [N m] of the torque by
+    order (cycles per crank turn) up to four times the order of the tooth mesh; it is omitted if the run is shorter than
+    a mesh period, or if the crank stops or reverses. `test` is the simulated run with a braked output.
     """
     torque, angle = test.run["load_torque"], reducer.member.crank_angle(test.run[f"{test.run.driven_shaft}_angle"])
     swept_angle = np.abs(angle - angle[0])
-    teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
+    mesh_order, axis_labels = reducer.mesh_periods, ("crank angle [deg]", "torque [N m]")
     curves = [
-        Curve("output torque", "mean", np.degrees(swept_angle), np.full(len(torque), test.output), x, y, "theory"),
-        Curve("output torque", "simulated", np.degrees(swept_angle), np.abs(torque), x, y),
+        Curve(
+            "output torque", "mean", np.degrees(swept_angle), np.full(len(torque), test.output), *axis_labels, "theory"
+        ),
+        Curve("output torque", "simulated", np.degrees(swept_angle), np.abs(torque), *axis_labels),
     ]
-    orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
-    if orders is not None:
-        min_order, max_order = orders.band
+    spectrum = tapered_orders(angle, torque, 4.0 * mesh_order, mesh_order)
+    if spectrum is not None:
+        min_order, max_order = spectrum.band
         axis_label = f"order of the crank, accurate to 1 % from {min_order:.3g} to {max_order:.4g}"
-        curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, axis_label, "amplitude [N m]"))
+        curves.append(
+            Curve("its ripple by order", "", spectrum.order, spectrum.amplitude, axis_label, "amplitude [N m]")
+        )
     return tuple(curves)
 
 

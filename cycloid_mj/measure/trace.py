@@ -118,9 +118,9 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
     crank_speed = float(reducer.member.crank_angle(condition.speed))
     direction = float(np.sign(crank_speed))
     sample_rate = TRACE.samples * reducer.mesh_periods * abs(crank_speed) / (2.0 * np.pi)
-    settling = TRACE.settling * slowness(reducer)
+    settling_time = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
-        settling,
+        settling_time,
         turns,
         samples=4.0,
         drive={"speed": condition.speed},
@@ -128,10 +128,12 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
         settings={"log_rate": min(sample_rate, 1.0 / model.timestep)},
     )
     # Both directions cover the same angles, so that their curves can be compared.
-    start = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - crank_speed * settling
-    run = simulate(reducer.design, model, preload_cycle(reducer, model, float(reducer.member.driven_angle(start))))
-    window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
-    return _resample_errors(window, reducer, turns, direction)
+    start_angle = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - crank_speed * settling_time
+    run = simulate(
+        reducer.design, model, preload_cycle(reducer, model, float(reducer.member.driven_angle(start_angle)))
+    )
+    settled_run = run.select(run.time >= settling_time - 2.0 / reducer.design.settings.log_rate)
+    return _resample_errors(settled_run, reducer, turns, direction)
 
 
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:

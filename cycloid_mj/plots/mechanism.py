@@ -190,10 +190,10 @@ def _draw_forces(axes: Axes, reducer: Reducer, contacts: ContactForces) -> None:
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
     """Draw the outline and the holes of a prism in mm, at a `pose` (3,): x [m], y [m] and angle [rad].
 
-    `part` is the key of the part's style in `PART_STYLES`, and `opacity` is the opacity of its fill, 0 to 1.
+    `part` is the key of the part's style in `PART_STYLES`, such as "ring"; `opacity` is that of its fill, 0 to 1.
     """
-    rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
-    path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
+    contours = [1e3 * transform(pose, contour) for contour in (prism.outline, *(hole[::-1] for hole in prism.holes))]
+    path = Path.make_compound_path(*(Path(np.vstack([contour, contour[:1]]), closed=True) for contour in contours))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_part_style(part, opacity)))
 
 

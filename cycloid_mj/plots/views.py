@@ -49,24 +49,25 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
 
 
 def _draw_front_view(frame: ViewFrame, reducer: Reducer) -> None:
-    """Draw ring, pins, last disc, output pins and cam, seen from the output, with their dimensions.
+    """Draw ring, ring pins, the disc nearest the output, output pins, cam and shaft, with the labels of the front view.
 
-    `frame` has the axes and the scale of the views. Labels state number and diameter of the ring pins, or the number of
-    lobes, and the same for the output pins.
+    The view is from the output, at crank angle 0. `frame` has the axes and the scale of the views. A label states
+    number, diameter and pitch circle of the ring pins; for an internal gear, it states the number of lobes and their
+    circle. Another label states number, diameter and pitch circle of the output pins.
     """
     design, axes, origin = reducer.design, frame.axes, np.zeros(3)
     solids, output = parts(reducer, VISUAL_CHORD_ERROR), design.output
-    *_, disc = place_discs(reducer, 0.0, 0.0)
-    centre = np.array(disc.origin[:2])
+    *_, front_disc = place_discs(reducer, 0.0, 0.0)
+    centre = np.array(front_disc.origin[:2])
     draw_region(axes, solids[HOUSING].prisms[0], "ring", origin)
     draw_ring_pins(axes, reducer)
-    draw_region(axes, solids[disc.part].prisms[0], "gear", np.array([*centre, 0.0]))
+    draw_region(axes, solids[front_disc.part].prisms[0], "gear", np.array([*centre, 0.0]))
     draw_output_pins(axes, reducer, output_centres(reducer))
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
     draw_disc(axes, origin[:2], design.shaft.radius, "shaft")
-    angle = _pin_angle(reducer)
-    pin = output.pin_circle_radius * np.array([math.cos(angle), math.sin(angle)])
-    frame.label_front_view("front view, from the output", output.pin_circle_radius, pin, _pins_label(reducer))
+    label_angle = _pin_angle(reducer)
+    labelled_pin = output.pin_circle_radius * np.array([math.cos(label_angle), math.sin(label_angle)])
+    frame.label_front_view("front view, from the output", output.pin_circle_radius, labelled_pin, _pins_label(reducer))
 
 
 def _pin_angle(reducer: Reducer) -> float:

@@ -144,26 +144,28 @@ def _first_and_last(time: Array) -> list[float]:
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     """Compute the order spectra of output and disc speed as JSON values; None without a crank turn at constant speed.
 
-    ``output`` and ``gear`` are the amplitudes [mrad/s] at the orders ``order``, in cycles per crank turn. ``mesh`` is
-    the order of the tooth mesh; spectra reach `CHARTS.max_mesh_orders` times this order. They are evaluated over the
-    first `CHARTS.max_spectrum_turns` crank turns at constant speed. `item` is the analysed run.
+    `item` is the analysed run. The spectra are evaluated over all full crank turns, ``turns``, within the first
+    `CHARTS.max_spectrum_turns` at constant speed. ``output`` and ``gear`` are the amplitudes [mrad/s] at the orders
+    ``order``, in cycles per crank turn. ``mesh`` is the order of the tooth mesh; spectra reach `CHARTS.max_mesh_orders`
+    times this order. ``band`` has the lowest and highest order whose amplitude is accurate to 1 %.
     """
-    motion, teeth = item.motion, item.motion.reducer.mesh_periods
+    motion, mesh_order = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":
         return None
     turns_since_start = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)
-    rows = motion.hold & (turns_since_start < CHARTS.max_spectrum_turns)
-    output, gear = (
-        tapered_orders(motion.crank_angle[rows], part.simulated[rows], CHARTS.max_mesh_orders * teeth * SPECTRUM_MARGIN)
-        for part in (motion.output_speed, motion.gear_speed)
+    is_evaluated = motion.hold & (turns_since_start < CHARTS.max_spectrum_turns)
+    crank_angle, max_order = motion.crank_angle[is_evaluated], CHARTS.max_mesh_orders * mesh_order * SPECTRUM_MARGIN
+    output_spectrum, disc_spectrum = (
+        tapered_orders(crank_angle, speed.simulated[is_evaluated], max_order)
+        for speed in (motion.output_speed, motion.gear_speed)
     )
-    if output is None or gear is None:
+    if output_spectrum is None or disc_spectrum is None:
         return None
     return {
-        "order": encode_array(output.order),
-        "output": encode_array(1e3 * output.amplitude),
-        "gear": encode_array(1e3 * gear.amplitude),
-        "mesh": teeth,
-        "turns": output.cycles,
-        "band": list(output.band),
+        "order": encode_array(output_spectrum.order),
+        "output": encode_array(1e3 * output_spectrum.amplitude),
+        "gear": encode_array(1e3 * disc_spectrum.amplitude),
+        "mesh": mesh_order,
+        "turns": output_spectrum.cycles,
+        "band": list(output_spectrum.band),
     }

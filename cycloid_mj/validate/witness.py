@@ -71,7 +71,11 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
-    """Compare the results of a MuJoCo run of a design with those of the planar solver; `case` names the design."""
+    """Compare a MuJoCo run of a design with the planar solver, and return a row for each of five quantities.
+
+    They are mean and peak-to-peak transmission error of the output, mean cam force, efficiency, and rms speed error of
+    the disc, see `figures`. `case` names the design in the rows.
+    """
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
     quantities = (
         "mean transmission error",

@@ -309,17 +309,17 @@ def _retainer_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     ring = casing.retainer
     if ring is None:
         return
-    thread, face, end = ring.bolt.thread, casing.top + ring.thickness, casing.output_cover_end
+    thread, retainer_face, cover_end = ring.bolt.thread, casing.top + ring.thickness, casing.output_cover_end
     centres = ring.circle * unit(pattern_angles(ring.count)[::2])
     depth = hole_depth(reducer, thread, ring.length - ring.thickness)
     holes: tuple[tuple[str, Hole], ...] = (
-        (names.OUTPUT_COVER, (centres, core_radius(reducer, thread), end - depth, end)),
-        (names.RETAINER, (AXIS, hub_shoulders(casing.hub)[1], casing.top, face)),
-        (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), casing.top, face)),
+        (names.OUTPUT_COVER, (centres, core_radius(reducer, thread), cover_end - depth, cover_end)),
+        (names.RETAINER, (AXIS, hub_shoulders(casing.hub)[1], casing.top, retainer_face)),
+        (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), casing.top, retainer_face)),
     )
     bought_parts = (
-        _bought_screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, face),
-        *_bought_inserts(reducer, names.RETAINER_INSERT, thread, names.HOUSING, centres, end, -1.0),
+        _bought_screws(names.RETAINER_SCREW, ring.bolt, ring.length, names.HOUSING, centres, retainer_face),
+        *_bought_inserts(reducer, names.RETAINER_INSERT, thread, names.HOUSING, centres, cover_end, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT_COVER, centres, thread, depth),)
     parts = names.OUTPUT_COVER, names.RETAINER
@@ -328,22 +328,25 @@ def _retainer_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
 
 
 def _cover_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
-    """Return the joint of both covers by screws, which pass through the ring or outside of it."""
+    """Return the joint of both covers by screws, which pass through the ring or outside of it.
+
+    The screws lead from the output cover into threaded holes or inserts of the motor cover.
+    """
     screws, bolt, ring_half_width = casing.screws, casing.screws.bolt, casing.end
-    centres, end = screws.centres(), ring_half_width - casing.play if screws.outside else -ring_half_width
-    engagement = screws.length - casing.grip - ring_half_width + end
+    centres, thread_end = screws.centres(), ring_half_width - casing.play if screws.outside else -ring_half_width
+    engagement = screws.length - casing.grip - ring_half_width + thread_end
     thread_depth = hole_depth(reducer, bolt.thread, engagement)
-    head_face, step = ring_half_width + casing.grip, output_cover_step(casing)
+    head_face, step_height = ring_half_width + casing.grip, output_cover_step(casing)
     holes: list[tuple[str, Hole]] = [
-        (names.MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
+        (names.MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), thread_end - thread_depth, thread_end)),
         (names.OUTPUT_COVER, (centres, screws.hole, ring_half_width, head_face)),
-        (names.OUTPUT_COVER, (centres, counterbore(bolt), head_face, step or casing.output_cover_end)),
+        (names.OUTPUT_COVER, (centres, counterbore(bolt), head_face, step_height or casing.output_cover_end)),
     ]
     if not screws.outside:
         holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))
     bought_parts = [
         _bought_screws(names.SCREW, bolt, screws.length, names.HOUSING, centres, head_face),
-        *_bought_inserts(reducer, names.SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
+        *_bought_inserts(reducer, names.SCREW_INSERT, bolt.thread, names.HOUSING, centres, thread_end, -1.0),
     ]
     parts = (names.MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), names.OUTPUT_COVER)
     threads = (_tapped_holes(reducer, names.MOTOR_COVER, centres, bolt.thread, thread_depth),)
@@ -384,17 +387,17 @@ def _ring_seat_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
 
 def _flange_screw_joint(reducer: Reducer, casing: Casing) -> Joint:
     """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
-    bolt, top, end = casing.flange_bolt, casing.top, casing.top + casing.flange_thickness
+    bolt, top, flange_end = casing.flange_bolt, casing.top, casing.top + casing.flange_thickness
     length, depth = (
         flange_screw_length(bolt, casing.flange_thickness),
         flange_screw_depth(reducer, bolt, casing.flange_thickness),
     )
-    centres, head_face = flange_centres(casing)[::2], end - bolt.head_height
+    centres, head_face = flange_centres(casing)[::2], flange_end - bolt.head_height
     bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
         (names.FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, head_face - washer)),
-        (names.FLANGE, (centres, bore, head_face - washer, end)),
+        (names.FLANGE, (centres, bore, head_face - washer, flange_end)),
     )
     bought_parts = (
         _bought_screws(names.FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),

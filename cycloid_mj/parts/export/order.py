@@ -61,11 +61,13 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten sentences, each with the parts and the tools of one step."""
+    """Return the assembly instructions of a drive: ten steps in order, each a sentence with its parts and tools."""
     screws = casing.screws
-    has_plastic, is_single = is_plastic(reducer), bool(casing.retainer or casing.motor_bearing)
-    dowels = ", its dowels in their holes," if casing.dowel else ""
-    flange_dowels = f", press {casing.flange_screws} {names.FLANGE_DOWEL} into its face" if casing.flange_dowel else ""
+    has_plastic, has_one_bearing = is_plastic(reducer), bool(casing.retainer or casing.motor_bearing)
+    dowel_text = ", its dowels in their holes," if casing.dowel else ""
+    flange_dowel_text = (
+        f", press {casing.flange_screws} {names.FLANGE_DOWEL} into its face" if casing.flange_dowel else ""
+    )
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth"
         f"{'' if has_plastic else '; put sealant on both faces of the ring before a cover goes on'}.",
@@ -73,15 +75,15 @@ def assembly_order(reducer: Reducer, casing: Casing) -> tuple[str, ...]:
         _describe_output_pins(reducer),
         _describe_output_bearings(casing),
         f"{f'Press a {names.SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if casing.far else 'Push'} the "
-        f"hub through {'it' if is_single else 'both'}{flange_dowels}, and screw the {names.FLANGE} "
+        f"hub through {'it' if has_one_bearing else 'both'}{flange_dowel_text}, and screw the {names.FLANGE} "
         f"on ({casing.flange_screws} x {casing.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): "
-        f"it clamps {'the inner ring' if is_single else 'them'}{_describe_preload(casing)}.",
-        f"Lay the {names.HOUSING} on it{'' if casing.has_outer_dowels else dowels.rstrip(',')}"
+        f"it clamps {'the inner ring' if has_one_bearing else 'them'}{_describe_preload(casing)}.",
+        f"Lay the {names.HOUSING} on it{'' if casing.has_outer_dowels else dowel_text.rstrip(',')}"
         f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, casing),
         _describe_crank(reducer, casing),
-        f"{_describe_motor_cover(reducer, casing)}, put it on{dowels} and tighten "
+        f"{_describe_motor_cover(reducer, casing)}, put it on{dowel_text} and tighten "
         f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side"
         f"{f'; snap the {names.SHAFT_RING} on the {names.SHAFT}' if casing.crank_end.shaft_ring else ''}.",
