@@ -387,7 +387,7 @@ class _Log:
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
-        """Store accuracy, contact forces and wear depths of the typical case of wear, if it is time for a record.
+        """Store accuracy, contact forces and wear depths at the typical wear coefficients, if a record is due.
 
         `state` is the state of the wearing drive. A record is stored if `is_due` is true, for the first state, and when
         the lost motion has grown since the last record by the permitted growth divided by `WearSettings.records`. The

@@ -161,7 +161,8 @@ def create_pools(requirement: Requirement, source: Pool | None = None) -> Iterat
 
     If no clearance is required, the first pool has the usual clearance. Pools with finer clearances follow, because
     more teeth carry with them. The next clearance is always the largest for which the estimates nearly reach the torque
-    within length and backlash, or the finest if there is none. If a `source` is passed, the pools use its corrections.
+    within length and backlash, or the finest if there is none. The first pool for each number of discs uses the ratios
+    of rated to estimated torque limits that were found in the pool `source`, if it is passed.
     """
     for discs in requirement.numbers_of_discs:
         fixed = requirement.but(discs=discs)

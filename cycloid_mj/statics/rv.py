@@ -430,9 +430,10 @@ def coulomb_coefficients(reducer: RvReducer) -> RvCoefficients:
 def compute_rv_friction(
     reducer: RvReducer, crank: npt.ArrayLike, sense: float, coefficients: RvCoefficients | None = None
 ) -> RvFriction:
-    """Compute the generalised friction forces of an RV reducer per contact force [1], at m crank angles [rad], (m,).
+    """Compute the friction of an RV reducer at m angles of its cranks against the ring [rad], `crank` (m,).
 
-    The result has those of teeth, crank bearings and planet meshes. `crank` are angles against the ring. Cranks turn
+    The result has the generalised friction force on each degree of freedom of the statics per unit of contact force
+    [1]: of teeth, crank bearings and planet meshes. Moments are divided by `reducer.lever` [m]. Cranks turn
     counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the tapered bearings
     of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of contact
     (`PlanetMesh`). The default of `coefficients` are the constant coefficients of the law ``coulomb``.

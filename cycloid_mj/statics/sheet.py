@@ -519,7 +519,8 @@ def _pair_quantities(
 def _loss_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
-    The torque is NaN for a self-locking reducer. With the law ``film``, the efficiencies include a 5 to 95 % interval.
+    The torque of back-driving acts on the output and drives the crank (`solve_back_driving`); it is NaN for a
+    self-locking reducer. With the law ``film``, the efficiencies include a 5 to 95 % interval.
     """
     yield from _efficiency_quantities(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)

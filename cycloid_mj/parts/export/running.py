@@ -129,7 +129,10 @@ def swept_annuli(reducer: Reducer, casing: Casing) -> tuple[Annulus, ...]:
 
 
 def _part_annuli(reducer: Reducer, casing: Casing) -> Iterator[Annulus]:
-    """Yield the ring-shaped spaces (annuli) swept by all parts of a drive, one for each ring of a bearing."""
+    """Yield the ring-shaped space (annulus) that each segment of each part of a drive sweeps as it turns.
+
+    A rolling bearing has an annulus for its inner ring and one for its outer ring.
+    """
     parts = assembly_parts(reducer, casing)
     for placement in place_parts(reducer, 0.0, casing):
         for segment in parts[placement.part].segments:
