@@ -167,8 +167,7 @@ def stress(
 
     For each part, the tables list the largest von Mises stress away from the contacts (bulk) and below them (Hertz),
     with position, crank angle, safety factor against yield, and change with a finer grid; then stress at fillets and
-    with other supports. For the designs of Hsieh 2014 without load, a table compares the stresses with Figs 10-16 of
-    that paper.
+    with other supports. Designs of Hsieh 2014 without load are compared with Figs 10-16 of that paper.
 
     An RV reducer is not simulated: the forces on its discs, ring and pins are those of its static balance with
     friction. A further table lists cranks (beams with notch factors) and tooth roots (ISO 6336-3).

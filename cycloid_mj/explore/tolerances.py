@@ -356,8 +356,7 @@ def tolerance(
     Raises
     ------
     UsageError
-        The design has no tolerances, a limit is not valid, limits contradict each other, or an argument is out of
-        range.
+        The design has no tolerances, a limit is not valid or contradicts another, or an argument is out of range.
     TooManyJams
         At least 99 % of the first 200 samples jam (of all samples if there are fewer). The attribute `tolerances` of
         the error has the quantities of these samples.

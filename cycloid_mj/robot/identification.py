@@ -98,7 +98,6 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_parts(reducer))
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counter.count_one()
-    friction = _compute_friction_map(reducer, counter.count_one)
     model = full_model(reducer)
     rotor, output = model.inertias()
     joint = ReducedJoint(
@@ -115,7 +114,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         damping=model.damping(),
         rotor_inertia=rotor,
         output_inertia=output,
-        friction=friction,
+        friction=_compute_friction_map(reducer, counter.count_one),
         ripple=solve_ripple(reducer, counter.count_one),
         slips=tuple(Slip(*slip_values) for slip_values in np.stack(slip_elements(reducer), axis=1).tolist()),
     )

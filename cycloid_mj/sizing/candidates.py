@@ -86,11 +86,9 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     rings = _list_rings(requirement.ratio, requirement.diameter / 2.0, is_custom, requirement.made_of)
     if not (rings and len(points)):
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
-    chosen = _choose(coords[1], len(rings))
-    pin, outer, wall, max_width = np.array(rings)[chosen].T
+    pin, outer, wall, max_width = np.array(rings)[_choose(coords[1], len(rings))].T
     max_circle = outer - wall - pin
-    # the largest circle, or a preferred number below (R40, ISO 3)
-    steps = np.floor(np.maximum(coords[0] - 0.5, 0.0) * 10.0)
+    steps = np.floor(np.maximum(coords[0] - 0.5, 0.0) * 10.0)  # of preferred numbers (R40, ISO 3) below the largest
     preferred = 10.0 ** ((np.floor(40.0 * np.log10(max_circle)) - steps + 1.0) / 40.0)
     circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, max_circle), max_circle))
     eccentricity = _round_down(np.interp(coords[2], (0.0, 1.0), SHORT_WIDTHS) * circle / teeth)
