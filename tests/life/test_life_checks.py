@@ -108,8 +108,8 @@ def test_no_equilibrium_is_sought_far_beyond_another_limit_of_a_stop(name: str, 
     )
     assert min(bounds.values()) == min(limits.values())
     assert all(0.7 * limits[key] < bounds[key] <= limits[key] for key in limits)
-    assert ("at least" in bounded.items["peak_dents"].note) == (bounds["peak_dents"] < limits["peak_dents"])
-    assert "at least" not in searched.items["peak_dents"].note
+    assert ("lower bound" in bounded.items["peak_dents"].note) == (bounds["peak_dents"] < limits["peak_dents"])
+    assert "lower bound" not in searched.items["peak_dents"].note
 
 
 def test_the_checks_state_the_weakest_item_of_each_kind() -> None:

@@ -51,7 +51,7 @@ def test_a_design_without_covers_is_a_fault_with_its_reason(tmp_path):
     bearings = 'main_bearing_seat = "disc"\nmain_bearings = "tapered"'
     file.write_text(f'name = "short"\n[base]\npreset = "pin"\n[output]\n{bearings}\n')
     (fault,) = check_drives.faults(str(file))
-    assert fault.startswith("no covers: no standard bearing with the room around it fits around the output disc")
+    assert fault.startswith("no covers: no standard bearing, with the space that it needs, fits around the output disc")
     assert check_drives.reported_violations(str(file)) == ()
 
 
