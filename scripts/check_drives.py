@@ -94,9 +94,10 @@ def faults(name: str, motor: MotorName = "auto") -> Iterator[str]:
 
 def reported_violations(name: str, motor: MotorName = "auto") -> tuple[str, ...]:
     """Return the rules for joints that the drive of a design with a motor violates, as `design check` reports them."""
-    reducer = Reducer(resolve(name))
-    if reducer.design.layout == "rv":
+    design = resolve(name)
+    if design.layout == "rv":
         return ()
+    reducer = Reducer(design)
     with suppress(DesignError):
         return tuple(describe_violations(reducer, casing(reducer, motor)))
     return ()

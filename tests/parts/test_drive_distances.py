@@ -62,6 +62,10 @@ def test_new_drives_cover_all_processes():
     assert chosen == set(PROCESSES)
 
 
+def test_an_rv_reducer_has_no_rules_of_covers():
+    assert check_drives.reported_violations("rv80e") == ()
+
+
 def test_violated_rules_are_those_of_design_check():
     (violation,) = check_drives.reported_violations(str(design_file("sleeved-n40-d2-ring-25um")))
     (joints,) = [one for one in check(load(design_file("sleeved-n40-d2-ring-25um"))) if one.name == "joints"]
