@@ -159,34 +159,34 @@ def tapered_orders(
     max_order
         Largest order to return [1]; it is limited to ``SPECTRUM.band`` times the number of samples per crank turn.
     cycles_per_turn
-        Number of cycles in a crank turn [1]; the evaluated window is as many full cycles as the samples cover.
+        Number of periods of the signal in a crank turn [1]; as many full periods as the samples cover are evaluated.
 
     Returns
     -------
     Orders or None
-        Orders and amplitudes. None if there are fewer than 2 ``SPECTRUM.reach`` values, if they cover less than a
-        cycle, or if the crank reverses or stops.
+        Orders and amplitudes. None if there are fewer values than twice ``SPECTRUM.reach``, if they cover less than a
+        period, or if the crank reverses or stops.
     """
     swept_cycles = cycles_per_turn * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept_cycles) < 2 * SPECTRUM.reach or (np.diff(swept_cycles) <= 0.0).any():
         return None
-    sampled_angle = float(swept_cycles[-1]) * len(swept_cycles) / (len(swept_cycles) - 1)
-    cycles = int(sampled_angle + SPECTRUM.missing_cycle_share)
+    sampled_cycles = float(swept_cycles[-1]) * len(swept_cycles) / (len(swept_cycles) - 1)
+    cycles = int(sampled_cycles + SPECTRUM.missing_cycle_share)
     if cycles < 1:
         return None
-    points = int(np.ceil(cycles / sampled_angle * len(swept_cycles)))
-    sample_numbers = _invert_samples(swept_cycles, cycles * np.arange(points) / points)
+    point_count = int(np.ceil(cycles / sampled_cycles * len(swept_cycles)))
+    sample_numbers = _invert_samples(swept_cycles, cycles * np.arange(point_count) / point_count)
     even_samples = between_samples(values, sample_numbers)
-    window = np.hanning(points + 1)[:-1]
+    window = np.hanning(point_count + 1)[:-1]
     amplitude = (
         2.0
-        * np.abs(np.fft.rfft(window * (even_samples - even_samples.mean()), SPECTRUM.padding * points))
+        * np.abs(np.fft.rfft(window * (even_samples - even_samples.mean()), SPECTRUM.padding * point_count))
         / np.sum(window)
     )
     order = cycles_per_turn * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
-    highest = min(max_order, SPECTRUM.band * cycles_per_turn * len(swept_cycles) / sampled_angle)
-    is_kept = (order > 0.0) & (order <= highest)
-    band = SPECTRUM.min_cycles * cycles_per_turn / cycles, highest
+    highest_order = min(max_order, SPECTRUM.band * cycles_per_turn * len(swept_cycles) / sampled_cycles)
+    is_kept = (order > 0.0) & (order <= highest_order)
+    band = SPECTRUM.min_cycles * cycles_per_turn / cycles, highest_order
     return Orders(
         cycles_per_turn, order[is_kept], amplitude[is_kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding
     )

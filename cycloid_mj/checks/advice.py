@@ -43,12 +43,12 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 
     A change is kept if the check passes with it and no other check that needs no statics gets worse. It is completed by
     changes for checks that fail because of it, such as a hole that depends on the eccentricity. If no change is left,
-    the remedy names only the keys. Checks that pass are returned unchanged.
+    the remedy names only the keys of the design file that could be changed. Checks that pass are returned unchanged.
 
     Parameters
     ----------
     checks
-        All checks of the design, or those of `soundness`.
+        All checks of the design, or only those without which it cannot be built (`soundness`).
     """
     checks_before = {check.name: check for check in checks}
     return Checks(check if check.passed else _verify_remedy(reducer, check, checks_before) for check in checks)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.checks.cam_rollers import cam_pressure_limit, has_bare_rollers
@@ -74,7 +73,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
-    items = [pin_shear, pin_bending, tooth_skipping]
+    items, solved = [pin_shear, pin_bending, tooth_skipping], dict[frozenset[tuple[str, float]], tuple[float, str]]()
     for key, (consequence, pressure_factor, strength_name, source) in KINDS.items():
         limits = {}
         for kind in worst.pressures:
@@ -85,12 +84,17 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
                 limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
         if limits:
             other_limit = peak_torque * min(item.margin(0.0) for item in items)
-            torque_limit, note = _torque_at_limits(worst, limits, other_limit)
+            torque_limit, note = _torque_at_limits(worst, limits, other_limit, solved)
             items.append(torque_item(key, f"emergency stop: {consequence}", peak_torque, torque_limit, source, note))
     yield from items
 
 
-def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: float) -> tuple[float, str]:
+def _torque_at_limits(
+    worst: Loading,
+    limits: Mapping[str, float],
+    other_limit: float,
+    solved: dict[frozenset[tuple[str, float]], tuple[float, str]],
+) -> tuple[float, str]:
     """Compute the output torque at which a kind of contact first reaches its pressure limit.
 
     The law p ~ sqrt(T) is a lower bound of that torque, since more contacts share a larger torque. If the bound is more
@@ -104,6 +108,9 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
         Pressure limit of each kind of contact [Pa].
     other_limit
         Smallest torque of the other limits [N m].
+    solved
+        Torques and kinds of contact by limits, to which the result is added: yield and dents of most plastics have the
+        same limits.
 
     Returns
     -------
@@ -116,17 +123,11 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     root_note = "the pressure is assumed to grow with the square root of the torque"
     if abs(estimated_torque) > max(FAR_BEYOND * other_limit, abs(torque)):
         return abs(estimated_torque), f"in {kind}, lower bound: {root_note}; another limit of the stop is far below"
+    case = frozenset(limits.items())
     try:
-        limit_torque, kind = _torque_at_pressure(worst, tuple(limits.items()), estimated_torque)
+        if case not in solved:
+            solved[case] = torque_at_pressure(worst.reducer, worst.springs, limits, estimated_torque)
     except RunError:
         return abs(estimated_torque), f"in {kind}; no equilibrium was found there: {root_note}"
+    limit_torque, kind = solved[case]
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"
-
-
-@lru_cache(maxsize=1)  # yield and dents of most plastics have the same limits
-def _torque_at_pressure(worst: Loading, limits: tuple[tuple[str, float], ...], torque: float) -> tuple[float, str]:
-    """Find the output torque [N m] at which a contact reaches its pressure limit, from a `torque`, and its kind.
-
-    `limits` are pairs of kind and pressure [Pa]. The last result is cached.
-    """
-    return torque_at_pressure(worst.reducer, worst.springs, dict(limits), torque)

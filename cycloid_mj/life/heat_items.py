@@ -141,7 +141,8 @@ def rate_jam_difference(
     if steady_state is not None:
         difference = steady_state.difference
     else:
-        rises = estimate_rises(reducer, loadings, reducer.design.service.ambient_temperature)
+        losses, ambient = mean_losses(reducer, loadings), reducer.design.service.ambient_temperature
+        rises = estimate_rises(reducer, loadings, losses, ambient)
         difference = share * (rises["disc"] - rises["ring"])
     yield RatedItem(
         "jam_difference",

@@ -223,12 +223,12 @@ def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_lo
 
 
 def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute force times speed, pressure times speed and speed of sliding contacts, by kind of mating pair.
+    """Compute the `Sliding` over a turn of each kind of mating pair whose contacts slide.
 
-    The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
-    turn slides where its friction is lower (`slides_in_seat`): on the flank or in its seat. The bores of sleeves and
-    rollers wear evenly; flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and
-    `contact_loads` are the contact springs and the forces at the crank angles of a turn.
+    These are ring pins, output pins or plain rollers, and plain cams. A ring pin that can turn slides where its
+    friction is lower (`slides_in_seat`): on the flank or in its seat. F v is averaged over the bores of sleeves and
+    rollers, which wear evenly; elsewhere it is that at the most worn point. `springs` and `contact_loads` are the
+    contact springs and the forces at the crank angles of a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip_speeds, tooth_count = np.abs(springs.slip), springs.teeth

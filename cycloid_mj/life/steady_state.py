@@ -179,19 +179,22 @@ def estimate_temperatures(reducer: Reducer, loadings: Sequence[Loading]) -> dict
     `loadings` are the solved forces at each point of a duty, at 20 °C.
     """
     losses, share = mean_losses(reducer, loadings), running_share(reducer, loadings)
-    rises = estimate_rises(reducer, loadings, housing_temperature(reducer, share * sum(losses.values())))
+    rises = estimate_rises(reducer, loadings, losses, housing_temperature(reducer, share * sum(losses.values())))
     return {part: reducer.design.service.ambient_temperature + share * rise for part, rise in rises.items()}
 
 
-def estimate_rises(reducer: Reducer, loadings: Sequence[Loading], wall_temperature: float) -> dict[str, float]:
-    """Estimate the steady temperature rises of the parts over the air [K] by the losses of solved forces.
+def estimate_rises(
+    reducer: Reducer, loadings: Sequence[Loading], losses: Mapping[str, float], wall_temperature: float
+) -> dict[str, float]:
+    """Estimate the steady temperature rises of the parts over the air [K] by the losses of a duty without rests.
 
-    `loadings` are the forces at each point of a duty, which runs without rests. `wall_temperature` [°C] is that of the
-    housing's wall, on which its heat transfer coefficient depends.
+    `loadings` are the solved forces at each point of the duty, and `losses` its mean losses by source [W]
+    (`mean_losses`). `wall_temperature` [°C] is that of the housing's wall, on which its heat transfer coefficient
+    depends.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, wall_temperature)
-    return network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
+    return network.rises(heat_by_node(reducer, losses))
 
 
 def at_steady_temperatures(reducer: Drive) -> Drive:

@@ -104,7 +104,7 @@ class BreakAway:
 
     @property
     def note(self) -> str:
-        """Return a sentence on the break-away torque: its range over the starts, or why it is uncertain or missing."""
+        """Return a sentence on the break-away torque: its range over all starts from rest, or why it is uncertain."""
         if self.spread is None:
             max_torque = max(start.max_torque for start in self.starts)
             turn_text = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""

@@ -175,10 +175,10 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
 
 
 def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
-    """Return the friction variants of one support of the ring's pins.
+    """Return designs with other friction of the sliding pairs, whose ring pins are free or fixed as in the reducer.
 
-    They are the design's friction, the friction of one kind of sliding pair changed at a time, and equal friction of
-    all kinds. With `quick` or the friction law ``film``, single kinds are omitted.
+    They have the design's friction, other friction of one kind of sliding pair, or equal friction of all kinds. With
+    `quick` or the friction law ``film``, variants of a single kind are omitted.
     """
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)

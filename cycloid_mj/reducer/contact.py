@@ -217,9 +217,9 @@ class Contact:
 
     @property
     def stiffness_by_disc(self) -> tuple[float, ...]:
-        """Return the stiffness [N/m] of a simulated contact on each of D discs, (D,), with parts in series with it.
+        """Return the stiffness [N/m] of a contact on each of D discs in a run, (D,), with parts in series with it.
 
-        Parts in series are the seat of a massless pin, the needles of an output roller and, with ``structure =
+        Parts in series are the seat of a ring pin without mass, the needles of an output roller and, with ``structure =
         "springs"``, an output pin, which bends.
 
         Raises

@@ -144,10 +144,11 @@ def _tube_deviation(requirement: Requirement, radius: float) -> float:
 def _turns_in_holes(requirement: Requirement, radius: Array) -> Mask:
     """Return whether output sleeves of n radii [m] have clearance in 99 % of drives, in spite of a tube's tolerance."""
     is_free = np.ones(len(radius), bool)
-    for size in () if requirement.fit else np.unique(radius).tolist():
-        clearance = requirement.clearance_at(2.0 * size)
-        deviation = math.hypot(TOLERANCE_SHARE * clearance, _tube_deviation(requirement, size))
-        is_free[radius == size] = JAMMING_DEVIATIONS * deviation < clearance
+    for outside in stock.tube_outsides() if has_plastic_discs(requirement) and not requirement.fit else ():
+        clearance = requirement.clearance_at(outside)
+        deviation = math.hypot(TOLERANCE_SHARE * clearance, _tube_deviation(requirement, 0.5 * outside))
+        if JAMMING_DEVIATIONS * deviation >= clearance:
+            is_free &= radius != 0.5 * outside
     return is_free
 
 
@@ -422,28 +423,24 @@ def _choose_core_pins(
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
-    """Build the drive of a candidate for an output torque [N m]; return None if it cannot be built or assembled.
-
-    `requirement` is that for the drive. `sizes` are the dimensions of the candidate. A metal drive gets preloaded
-    output bearings if they fit.
-    """
+    """Build the drive of a candidate as `assemble_drive`; return None if it cannot be built or assembled."""
     try:
-        return _assemble(requirement, sizes, torque)
+        return assemble_drive(requirement, sizes, torque)
     except CycloidError:
         return None
 
 
-def describe_obstacle(requirement: Requirement, sizes: Sizes, torque: float) -> str:
-    """Return the reason why the drive of a candidate cannot be built, without remedies; "" if it can be built."""
-    try:
-        _assemble(requirement, sizes, torque)
-    except CycloidError as error:
-        return str(error).partition(": ")[0]
-    return ""
+def assemble_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer:
+    """Build the drive of a candidate for an output torque [N m].
 
+    `requirement` is that for the drive. `sizes` are the dimensions of the candidate. A metal drive gets preloaded
+    output bearings if they fit.
 
-def _assemble(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer:
-    """Return what `build_drive` returns; raise CycloidError with the reason if the drive cannot be built."""
+    Raises
+    ------
+    CycloidError
+        The drive cannot be built or assembled, for the reason in the message.
+    """
     reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
     if preloaded := with_preloaded_bearings(requirement, reducer):
         return preloaded

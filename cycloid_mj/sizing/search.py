@@ -29,9 +29,9 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import (
     DIMENSIONS,
+    assemble_drive,
     build_drive,
     decode,
-    describe_obstacle,
     design_of,
 )
 from cycloid_mj.sizing.objective import Objective, lightest, most_efficient, strongest
@@ -678,22 +678,30 @@ def _capacities(guess: Estimate) -> list[Array]:
 
 def first_drive(requirement: Requirement) -> Reducer | None:
     """Return the first drive of the sequence that can be built; None if there is none."""
-    torque = FIRST_TORQUE * requirement.diameter**3
-    return next((drive for row in _first_sizes(requirement) if (drive := build_drive(requirement, row, torque))), None)
+    return _build_first_drive(requirement)[0]
 
 
 def most_frequent_obstacle(requirement: Requirement) -> str:
     """Return the most frequent reason why `first_drive` finds no drive; "" if no sizes of parts are compatible."""
-    torque = FIRST_TORQUE * requirement.diameter**3
-    obstacles = [describe_obstacle(requirement, row, torque) for row in _first_sizes(requirement)]
+    obstacles = _build_first_drive(requirement)[1]
     kinds = [re.sub(r"[\d.]+", "", obstacle) for obstacle in obstacles]
     return max(zip(obstacles, kinds, strict=True), key=lambda pair: kinds.count(pair[1]), default=("", ""))[0]
 
 
-def _first_sizes(requirement: Requirement) -> Sizes:
-    """Return the dimensions of the first candidates of the sequence, at most 200."""
+@lru_cache(maxsize=8)
+def _build_first_drive(requirement: Requirement) -> tuple[Reducer | None, tuple[str, ...]]:
+    """Build the first 200 candidates of the sequence until one succeeds; return this drive, or None.
+
+    The second result has the reasons why the candidates before it cannot be built, without remedies.
+    """
     _, sizes = decode(requirement, _sequence(SETTINGS.start))
-    return sizes[:200].view(np.recarray)
+    obstacles: list[str] = []
+    for row in sizes[:200]:
+        try:
+            return assemble_drive(requirement, row, FIRST_TORQUE * requirement.diameter**3), tuple(obstacles)
+        except CycloidError as error:
+            obstacles.append(str(error).partition(": ")[0])
+    return None, tuple(obstacles)
 
 
 def _sequence(count: int) -> Array:

@@ -206,7 +206,7 @@ def _describe_infeasible_size(requirement: Requirement) -> str:
     if requirement.motor != "auto" and create_pool(required.but(motor="auto")):
         return f"no crank that fits is thick enough for the shaft of the motor {requirement.motor}"
     size = f"with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm"
-    if obstacle := most_frequent_obstacle(required) or most_frequent_obstacle(free):
+    if obstacle := most_frequent_obstacle(required.kind) or most_frequent_obstacle(free.kind):
         return f"no drive {size} ({requirement.process}): {obstacle}"
     return f"no disc {size} with clearances of {1e6 * requirement.usual_clearance:g} um ({requirement.process})"
 

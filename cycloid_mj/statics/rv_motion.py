@@ -29,7 +29,7 @@ def static_rotations(reducer: RvReducer, springs: RvSprings, torque: float, sens
     springs
         Its contact springs, at m crank angles.
     torque
-        Torque on the output [N m]. Under 0, the parts are in the middle of their clearances.
+        Torque on the output [N m]. At a torque of 0, the parts are in the middle of their clearances.
     sense
         Direction in which the sun turns, 1 or -1, for the friction of a running drive; 0: no friction.
 

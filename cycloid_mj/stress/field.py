@@ -116,7 +116,9 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Compute the largest bulk stress, support reactions and imbalance of a part at each crank angle of its loads.
+    """Compute bulk stress, reactions and residual of the loads of a part at each crank angle of the loads.
+
+    The residual (`PartStress.imbalance`) is the resultant force and moment of the loads of a part without supports.
 
     Parameters
     ----------

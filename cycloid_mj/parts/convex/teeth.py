@@ -73,7 +73,8 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Slice the flanks of the internal gear into convex pieces, in the frame of the gear, lobe 1 on +y.
 
-    `SlicePlacement.member` is the number of the lobe. `settings` set the accuracy and the number of the slices.
+    The `member` of each place of the result is the number of its lobe. `settings` set the accuracy and the number of
+    the slices.
     """
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
