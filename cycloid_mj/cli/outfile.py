@@ -40,16 +40,18 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     ------
     UsageError
         The value is another flag, or has the ending of another kind of file.
-    TakenError
-        The file exists, and `force` is not set.
+    CycloidError
+        It cannot be written in its folder (`claim_file`).
     """
     if file == STDOUT:
         return
     if file.startswith("-") or not file:
         problem = "begins with a dash, as flags do" if file else "is empty"
         raise UsageError(f"the file name after {flag}, {file!r}, {problem}: give another file name, or - for stdout")
-    require_ending(Path(file), ".csv")
-    claim_outputs(Path(file), force=force)
+    path = Path(file)
+    require_ending(path, ".csv")
+    if not _is_device(path):
+        claim_file(path, force)
 
 
 def claim_file(path: Path, force: bool) -> None:
@@ -132,6 +134,10 @@ def create_folder(name: str, contents: str) -> Path | None:
     return path
 
 
+def _is_device(path: Path) -> bool:
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
 @contextmanager
 def _open_output(file: str) -> Iterator[TextIO]:
     """Open a text file for writing, so that an incomplete file never has its final name.
@@ -145,7 +151,7 @@ def _open_output(file: str) -> Iterator[TextIO]:
     """
     path = Path(file)
     try:
-        if path.exists() and not path.is_file() and not path.is_dir():
+        if _is_device(path):
             with path.open("w", encoding="utf-8", newline="\n") as stream:
                 yield stream
             return

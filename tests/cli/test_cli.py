@@ -912,7 +912,7 @@ def test_flags_keep_the_limits_of_the_design():
         (("analyze", "empty.toml"), ("empty",)),
         (("analyze", "broken.toml"), ("not an MCAP file",)),
         (("design", "profile", "--design", "pin", "--csv", "."), ("cannot write", "not a regular file")),
-        (("design", "profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no/such/x.csv",)),
+        (("design", "profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no folder no/such. Create it",)),
         (("design", "profile", "--design", "pin", "--csv", "broken.toml/x.csv"), ("broken.toml/x.csv",)),
         (("design", "profile", "--design", "loops.toml", "--csv", "x.csv"), ("eccentricity", "mm")),
     ],
