@@ -83,7 +83,7 @@ def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
     design = reducer.design
     if not design.has_film:
         return None
-    rows = {
+    row_of_kind = {
         "cam": CAM,
         "output": OUTPUT,
         CRANK_BEARING: CAM,
@@ -96,7 +96,7 @@ def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
     pin_by_pair = [pair.owner + second_plane * pair.disc if pair.kind in ring_kinds else 0 for pair in pairs]
     return FilmRows(
         film_table(reducer),
-        np.array([rows[pair.kind] for pair in pairs], dtype=np.int32),
+        np.array([row_of_kind[pair.kind] for pair in pairs], dtype=np.int32),
         np.array(pin_by_pair, dtype=np.int32),
         max(pin_by_pair) + 1,
         second_plane,

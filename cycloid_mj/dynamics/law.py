@@ -125,11 +125,11 @@ def settling_law(
     """Compute the parameters of the law of a contact for a time step that is too long to follow its oscillation.
 
     Parameters are those of `contact_law`: stiffness K [N/m], damping ratio [1], effective mass [kg], friction
-    coefficient [1], creep [N s/m] and time step dt [s]. The contact settles within a step. With such a step, the method
-    of Fox and Goodwin would oscillate and lift light parts off their seats. This law is implicit Euler instead (Hairer
-    and Wanner, Solving Ordinary Differential Equations II, IV.3). The force f at the end of the step follows from the
-    gap r, speed v and acceleration a: f = -K (r + dt v + dt^2 a) - C (v + dt a). In MuJoCo's terms, the added mass 1/R
-    is K dt^2 + C dt, the damping is C + K dt, and the stiffness stays K.
+    coefficient [1], creep [N s/m] and time step `timestep` dt [s]. The contact settles within a step. With such a step,
+    the method of Fox and Goodwin would oscillate and lift light parts off their seats. This law is implicit Euler
+    instead (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3). The force f at the end of the step
+    follows from the gap r, speed v and acceleration a: f = -K (r + dt v + dt^2 a) - C (v + dt a). In MuJoCo's terms,
+    the added mass 1/R is K dt^2 + C dt, the damping is C + K dt, and the stiffness stays K.
     """
     law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
     damping = law.damping + stiffness * timestep
@@ -150,11 +150,11 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
     sliding_laws = [law for disc_laws in laws for law in disc_laws.values() if law.friction]
     if not (sliding_laws and reducer.design.drive.speed):
         return FRICTION.impratio
-    required = [
+    min_ratios = [
         max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass)
         for law in sliding_laws
     ]
-    return significant(max(required))
+    return significant(max(min_ratios))
 
 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
@@ -170,13 +170,13 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)
     if isinstance(reducer, RvReducer):
-        shares = {design.tooth_pair: 1.0, names.CRANK_BEARING: gear.eccentricity / reducer.cranks.eccentric_radius}
+        path_ratios = {design.tooth_pair: 1.0, names.CRANK_BEARING: gear.eccentricity / reducer.cranks.eccentric_radius}
     else:
-        shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
+        path_ratios = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:
-        shares[design.seat_pair] = 1.0
-    pairs = {kind: (laws[kind], share) for kind, share in shares.items() if kind in laws and laws[kind].friction}
-    return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in pairs.items()}
+        path_ratios[design.seat_pair] = 1.0
+    pairs = {kind: (laws[kind], ratio) for kind, ratio in path_ratios.items() if kind in laws and laws[kind].friction}
+    return {kind: ratio * impratio * law.added_mass * speed / law.creep for kind, (law, ratio) in pairs.items()}
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
@@ -186,13 +186,13 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParamete
     each disc by kind of pair. The result is the largest value up to `FRICTION.impratio` with which the angle by which
     friction is ahead of the sliding velocity (`friction_leads`) is within its limits.
     """
-    allowed = [
+    max_ratios = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead
         for disc_laws in laws
         for kind, lead in friction_leads(reducer, disc_laws, 1.0).items()
         if lead
     ]
-    return significant(min([FRICTION.impratio, *allowed]))
+    return significant(min([FRICTION.impratio, *max_ratios]))
 
 
 def solver_parameters(

@@ -233,7 +233,7 @@ def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
 
 
 def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, timestep_s: float) -> Iterator[str]:
-    """Yield a warning if a `kind` of pair is too stiff for the time step `timestep_s` [s], with its contact `law`."""
+    """Yield a warning if a `kind` of pair with the contact `law` is too stiff for the time step `timestep_s` [s]."""
     max_ratio, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, timestep_s)
     if ratio > max_ratio * (1.0 + ROUNDING):
         max_step = timestep_s * math.sqrt(max_ratio / ratio)
@@ -296,8 +296,8 @@ def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
     """Yield a warning if the clearance of a kind of pair is below the rounding error of the gap computation.
 
-    That error is in proportion to the pin circle radius. There is no warning for kinds without a clearance in the
-    design.
+    That error is in proportion to the pin circle radius. `kind` is a kind of mating pair, such as ``cam``; there is no
+    warning for kinds without a clearance in the design.
     """
     min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind, min_clearance)  # that of springs may be any
@@ -343,11 +343,11 @@ def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
     force, compliances = reducer.design.gear.discs * output.force, 1.0 / np.array(output.stiffness_by_disc)
     relative_flexibility = flexibility - compliances
-    surplus = force * relative_flexibility - 2.0 * reducer.design.clearance.output
-    if surplus.max() > 0.0:
-        other_disc, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
+    overlaps_rigid = force * relative_flexibility - 2.0 * reducer.design.clearance.output
+    if overlaps_rigid.max() > 0.0:
+        other_disc, disc = np.unravel_index(int(overlaps_rigid.argmax()), overlaps_rigid.shape)
         overlap, compliance = (
-            float(surplus[other_disc, disc]),
+            float(overlaps_rigid[other_disc, disc]),
             float(compliances[other_disc] - relative_flexibility[other_disc, disc]),
         )
         share = min(overlap / (compliance * force), 1.0) if compliance > 0.0 else 1.0

@@ -576,7 +576,7 @@ class _Recorder:
         `log_columns` lists the columns of each topic with their units. Powers are summed over the pairs of each kind,
         and the motion of q, the logged point of the disc, is computed from that of the first disc.
         """
-        sensor_values, solver, drags = (
+        sensor_values, solver_values, drag_losses = (
             rows[:, columns] for columns in (self.steps.copied, self.steps.solver, self.steps.drags)
         )
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
@@ -590,10 +590,10 @@ class _Recorder:
         )
         tables_of_reducer = [
             sensor_values[:, : self._first_pin],
-            solver[:, : sample_layout.ITERATIONS + 1],
+            solver_values[:, : sample_layout.ITERATIONS + 1],
             energies,
             powers.reshape(len(rows), -1),
-            drags,
+            drag_losses,
             *pin_motion,
         ]
         tables = {names.REDUCER: np.concatenate(tables_of_reducer, axis=1)}
@@ -663,7 +663,8 @@ class _Recorder:
     def _describe_jam(self, cause: str, power: Array, sample: int) -> str:
         """Return the error message of a jam in the sample with the index `sample`.
 
-        `cause` is its subject and verb, such as "friction dissipates"; `power` (samples,) is the dissipated power [W].
+        `cause` is the subject and verb of the message, such as "friction dissipates"; `power` (samples,) is the
+        dissipated power [W], which the message contains.
         """
         drive = self._design.drive
         return (

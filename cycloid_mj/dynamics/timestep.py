@@ -74,8 +74,8 @@ def choose_step(reducer: Reducer) -> TimeStep:
     fixed_step, log_rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
     if fixed_step:
         return TimeStep(fixed_step, "given")
-    allowed = {"largest allowed step": SETTINGS.max_step, "log rate": 1.0 / log_rate}
-    return divide_sample_time(log_rate, allowed | step_limits(reducer))
+    max_step_by_reason = {"largest allowed step": SETTINGS.max_step, "log rate": 1.0 / log_rate}
+    return divide_sample_time(log_rate, max_step_by_reason | step_limits(reducer))
 
 
 def divide_sample_time(rate: float, allowed: Mapping[str, float]) -> TimeStep:

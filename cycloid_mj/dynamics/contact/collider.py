@@ -54,8 +54,9 @@ def _compile_general_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses, `geom1` and `geom2`
-        the indices of the geoms; contacts have gaps below `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are the addresses of ``mjModel`` and
+        ``mjData``, `contacts` that of an array of ``mjPreContact``, which has room for all contacts; `geom1` and
+        `geom2` are the indices of the geoms. Only contacts with gaps below `margin` [m] are written.
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -92,8 +93,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses, `geom1` and `geom2`
-        the indices of the geoms; contacts have gaps below `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are the addresses of ``mjModel`` and
+        ``mjData``, `contacts` that of an array of ``mjPreContact``, which has room for all contacts; `geom1` and
+        `geom2` are the indices of the geoms. Only contacts with gaps below `margin` [m] are written.
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -108,9 +110,9 @@ def _compile_lobe_collider(layout: Layout) -> Any:
 
 @cache
 def _general_collider() -> Any:
-    """Return two collision functions for cylinders: MuJoCo's own (its address), and the exact function.
+    """Return MuJoCo's own collision function for cylinders (its address), and the exact one, after its self-test.
 
-    The exact function computes all contacts except those of lobes. It is a numba ``cfunc`` that passed its self-test.
+    The exact function, a numba ``cfunc``, computes all contacts except those of lobes.
 
     Raises
     ------

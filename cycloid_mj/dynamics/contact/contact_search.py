@@ -154,7 +154,7 @@ class HalfRoot(NamedTuple):
 
 @njit(inline="always")
 def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
-    """Write a contact point as six numbers at a memory address: gap, position, stiffness factor and unit normal.
+    """Write a contact point as six doubles at a memory address: gap, position, stiffness factor and unit normal.
 
     The gap and the position (x, y) are in [m]; `factor` [1] multiplies the stiffness of the contact; the normal is (nx,
     ny). They are the fields of a `Touch`.
@@ -169,7 +169,7 @@ def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx:
 
 @njit(inline="always")
 def read_touch(address: int) -> Touch:
-    """Read a contact point, six numbers, at a memory address: gap, position, stiffness factor and normal."""
+    """Read a contact point, six doubles, at a memory address: gap, position, stiffness factor and unit normal."""
     return Touch(
         read_float(address),
         read_float(address + 8),
@@ -355,7 +355,8 @@ def _root_stiffness_factor(profile: Teeth, arc_radius: float, minimum: Minimum) 
 def _contact_separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
     """Compute how far the contacts on arc and root of a lobe are apart, from 0 (one patch) to 1 (two patches) [1].
 
-    It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
+    It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth under working
+    force (``profile.deflection``), and clipped to this range.
 
     Parameters
     ----------
@@ -402,11 +403,11 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
 
     max_sine = ring.eccentricity * ring.teeth / ring.radius
     is_modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
-    monotone = is_monotone(ring)
+    root_is_monotone = is_monotone(ring)
     min_cosine = math.sqrt(1.0 - max_sine * max_sine)
     # Of a conjugate gear, only roots near the eccentric direction are in contact: |crank| < acos(share), plus a margin.
     is_far = gear.y < (max_sine - SETTINGS.angle_margin * min_cosine) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
-    if is_far and monotone and not is_modified:
+    if is_far and root_is_monotone and not is_modified:
         return _write_arc_contact(address, arc, lobe, arc_radius)
     # The crank is N - 1 times as far round as the gear. Most roots are open, and do not need its angle.
     crank_x, crank_y = sin_nt * cosine - cos_nt * sine, cos_nt * cosine + sin_nt * sine
@@ -414,9 +415,9 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
     half_pitch = math.pi / ring.teeth
     half_sine, half_cosine = math.sin(half_pitch), math.cos(half_pitch)
     count = np.int64(0)  # not a literal, for which `_write_root_contacts` would be compiled once more
-    for side in range(2):
+    for root_side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
-        is_own = side == 0
+        is_own = root_side == 0
         pitch = 0.0 if is_own else 2.0 * half_pitch
         x1, y1, x2, y2 = (
             (-half_sine, half_cosine, max_sine, min_cosine)
@@ -428,11 +429,11 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
         crank_turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
         crank = crank_turn - 2.0 * math.pi * math.floor(crank_turn / (2.0 * math.pi) + 0.5)
         min_phase = math.acos(max_sine)
-        start_phase = root_start_phase(crank - pitch, min_phase, ring, is_modified) if monotone else math.pi
+        start_phase = root_start_phase(crank - pitch, min_phase, ring, is_modified) if root_is_monotone else math.pi
         if start_phase == 0.0:
             continue
-        frame = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))
-        root = HalfRoot(is_own, min_phase, start_phase, frame, is_modified, monotone)
+        root_frame = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))
+        root = HalfRoot(is_own, min_phase, start_phase, root_frame, is_modified, root_is_monotone)
         count, arc = _write_root_contacts(address, count, profile, arc_radius, root, arc, lobe, gear, margin)
     return count + _write_arc_contact(address + STRIDE * count, arc, lobe, arc_radius)
 
@@ -451,32 +452,32 @@ def _write_root_contacts(
 ) -> tuple[int, ArcTouch]:
     """Find and write the contacts of the teeth in half a `root` of the internal gear, after `count` others.
 
-    `address` is the memory address of the first contact. The half root is divided into pieces, each of which is
+    `address` is the memory address of the array of contacts. The half root is divided into intervals, each of which is
     searched for a minimum of the gap. If the gap between the contacts on arc and root is below the deflection of the
     teeth, both share one patch: their stiffness is reduced. `profile` are the teeth of the disc, `arc` is the contact
     on the arc of the lobe, whose radius is `arc_radius` [m]. `lobe` is the pose of the lobe in the world, `gear` that
     of the teeth in the frame of the lobe, and `margin` [m] the largest gap of a contact. Returns the new number of
     contacts, and `arc` with its new stiffness.
     """
-    flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.min_phase
-    gear_x, gear_y = inwards(frame, gear.x, gear.y)
-    gear_cosine, gear_sine = inwards(frame, gear.cosine, gear.sine)
+    flank, ring, root_frame, min_phase = profile.flank, profile.ring, root.frame, root.min_phase
+    gear_x, gear_y = inwards(root_frame, gear.x, gear.y)
+    gear_cosine, gear_sine = inwards(root_frame, gear.cosine, gear.sine)
     gear_pose = Pose(gear_x, gear_y, gear_cosine, gear_sine)
-    bottom, top = (min_phase, math.pi) if root.own else (math.pi, 2.0 * math.pi - min_phase)
-    pieces = SETTINGS.modified_pieces if root.monotone else SETTINGS.pieces
+    half_start, half_end = (min_phase, math.pi) if root.own else (math.pi, 2.0 * math.pi - min_phase)
+    interval_count = SETTINGS.modified_pieces if root.monotone else SETTINGS.pieces
     if root.monotone and not root.modified:
-        pieces = 1
+        interval_count = 1
     is_graded = root.modified and root.monotone
-    slope = root_slope(bottom, ring, flank, gear_pose) if pieces > 1 else -1.0
-    for piece in range(pieces):
-        interval_start = _interval_edge_phase(bottom, top, piece / pieces, root.own, is_graded)
-        interval_end = _interval_edge_phase(bottom, top, (piece + 1) / pieces, root.own, is_graded)
-        if pieces > 1:
+    slope = root_slope(half_start, ring, flank, gear_pose) if interval_count > 1 else -1.0
+    for interval in range(interval_count):
+        interval_start = _interval_edge_phase(half_start, half_end, interval / interval_count, root.own, is_graded)
+        interval_end = _interval_edge_phase(half_start, half_end, (interval + 1) / interval_count, root.own, is_graded)
+        if interval_count > 1:
             was_falling = slope < 0.0
             slope = root_slope(interval_end, ring, flank, gear_pose)
             if not was_falling or slope < 0.0:
                 continue
-        search_start = root.start if pieces == 1 else 0.5 * (interval_start + interval_end)
+        search_start = root.start if interval_count == 1 else 0.5 * (interval_start + interval_end)
         minimum = root_minimum(interval_start, interval_end, search_start, ring, flank, gear_pose)
         gap = minimum.distance + flank.offset - arc_radius
         if not (minimum.exists and gap < margin):
@@ -490,8 +491,8 @@ def _write_root_contacts(
         contact_radius = arc_radius + 0.5 * gap
         x, y, _, _, _ = offset_root(minimum.B, ring)
         # Back from the root's frame to the lobe's, and to the world.
-        lobe_x, lobe_y = outwards(frame, x - contact_radius * minimum.nx, y - contact_radius * minimum.ny)
-        lobe_nx, lobe_ny = outwards(frame, minimum.nx, minimum.ny)
+        lobe_x, lobe_y = outwards(root_frame, x - contact_radius * minimum.nx, y - contact_radius * minimum.ny)
+        lobe_nx, lobe_ny = outwards(root_frame, minimum.nx, minimum.ny)
         world_x, world_y = to_frame(lobe, lobe_x, lobe_y - ring.radius)
         world_nx, world_ny = outwards(lobe, lobe_nx, lobe_ny)
         write_touch(address + STRIDE * count, gap, world_x, world_y, factor, world_nx, world_ny)

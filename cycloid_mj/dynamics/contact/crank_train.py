@@ -96,13 +96,15 @@ def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
     base_radii_sum = mesh.sun_base + mesh.planet_base
     cosine = base_radii_sum / distance
     sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
-    opening = base_radii_sum * (sine / cosine - math.acos(min(cosine, 1.0)) - mesh.involute)
+    gap_by_distance = base_radii_sum * (sine / cosine - math.acos(min(cosine, 1.0)) - mesh.involute)
     planet_angle = math.atan2(planet.sine, planet.cosine) - direction
-    advance = mesh.sun_base * (math.atan2(sun.sine, sun.cosine) - direction) + mesh.planet_base * planet_angle
-    advance -= mesh.middle + mesh.error * math.sin(mesh.planet_teeth * planet_angle + mesh.phase)
-    advance -= mesh.base_pitch * round(advance / mesh.base_pitch)
-    gap = mesh.half_backlash + opening
-    return Flanks(gap - advance, gap + advance, dx / distance, dy / distance, cosine, sine, mesh.sun_base / cosine)
+    flank_advance = mesh.sun_base * (math.atan2(sun.sine, sun.cosine) - direction) + mesh.planet_base * planet_angle
+    flank_advance -= mesh.middle + mesh.error * math.sin(mesh.planet_teeth * planet_angle + mesh.phase)
+    flank_advance -= mesh.base_pitch * round(flank_advance / mesh.base_pitch)
+    gap = mesh.half_backlash + gap_by_distance
+    return Flanks(
+        gap - flank_advance, gap + flank_advance, dx / distance, dy / distance, cosine, sine, mesh.sun_base / cosine
+    )
 
 
 @njit(inline="always")

@@ -73,7 +73,7 @@ _STAGES = [
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
     """Add the sensor by which MuJoCo calls back `EachStep`, to advance and sample a run, to the editable model `spec`.
 
-    A number of user data is added, too: it is the memory address of the state of the run. With `changes_contacts` a
+    One element of user data is added, too, for the memory address of the state of the run. With `changes_contacts` a
     second sensor is added, which is evaluated before the forces. Its call applies the contact law IMPACT of Adams or
     the friction law ``film`` (lubricated contacts) to each contact.
     """
@@ -141,7 +141,7 @@ class EachStep:
         every
             Steps per sample.
         sources
-            Memory addresses, in MuJoCo's data, of the numbers that each sample copies.
+            Memory addresses, in ``mjData``, of the doubles that each sample copies.
         drags
             Constraint rows of the losses by seals and lubricant, see `drag_rows`.
         impacts
@@ -288,8 +288,9 @@ def _compile_callback() -> Any:
     def during_step(model: int, data: int, stage: int) -> None:
         """Apply the contact laws before the forces, or end a step and take the following steps, depending on `stage`.
 
-        The signature is that of MuJoCo's ``mjfSensor``: `model` and `data` are addresses, `stage` is MuJoCo's stage of
-        the step (``mjtStage``). The following steps are those that remain in the current call of `EachStep.advance`.
+        The signature is that of MuJoCo's ``mjfSensor``: `model` and `data` are the addresses of ``mjModel`` and
+        ``mjData``, `stage` is MuJoCo's stage of the step (``mjtStage``). The following steps are those that remain in
+        the current call of `EachStep.advance`.
         """
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
@@ -322,7 +323,7 @@ def _compile_callback() -> Any:
 def _end_step(model: int, data: int, run: StepState) -> None:
     """Update peak forces after a step, write a sample if it is due, and set the commands of the next step.
 
-    `model` and `data` are memory addresses; the state `run` is updated.
+    `model` and `data` are the memory addresses of ``mjModel`` and ``mjData``; the state `run` is updated.
     """
     _update_peaks(run)
     run.due -= 1
@@ -340,7 +341,7 @@ def _end_step(model: int, data: int, run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_impact(run: StepState) -> None:
-    """Set stiffness and damping of every contact by Adams' law IMPACT at its current depth; else do nothing.
+    """Set stiffness and damping of every contact by Adams' law IMPACT at its current depth, if a run uses this law.
 
     `run` is the state of the run. A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (module `law`), with
     force f, relative acceleration a and velocity v, and gap r. The function sets k, b and R, which is the inverse of
@@ -381,7 +382,7 @@ def _apply_impact(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction coefficient of each contact by the law ``film`` of lubricated contacts; else do nothing.
+    """Set the friction coefficient of each contact by the law ``film`` of lubricated contacts, if a run uses this law.
 
     The coefficient depends on the normal force, and at ring pins on the phase of the pin: the angle between the
     directions of the pin and of the disc's centre. Contacts of teeth are set before those of seats, because the disc
@@ -407,7 +408,7 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
     """Set the friction coefficient of one contact from the table of lubricated friction (law ``film``).
 
     The table is interpolated at the normal force and the phase of the ring pin. `contact` is the memory address of the
-    contact, `pair` the index of its mating pair, `row` its first constraint row, and `run` the state of the run.
+    ``mjContact``, `pair` the index of its mating pair, `row` its first constraint row, and `run` the state of the run.
     """
     constants = read_address(run.efc_KBIP) + 32 * row
     depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)
@@ -435,8 +436,8 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
 def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
     """Compute the cosine of the angle between the directions of a ring pin or lobe and of the disc's centre.
 
-    Both directions are from the reducer's axis. `contact` is the memory address of their contact, `pair` the index of
-    their mating pair, and `run` the state of the run.
+    Both directions are from the reducer's axis. `contact` is the memory address of their ``mjContact``, `pair` the
+    index of their mating pair, and `run` the state of the run.
     """
     first_geom, second_geom = read_int(contact + run.geom), read_int(contact + run.geom + 4)
     mate_geom = second_geom if read_address(run.teeth + 8 * first_geom) else first_geom

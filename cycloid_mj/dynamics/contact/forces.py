@@ -163,8 +163,9 @@ def _add(address: int, value: float) -> None:
 def _compute_penetration(state: StepState, contact: int) -> float:
     """Compute the penetration [m] of a contact; it is negative where the surfaces do not touch.
 
-    `contact` is the memory address of the contact, `state` the state of the run. At exact teeth it is the geometric
-    penetration, because MuJoCo's distance there is scaled by the stiffness factor of the local curvature (``mating``).
+    `contact` is the memory address of the ``mjContact``, `state` the state of the run. At exact teeth it is the
+    geometric penetration, because MuJoCo's distance there is scaled by the stiffness factor of the local curvature
+    (``mating``).
     """
     overlap = -read_float(contact)
     first_geom, second_geom = read_int(contact + state.geom), read_int(contact + state.geom + 4)

@@ -75,9 +75,11 @@ def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, floa
     if abs(angle) > 0.05:
         small_sine, small_cosine = math.sin(angle), math.cos(angle)
     else:
-        square = angle * angle
-        small_sine = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
-        small_cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+        squared_angle = angle * angle
+        small_sine = angle * (1.0 - squared_angle / 6.0 * (1.0 - squared_angle / 20.0 * (1.0 - squared_angle / 42.0)))
+        small_cosine = 1.0 - squared_angle / 2.0 * (
+            1.0 - squared_angle / 12.0 * (1.0 - squared_angle / 30.0 * (1.0 - squared_angle / 56.0))
+        )
     return sine * small_cosine + cosine * small_sine, cosine * small_cosine - sine * small_sine
 
 
@@ -98,13 +100,13 @@ def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, f
     polar_angle = math.atan2(x, y)
     cosine = (radius * radius + eccentricity * eccentricity - squared_distance) / (2.0 * radius * eccentricity)
     cosine = min(1.0, max(-1.0, cosine))
-    turns = (teeth - 1.0) * polar_angle / (2.0 * math.pi)
+    lobe_turns = (teeth - 1.0) * polar_angle / (2.0 * math.pi)
     sine = math.sqrt(1.0 - cosine * cosine)
-    if turns - math.floor(turns) > 0.5:
+    if lobe_turns - math.floor(lobe_turns) > 0.5:
         sine = -sine
-    tilt = eccentricity * sine / (radius - eccentricity * cosine)
-    length = math.sqrt(squared_distance * (1.0 + tilt * tilt))
-    return polar_angle + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
+    tan_tilt = eccentricity * sine / (radius - eccentricity * cosine)
+    length = math.sqrt(squared_distance * (1.0 + tan_tilt * tan_tilt))
+    return polar_angle + math.atan(tan_tilt), (x + tan_tilt * y) / length, (y - tan_tilt * x) / length
 
 
 @njit
@@ -309,9 +311,9 @@ def flank_curvature(t: float, flank: Flank) -> float:
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
     """Compute the distance of a point (x, y) [m] from the two rotated flanks of a lobe, minus `flank.offset`.
 
-    The distance is the larger one of both flanks, or that from the corner at which the flanks meet if the foot point is
-    cut away by the other flank. The results are those of `flank_distance`: trochoid parameter [rad], distance [m],
-    outward unit normal x and y, and whether the nearest point is a corner.
+    The distance is the larger of those from both flanks, or that from the corner at which the flanks meet if the foot
+    point is cut away by the other flank. The results are those of `flank_distance`: trochoid parameter [rad], distance
+    [m], outward unit normal x and y, and whether the nearest point is a corner.
     """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
@@ -322,12 +324,12 @@ def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, fl
         side, sine = -1.0, -sine
         t, distance, nx, ny = other_side
     pitch = 2.0 * math.pi / (flank.curve.teeth - 1.0)
-    turns = side * t / pitch
-    beyond_valley = pitch * (turns - math.floor(turns))
+    lobe_turns = side * t / pitch
+    beyond_valley = pitch * (lobe_turns - math.floor(lobe_turns))
     if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
         return t, distance, cosine * nx + sine * ny, cosine * ny - sine * nx, False
     is_tip = beyond_valley < 0.75 * pitch
-    middle_angle = side * pitch * (math.floor(turns) + (0.5 if is_tip else 1.0))
+    middle_angle = side * pitch * (math.floor(lobe_turns) + (0.5 if is_tip else 1.0))
     corner_radius = flank.tip_radius if is_tip else flank.valley_radius
     dx, dy = x - corner_radius * math.sin(middle_angle), y - corner_radius * math.cos(middle_angle)
     corner_distance = math.sqrt(dx * dx + dy * dy)

@@ -96,19 +96,19 @@ def find_layout() -> Layout:
         MuJoCo's structures are not as expected; the message names the field and the installed release.
     """
     geom_xml = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
-    probes = {7919: "", 6101: geom_xml * 5}
-    models = [
-        mujoco.MjModel.from_xml_string(_PROBE.format(user=user_numbers, more=extra))
-        for user_numbers, extra in probes.items()
+    xml_by_user_numbers = {7919: "", 6101: geom_xml * 5}
+    probe_models = [
+        mujoco.MjModel.from_xml_string(_PROBE.format(user=user_numbers, more=extra_xml))
+        for user_numbers, extra_xml in xml_by_user_numbers.items()
     ]
-    first_pointers, second_pointers = map(_find_pointers, models)
+    first_pointers, second_pointers = map(_find_pointers, probe_models)
     if first_pointers != second_pointers:
         raise _layout_error(f"two models disagree: {first_pointers} and {second_pointers}")
-    numbers = [
+    offsets_of_size = [
         set(_find_number(model._address, _Span.SIZES, user_numbers))
-        for model, user_numbers in zip(models, probes, strict=True)
+        for model, user_numbers in zip(probe_models, xml_by_user_numbers, strict=True)
     ]
-    if not (common_offsets := set.intersection(*numbers)):
+    if not (common_offsets := set.intersection(*offsets_of_size)):
         raise _layout_error("mjModel.nuser_geom is missing")
     return Layout(**first_pointers, nuser_geom=min(common_offsets))
 

@@ -101,9 +101,9 @@ def write_pin_contact(
 ) -> int:
     """Write the contact of a ring pin and the teeth at a memory address, and return the number of contacts, 0 or 1.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `address` are memory addresses, `teeth` and `pin`
-    indices of geoms. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps
-    below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `address` are the memory addresses of ``mjModel``,
+    ``mjData`` and the ``mjPreContact``, `teeth` and `pin` the indices of the geoms. `sign` is 1 if `teeth` is the first
+    geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
     """
     user_data = _user(model, layout, pin)
     ring_pin = RingPin(
@@ -129,9 +129,10 @@ def write_lobe_contacts(
 ) -> int:
     """Write the contacts of the teeth with a lobe of the internal gear and its roots; return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses, `teeth` and `geom`
-    the indices of the geoms of the teeth and of the lobe. `sign` is 1 if `teeth` is the first geom, else -1, which
-    reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are the memory addresses of ``mjModel``,
+    ``mjData`` and an array of ``mjPreContact``, `teeth` and `geom` the indices of the geoms of the teeth and of the
+    lobe. `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps below
+    `margin` [m].
     """
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
     count = lobe_touches(contacts, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
@@ -146,26 +147,26 @@ def write_round_contacts(
 ) -> int:
     """Write the contacts of a circle in the circle or arc around it for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
-    written at `contacts`; `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the first geom, else -1,
-    which reverses the normal; contacts have gaps below `margin` [m]. They are in the middle plane of the outer geom, or
-    in two planes on both sides of it if one of the geoms is a tilting pin.
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are the memory addresses of ``mjModel``,
+    ``mjData`` and an array of ``mjPreContact``, `inner` and `outer` the indices of the geoms. `sign` is 1 if `inner` is
+    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. They are in the middle
+    plane of the outer geom, or in two planes on both sides of it if one of the geoms is a tilting pin.
     """
-    middle = _position(data, layout, outer)[2]
+    middle_z = _position(data, layout, outer)[2]
     user_data, seat = _user(model, layout, outer), _pose(data, layout, outer)
     outer_arc = PartialCircle(
         _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user_data), read_float(user_data + 8)
     )
     distance, count = read_float(user_data + 16) if read_int(model + layout.nuser_geom) > 2 else 0.0, 0
     for plane in range(2 if distance > 0.0 else 1):
-        z = middle + (distance if plane else -distance)
+        z = middle_z + (distance if plane else -distance)
         x, y = _centre_at(data, layout, inner, z)
         outer_x, outer_y = _centre_at(data, layout, outer, z)
         dx, dy, first_address = x - outer_x, y - outer_y, contacts + STRIDE * count
-        added = inner_touches(first_address, dx, dy, x, y, _radius(model, layout, inner), outer_arc, margin)
-        for address in range(first_address, first_address + STRIDE * added, STRIDE):
+        new_contacts = inner_touches(first_address, dx, dy, x, y, _radius(model, layout, inner), outer_arc, margin)
+        for address in range(first_address, first_address + STRIDE * new_contacts, STRIDE):
             _write_touch(address, read_touch(address), z, sign)
-        count += added
+        count += new_contacts
     return count
 
 
@@ -175,18 +176,19 @@ def write_bearing_contacts(
 ) -> int:
     """Write the contacts of an eccentric in its bore for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
-    written at `contacts`; `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is the first geom, else
-    -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload the bore is smaller than the
-    eccentric, and needles on the opposite side have a contact, too, until their gap opens.
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are the memory addresses of ``mjModel``,
+    ``mjData`` and an array of ``mjPreContact``, `eccentric` and `bore` the indices of the geoms. `sign` is 1 if
+    `eccentric` is the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. With a
+    preload the bore is smaller than the eccentric, and needles on the opposite side have a contact, too, until their
+    gap opens.
     """
     (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
-    inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
-    gap, nx, ny = circle_in_circle(x - bore_x, y - bore_y, inner, outer)
+    inner_radius, outer_radius = _radius(model, layout, eccentric), _radius(model, layout, bore)
+    gap, nx, ny = circle_in_circle(x - bore_x, y - bore_y, inner_radius, outer_radius)
     count = 0
-    for side, side_gap in ((1.0, gap), (-1.0, 2.0 * (outer - inner) - gap)):
-        if side_gap < margin and (side > 0.0 or outer < inner):
-            contact_x, contact_y = x + side * inner * nx, y + side * inner * ny
+    for side, side_gap in ((1.0, gap), (-1.0, 2.0 * (outer_radius - inner_radius) - gap)):
+        if side_gap < margin and (side > 0.0 or outer_radius < inner_radius):
+            contact_x, contact_y = x + side * inner_radius * nx, y + side * inner_radius * ny
             normal_sign = sign * side
             write_contact(
                 contacts + STRIDE * count, side_gap, contact_x, contact_y, z, normal_sign * nx, normal_sign * ny
@@ -201,9 +203,9 @@ def write_planet_contacts(
 ) -> int:
     """Write the contacts of both flanks of sun and planet for MuJoCo, and return their number.
 
-    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are memory addresses; contacts are
-    written at `contacts`; `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first geom, else -1, which
-    reverses the normal; contacts have gaps below `margin` [m].
+    `layout` has the offsets of MuJoCo's arrays. `model`, `data` and `contacts` are the memory addresses of ``mjModel``,
+    ``mjData`` and an array of ``mjPreContact``, `sun` and `planet` the indices of the geoms. `sign` is 1 if `sun` is
+    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
     """
     mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
     flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]

@@ -70,8 +70,8 @@ def compile_control_callback(layout: StepLayout) -> Any:
 def correct_references(layout: StepLayout, model: int, data: int) -> None:
     """Correct the reference accelerations of all contacts of a step; do nothing for models without exact contact.
 
-    `model` and `data` are memory addresses, and `layout` has the offsets of MuJoCo's arrays there. ``efc_force``, which
-    the solver computes later, serves as working memory.
+    `model` and `data` are the memory addresses of ``mjModel`` and ``mjData``, `layout` the offsets of their arrays.
+    ``efc_force``, which the solver computes later, serves as working memory.
     """
     if read_int(model + layout.nuserdata) != 1 or read_int(model + layout.nuser_geom) < USER_DATA:
         return

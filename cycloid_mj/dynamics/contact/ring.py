@@ -90,14 +90,14 @@ def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
     K = radius * radius - pitch_radius * pitch_radius
     root_axis = -math.pi / teeth
     is_mirrored = crank > root_axis
-    target = 2.0 * root_axis - crank if is_mirrored else crank
+    target_crank = 2.0 * root_axis - crank if is_mirrored else crank
     B = min_phase
     for _ in range(SETTINGS.max_iterations):
         cosine = math.cos(B)
         alpha = math.atan2(-pitch_radius * math.sin(B), radius - pitch_radius * cosine)
         squared_pitch_distance = radius * radius + pitch_radius * pitch_radius - 2.0 * radius * pitch_radius * cosine
         crank_of_phase = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
-        increment = (target - crank_of_phase) * teeth / ((teeth - 1.0) * K / squared_pitch_distance - 1.0)
+        increment = (target_crank - crank_of_phase) * teeth / ((teeth - 1.0) * K / squared_pitch_distance - 1.0)
         B = min(math.pi, B + increment)
         if abs(increment) < SETTINGS.start_tolerance:
             break

@@ -21,10 +21,11 @@ ACTIVE, PENETRATION, LARGEST_FORCE, ITERATIONS, ACCELERATION_SUM, WARNINGS = ran
 
 
 def sample_slices(copied: int, pairs: int, drags: int) -> tuple[slice, slice, slice, slice, int]:
-    """Return the slices of a logged sample for its groups of values, and the total number of values.
+    """Return the slices of a sample, an array row, for its four groups of values, and the total number of values.
 
     The groups are, in this order: values copied from MuJoCo, statistics of the solver, forces and powers of the mating
-    pairs, and losses by drags (seals and lubricant). `copied`, `pairs` and `drags` are numbers of values, pairs, drags.
+    pairs, and losses by drags (seals and lubricant). `copied` is the number of copied values, `pairs` and `drags` are
+    those of pairs and drags.
     """
     edges = np.cumsum([0, copied, OF_SOLVER, OF_PAIR * pairs, drags]).tolist()
     values, solver, forces, losses = map(slice, edges[:-1], edges[1:])

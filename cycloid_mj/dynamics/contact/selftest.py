@@ -67,7 +67,7 @@ def require_passed(part: str, test: Callable[[], str]) -> None:
     Parameters
     ----------
     part
-        Name of the part, and of its record.
+        Name of the part; its record in the cache has the same name.
     test
         Function that runs the test and returns a description of the failure, "" for none.
 
@@ -216,10 +216,10 @@ def describe_difference(forces: dict[Any, float], weights: dict[Any, float]) -> 
 
 
 def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Return the element of `values` that belongs to each contact in MuJoCo's data, by the mass of the body [kg].
+    """Return the element of `values` that belongs to each contact in MuJoCo's `data`, by the mass of the body [kg].
 
-    It is the mass of the moving body in contact. The result is empty if the number of `values` is not the number of
-    contacts.
+    It is the mass of the moving body in contact, in `model`. The result is empty if the number of `values` is not the
+    number of contacts.
     """
     if len(values) != data.ncon:
         return {}

@@ -178,8 +178,8 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
         return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": clockwise_quaternion(angle)}
-    if surfaces.role == Role.OUTER and (numbers := _seat_user_data(reducer, surfaces)):
-        return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in numbers]}
+    if surfaces.role == Role.OUTER and (seat_numbers := _seat_user_data(reducer, surfaces)):
+        return {"quat": clockwise_quaternion(angle), "userdata": [significant(number) for number in seat_numbers]}
     if isinstance(reducer, RvReducer) and surfaces.role == Role.PLANET:
         return {"userdata": [significant(number) for number in mesh_numbers(reducer.planet_mesh, i)]}
     if surfaces.role != Role.PIN:
@@ -190,9 +190,11 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
     outward_direction = [0.0, 0.0] if direction_varies else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": outward_direction}
-    softness = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
+    compliance_ratio = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
     min_cosine = 1.0 + np.cos(surfaces.half_angle)
-    return {"userdata": [*outward_direction, *map(significant, (float(surfaces.play[i]), softness, min_cosine))]}
+    return {
+        "userdata": [*outward_direction, *map(significant, (float(surfaces.play[i]), compliance_ratio, min_cosine))]
+    }
 
 
 def _seat_user_data(reducer: Reducer, surfaces: Surfaces) -> list[float]:

@@ -174,8 +174,8 @@ def _manifest_json(
 ) -> str:
     """Return the manifest of a MuJoCo model folder as JSON text: versions, hashes, settings, masses and mesh errors.
 
-    `surface_errors` are the errors of the sliced surfaces by name, `remainders` the convex pieces behind them, `files`
-    the other files of the folder.
+    `model` is the compiled model. `surface_errors` are the errors of the sliced surfaces by name, `remainders` the
+    convex pieces behind them, `files` the contents of the other files by path, for their hashes.
     """
     design = reducer.design
     shafts = [names.SUN, *crank_names(reducer)] if isinstance(reducer, RvReducer) else [names.SHAFT]
@@ -198,7 +198,7 @@ def _manifest_json(
         "geoms": model.ngeom,
         "meshes": model.nmesh,
         "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving_bodies)},
-        "surfaces": {name: quality_um(figures) for name, figures in surface_errors.items()},
+        "surfaces": {name: quality_um(quality) for name, quality in surface_errors.items()},
         "rest": [
             {"part": remainder.sector.part, "copies": remainder.sector.count, **quality_um(remainder.quality)}
             for remainder in remainders
@@ -209,11 +209,11 @@ def _manifest_json(
 
 
 def quality_um(quality: Quality) -> dict[str, float]:
-    """Return the errors of the convex decomposition of a part, rounded: lengths [um], and a share of the volume [1].
+    """Return the errors of the convex decomposition of a part, rounded, by the keys of the manifest.
 
-    `quality` has the errors in SI units. The lengths are the largest and the rms distance by which the convex parts
-    extend beyond the surface (overfill) or fall short of it (underfill). ``parts`` is the number of convex parts,
-    ``normals`` that of the sampled points.
+    ``max_overfill_um``, ``rms_overfill_um`` and the same of ``underfill`` are the largest and the rms distance [um] by
+    which the convex parts extend beyond the surface or fall short of it. ``volume_error`` [1] is relative, ``parts``
+    the number of convex parts, ``normals`` that of the sampled points. `quality` has the errors in SI units.
     """
     return {
         "parts": quality.parts,

@@ -91,11 +91,13 @@ def _best_fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
     The best fit is the pose with the largest minimum gap. The displacements are in [m] or [rad], along the axes of the
     frame that does not move, except that those of pins are in the frame of the ring. `crank` is the crank angle [rad].
     """
-    fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
+    resting_fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)
     shifts: dict[str, float] = {}
-    for disc, (x, y), rotation in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+    for disc, (x, y), rotation in zip(
+        reducer.mechanism.discs, resting_fit.shift.tolist(), resting_fit.gear_turn.tolist(), strict=True
+    ):
         shifts |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, rotation), strict=True))
-    for pin, shift in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
+    for pin, shift in zip(reducer.mechanism.pins, resting_fit.pin_shift, strict=False):
         shifts |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
-    return shifts | {names.OUTPUT_JOINT: fit.output_turn}
+    return shifts | {names.OUTPUT_JOINT: resting_fit.output_turn}

@@ -193,7 +193,8 @@ def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> 
     """Add the convex pieces of a part that lie behind its working surfaces to the editable model `spec` (``MjSpec``).
 
     They collide with objects outside the reducer only. `remainder` has the pieces of one sector, which are repeated
-    around the part, those of a disc on every disc. `number` is the number of the remainder in the names of its meshes.
+    around the part, those of a disc on every disc. `number`, counted from 1, identifies the remainder in the names of
+    its meshes.
     """
     sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)

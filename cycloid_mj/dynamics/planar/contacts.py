@@ -129,7 +129,8 @@ def find_contacts(
     lobes
         Radii of the lobes of an internal gear [m], shape (N,); None for ring pins (nothing is compiled for lobes then).
     q, v
-        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns of a `System`, shape (unknowns,).
+        Coordinates of all bodies [m], [rad] and their speeds [m/s], [rad/s], in the order of `System`, shape
+        (unknowns,).
     half_step
         Half of the time step [s]: the time from the start of the step to this pose.
     scratch, contacts
@@ -163,18 +164,18 @@ def find_contacts(
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
         frame = disc_pose(q, 3 * disc, 0.0)
-        for stud in range(len(system.studs)):
+        for stud_index in range(len(system.studs)):
             mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft, NONE)
             pair += 1
-            stud_x, stud_y = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
-            hole_x, hole_y = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
+            stud_x, stud_y = outwards(carrier, system.studs[stud_index, 0], system.studs[stud_index, 1])
+            hole_x, hole_y = outwards(frame, system.holes[disc, stud_index, 0], system.holes[disc, stud_index, 1])
             pin = Round(stud_x, stud_y, frame.x + hole_x, frame.y + hole_y, system.stud, 1.0)
-            added = _find_round_contacts(
+            new_contacts = _find_round_contacts(
                 system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
             )
-            for i in range(added if system.roller_needles.needles else 0):
+            for i in range(new_contacts if system.roller_needles.needles else 0):
                 _add_needle_compliance(system, contacts[count + i], mating.law, q, v, half_step)
-            count += added
+            count += new_contacts
     return count
 
 
@@ -183,8 +184,8 @@ def _add_needle_compliance(system: System, contact: Contact, law: Any, q: Array,
     """Add the compliance of a roller's needles to its contact with a hole: both act as springs in series.
 
     The total force is nonlinear; gap and stiffness of `contact` become those of its tangent, a linear spring. `system`
-    has the arrays of the reducer, `law` is the law of the contact with the hole, `q` and `v` are positions and speeds
-    of all unknowns, and `half_step` is half of the time step [s].
+    is the reducer as arrays, `law` is the law of the contact with the hole (`LAW`), `q` and `v` are the coordinates of
+    all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and `half_step` is half of the time step [s].
     """
     needles = system.roller_needles
     carrier = q[system.stud_shaft] if system.stud_shaft >= 0 else 0.0
@@ -216,8 +217,9 @@ def _find_needle_contacts(
 ) -> int:
     """Write a contact for each roller of a cam to `contacts` after `count` others; return the new number of contacts.
 
-    `system` has the arrays of the reducer. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the
-    cam, `q` and `v` are positions and speeds of all unknowns, and `half_step` is half of the time step [s].
+    `system` is the reducer as arrays. `mating` is the pair of bore and cam, (`cx`, `cy`) [m] is the centre of the cam,
+    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], and
+    `half_step` is half of the time step [s].
     """
     dx, dy, clearance = cx - q[mating.disc], cy - q[mating.disc + 1], system.bore - system.cam
     disc_rotation = q[mating.disc + 2]
@@ -284,9 +286,10 @@ def _find_lobe_contacts(
 ) -> int:
     """Write the contacts of a disc and all lobes to `contacts` after `count` others; return the new number of contacts.
 
-    `system` has the arrays of the reducer, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and
-    the first lobe, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v` are
-    positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `system` is the reducer as arrays, `lobes` are the radii of the lobes [m]. `mating` is the pair of the disc and the
+    first lobe, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v` are the
+    coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of the time
+    step [s].
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.tooth_rotation[disc]), _disc_teeth(system, disc)
@@ -316,8 +319,9 @@ def _find_pin_contacts(
 ) -> int:
     """Write the contacts of a disc and all ring pins to `contacts` after `count` others; return the new number.
 
-    `system` has the arrays of the reducer. `mating` is the pair of the disc and the first pin, `ring` the pose of the
-    ring. `q` and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `system` is the reducer as arrays. `mating` is the pair of the disc and the first pin, `ring` the pose of the ring.
+    `q` and `v` are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step`
+    is half of the time step [s].
     """
     disc, first_pin = mating.disc // 3, len(system.inertia)
     gear, teeth, pin_values = (
@@ -325,12 +329,12 @@ def _find_pin_contacts(
         _disc_teeth(system, disc),
         system.ring,
     )
-    planes = len(system.pin_mass)
-    shift = plane_shift(disc) if planes > 1 else NONE
+    plane_count = len(system.pin_mass)
+    shift = plane_shift(disc) if plane_count > 1 else NONE
     for pin_index in range(len(system.ring_centres)):
         pin_unknown, shaft = -1, mating.shaft
         if system.free:
-            pin_unknown, shaft = first_pin + (2 * planes + 1) * pin_index, -1
+            pin_unknown, shaft = first_pin + (2 * plane_count + 1) * pin_index, -1
             pin_x, pin_y = q[pin_unknown + shift], q[pin_unknown + shift + 1]
         else:
             pin_x, pin_y = outwards(ring, system.ring_centres[pin_index, 0], system.ring_centres[pin_index, 1])
@@ -373,9 +377,10 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats to `contacts` after `count` others; return the new number.
 
-    `system` has the arrays of the reducer. `pair` is the index of the first pin's pair, `plane` that of the disc in
-    whose plane the contacts are, `ring` the pose of the ring, `address` the memory address of the working memory. `q`
-    and `v` are positions and speeds of all unknowns, `half_step` is half of the time step [s].
+    `system` is the reducer as arrays. `pair` is the index of the first pin's pair, `plane` that of the disc in whose
+    plane the contacts are, `ring` the pose of the ring, `address` the memory address of the working memory. `q` and `v`
+    are the coordinates of all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of
+    the time step [s].
     """
     first_pin, shift = len(system.inertia), plane_shift(plane)
     for seat in range(len(system.ring_centres)):
@@ -402,7 +407,8 @@ def _largest_force_phase_cosine(contacts: Contacts, count: int, pin_unknown: int
     """Return the cosine of the phase [1] of a moving pin relative to the disc that presses on it most; 1 without force.
 
     `pin_unknown` is the index of the pin's first unknown, `shift` the number of unknowns to those in the plane of the
-    seat. Only the first `count` contacts, those with discs, in this plane are considered. See `phase_cosine`.
+    seat. The phase is the angle between the directions of pin and disc from the axis. Only the first `count` contacts,
+    those with discs, in this plane are considered.
     """
     largest_force, cosine = -1.0, 1.0
     for i in range(count):
@@ -417,9 +423,9 @@ def _largest_force_phase_cosine(contacts: Contacts, count: int, pin_unknown: int
 def set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
     """Set friction coefficient and state (sticking, sliding) of a contact by the friction law ``film`` (lubricated).
 
-    Nothing is changed with the law ``coulomb``. `system` has the arrays of the reducer. `kind` is the row of the
-    contact in the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`), and `v` are the speeds of
-    all unknowns.
+    Nothing is changed with the law ``coulomb``. `system` is the reducer as arrays. `kind` is the row of the contact in
+    the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`), and `v` are the speeds of all
+    coordinates, shape (unknowns,).
     """
     if system.film.size == 0:
         return
@@ -504,7 +510,7 @@ def _find_round_contacts(
     system, contacts, half_step
         The reducer, the array that is filled, and half of the time step [s].
     q, v
-        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns.
+        Coordinates of all bodies [m], [rad] and their speeds [m/s], [rad/s], shape (unknowns,).
     first_contact
         Index of the first contact to be written.
     mating
@@ -540,11 +546,11 @@ def _find_round_contacts(
 def _fill_contact(
     contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q: Array, v: Array, half_step: float
 ) -> None:
-    """Fill a contact with normal, lever arms, linearised force and friction state at positions q and speeds v.
+    """Fill a contact with normal, lever arms, linearised force and friction state at coordinates `q` and speeds `v`.
 
-    `mating` is its mating pair, `touch` the result of the contact search, `half_step` half of the time step [s]. `sign`
-    is 1 if the contact pushes its first body along the normal of the touch, and -1 if it pushes it in the opposite
-    direction.
+    `q` and `v` have the shape (unknowns,). `mating` is its mating pair, `touch` the result of the contact search,
+    `half_step` half of the time step [s]. `sign` is 1 if the contact pushes its first body along the normal of the
+    touch, and -1 if it pushes it in the opposite direction.
     """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1
@@ -569,11 +575,11 @@ def _fill_contact(
 
 @njit
 def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float, v: Array, half_step: float) -> None:
-    """Linearise the force of a contact with known gap and lever arms at the speeds v: set force, slope, friction.
+    """Linearise the force of a contact with known gap and lever arms at speeds `v`: set force, slope, friction, state.
 
-    The state of the contact is set, too. The normal force is force minus slope times the speed along the normal. `law`
-    is the contact law, `factor` multiplies its stiffness, `chord_excess` [m/s] is the error of the normal speed by the
-    chord of a disc's orbit, and `half_step` is half of the time step [s].
+    The normal force is force minus slope times the speed along the normal. `v` are the speeds of all coordinates, shape
+    (unknowns,), `law` is the contact law (`LAW`), `factor` multiplies its stiffness, `chord_excess` [m/s] is the error
+    of the normal speed by the chord of a disc's orbit, and `half_step` is half of the time step [s].
     """
     contact.friction, contact.creep = law.friction, law.creep
     speed, slip = relative_speeds(contact, v)
@@ -586,12 +592,12 @@ def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float
 
 @njit
 def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step: float) -> float:
-    """Compute the error of the normal speed [m/s] of a disc at positions `q` that circles about the axis.
+    """Compute the error of the normal speed [m/s] of a disc that circles about the axis.
 
     A step moves a disc, which circles with the angular speed w, along a chord of its path. The speed of the step,
     length of the chord over time, is v tan(w h)/(w h), with half a time step h and the speed v of circling in the
-    middle of the chord. It is too large by (w h)^2/3 v, the result. (`nx`, `ny`) is the normal of the contact,
-    `half_step` is h [s].
+    middle of the chord. It is too large by (w h)^2/3 v, the result. `q` and `v` are all coordinates and speeds, `disc`
+    is the index of the disc's x there. (`nx`, `ny`) is the normal of the contact, `half_step` is h [s].
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
     angle = half_step * (x * vy - y * vx) / (x * x + y * y)
@@ -622,7 +628,9 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
 
 @njit
 def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
-    """Compute the relative speed of a contact's surfaces at the speeds v of all unknowns.
+    """Compute the relative speed of a contact's surfaces at the speeds `v` of all bodies.
+
+    `v` are the speeds of all coordinates, shape (unknowns,) [m/s, rad/s].
 
     Returns
     -------
@@ -654,7 +662,7 @@ def rolling_speed(contact: Contact, v: Array) -> float:
     """Compute the tangential speed [m/s] of the centre of a round surface, such as a pin, past its mate.
 
     This motion, as a pin rolls or slides along its mate, rotates the contact normal (`geometric_stiffness`). `v` are
-    the speeds of all unknowns.
+    the speeds of all coordinates, shape (unknowns,).
     """
     disc, pin, shaft, speed = contact.disc, contact.pin, contact.shaft, 0.0
     if disc >= 0:

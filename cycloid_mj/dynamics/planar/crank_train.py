@@ -82,10 +82,10 @@ def find_crank_contacts(
 ) -> int:
     """Write the contacts of all cranks of an RV reducer after `count` others; return the new number of contacts.
 
-    `train` are the cranks of the reducer `system`. `q` and `v` are positions [m], [rad] and speeds [m/s], [rad/s] of
-    all unknowns, and `half_step` is half of the time step [s]. The array `contacts` is filled from the index `count`.
-    Pairs are numbered after those of teeth and seats: first the bearing of each disc and crank, then the mesh of each
-    planet.
+    `train` are the cranks of the reducer `system`. `q` and `v` are the coordinates of all bodies and their speeds,
+    shape (unknowns,) [m, rad, m/s, rad/s], and `half_step` is half of the time step [s]. The array `contacts` is filled
+    from the index `count`. Pairs are numbered after those of teeth and seats: first the bearing of each disc and crank,
+    then the mesh of each planet.
     """
     discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
     carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks
@@ -167,7 +167,7 @@ def _find_needle_contacts(
     """Write a contact for each needle of a crank bearing after `count` others; return the new number of contacts.
 
     `train` are the cranks of the reducer `system`, `mating` is the pair of eccentric and bore, `v` are the speeds of
-    all unknowns and `half_step` is half of the time step [s].
+    all coordinates, shape (unknowns,), and `half_step` is half of the time step [s].
 
     Parameters
     ----------
@@ -240,9 +240,9 @@ def _find_planet_contacts(
     """Write the contacts of both flanks of a planet on the sun after `count` others; return the new number of contacts.
 
     `train` are the cranks of the reducer `system`, `contacts` is the output array. `crank` is the index of the planet's
-    rotation in q, `planet_index` that of the planet, `mating` its pair with the sun. `q` and `v` are positions and
-    speeds of all unknowns, `half_step` is half of the time step [s]. The normals are directions of the force on the
-    sun, opposite to those of ``PlanetMesh``.
+    rotation in q, `planet_index` that of the planet, `mating` its pair with the sun. `q` and `v` are the coordinates of
+    all bodies and their speeds, shape (unknowns,) [m, rad, m/s, rad/s], `half_step` is half of the time step [s]. The
+    normals are directions of the force on the sun, opposite to those of ``PlanetMesh``.
     """
     sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)

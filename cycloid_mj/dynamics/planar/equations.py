@@ -72,7 +72,7 @@ class Equations(NamedTuple):
 
 
 def allocate_equations(system: System) -> Equations:
-    """Allocate the matrices and vectors of a step of the planar solver, for the reducer with the arrays `system`."""
+    """Allocate the matrices and vectors of a step of the planar solver, for the reducer `system`."""
     size, pins, width = len(system.inertia), len(system.ring_centres) * system.free, 2 * len(system.pin_mass) + 1
     return Equations(
         matrix=np.zeros((size, size)),
@@ -165,11 +165,12 @@ def _assemble(
 ) -> None:
     """Assemble the linear equations of a Newton iteration: inertia, gravity, servos, drags and contacts.
 
-    They are written to `equations`; `system` has the arrays of the reducer. `count` is the number of `contacts`. `q0`
-    and `v0` are positions and speeds of all unknowns at the beginning of the step, `predicted` are the midpoint speeds
-    at which the contacts were linearised. `command` (2,) are the commands of output and crank, `timestep` is in [s],
-    and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`. Sliding friction is in proportion
-    to the normal force of this iteration if `coupled_friction`, else of the previous iteration.
+    They are written to `equations`; `system` is the reducer as arrays. `count` is the number of `contacts`. `q0` and
+    `v0` (unknowns,) are all coordinates and their speeds at the beginning of the step, `predicted` (unknowns,) are the
+    midpoint speeds at which the contacts were linearised. `command` (2,) are the commands of output and crank,
+    `timestep` is in [s], and `pin_span` is the time [s] in which forces accelerate pins, see `solve_step`. Sliding
+    friction is in proportion to the normal force of this iteration if `coupled_friction`, else of the previous
+    iteration.
     """
     matrix, rhs = equations.matrix, equations.rhs
     pins, pin_rhs = equations.pins, equations.pin_rhs
@@ -212,9 +213,9 @@ def _add_shaft_torques(
 ) -> None:
     """Add unbalance, servo and drag of the output (`shaft` 0) or the input (1) to the equations.
 
-    `system` has the arrays of the reducer. `q0` are positions of all unknowns at the beginning of the step, `predicted`
-    their speeds at its middle, `command` is the angle [rad] that the servo has to hold, or the torque [N m] of a shaft
-    without servo, and `half_step` half of the time step [s].
+    `system` is the reducer as arrays. `q0` are all coordinates at the beginning of the step, `predicted` their speeds
+    at its middle, shape (unknowns,). `command` is the angle [rad] that the servo has to keep, or the torque [N m] of a
+    shaft without servo, and `half_step` half of the time step [s].
     """
     matrix, rhs, unknown = equations.matrix, equations.rhs, system.shafts[shaft]
     moment_x, moment_y = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
@@ -241,9 +242,9 @@ def _add_pin_inertia(
 ) -> None:
     """Add inertia and gravity of a pin to its block of the equations, whose first row is `row`.
 
-    `system` has the arrays of the reducer. `pin_unknown` is the index of its first unknown, `v0` are the speeds of all
-    unknowns at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate pins, see
-    `solve_step`.
+    `system` has the arrays of the reducer. `pin_unknown` is the index of its first unknown, `v0` (unknowns,) are the
+    speeds of all coordinates at the beginning of the step, and `pin_span` is the time [s] in which forces accelerate
+    pins, see `solve_step`.
     """
     pins, pin_rhs, gx, gy = equations.pins, equations.pin_rhs, system.gravity[0], system.gravity[1]
     for plane in range(len(system.pin_mass)):
@@ -335,8 +336,8 @@ def _lever_arms(
 def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
     """Return the force of a contact as a linear function of the speeds, for its current state (sticking or sliding).
 
-    `predicted` are the midpoint speeds at which the contact was linearised. Sliding friction is in proportion to the
-    normal force of this iteration if `coupled_friction`, else of the previous iteration.
+    `predicted` (unknowns,) are the midpoint speeds at which the contact was linearised. Sliding friction is in
+    proportion to the normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
     roll_stiffness, force = contact.geometric_stiffness * contact.normal_force, contact.force
     rolling_force = roll_stiffness * rolling_speed(contact, predicted)
@@ -354,8 +355,8 @@ def _add_contacts(
 ) -> None:
     """Add the forces of all closed contacts, among the first `count`, to the equations of their bodies.
 
-    `predicted` are the midpoint speeds at which the contacts were linearised. Sliding friction is in proportion to the
-    normal force of this iteration if `coupled_friction`, else of the previous iteration.
+    `predicted` (unknowns,) are the midpoint speeds at which the contacts were linearised. Sliding friction is in
+    proportion to the normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
     for i in range(count):
         if contacts[i].state != OPEN:
@@ -441,7 +442,7 @@ def _add_shaft(matrix: Array, rhs: Array, shaft: int, arms: ShaftArms, tangent: 
 
 @njit
 def _add_force(rhs: Array, first_row: int, side: LeverArms, tangent: Tangent, shift: int) -> None:
-    """Add the contact force at the predicted speeds to the right side of a body's equations of motion.
+    """Add the contact force at the predicted speeds to the right side `rhs` (n,) of the equations of motion of a body.
 
     `side` are the lever arms of the contact about the body, `tangent` is the contact force as a linear function of the
     speeds. `shift` is the number of rows from `first_row` to that of x, which y follows; the third row is that of the
@@ -501,10 +502,11 @@ def _couple_shaft(
 ) -> None:
     """Add the derivatives that couple a body and a shaft in a contact to two blocks of the matrix of equations.
 
-    The derivative of the body's force with respect to the shaft's speed is added to `columns`, from `row` on at
-    `column`. That of the shaft's torque with respect to the body's speeds is added to `rows`, at `shaft_row` from
-    `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body, `tangent` is the
-    contact force as a linear function of the speeds. Rows and columns of the body's x and y are displaced by `shift`.
+    The derivative of the body's force with respect to the shaft's speed is added to the matrix `columns`, from `row` on
+    at `column`. That of the shaft's torque with respect to the body's speeds is added to the matrix `rows`, at
+    `shaft_row` from `first_column` on. `arms` and `body` are the lever arms of the contact about shaft and body,
+    `tangent` is the contact force as a linear function of the speeds. Rows and columns of the body's x and y are
+    displaced by `shift`.
     """
     for i in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[i], tangent.geometric * body.centre[i]
@@ -643,7 +645,7 @@ def _invert_block(matrix: Array, row: int) -> Nine:
 
 @njit
 def _recover_pins(equations: Equations, v: Array) -> None:
-    """Compute the speeds of the pins in `v`, after their elimination by `_condense_pins`, from the other speeds in it.
+    """Compute the speeds of the pins in `v` (unknowns,) from its other speeds, after `_condense_pins` eliminated them.
 
     `equations` has the products with the inverse of each pin's block that the elimination leaves.
     """
@@ -672,11 +674,12 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    `system` and `equations` are the arrays of reducer and step. At most one contact of each moving pin changes its
-    state per call, the first that has to. Of all other contacts and the shafts with drag, only one changes its state,
-    or with `change_all` every one that has to. Without `coupled_friction`, the result is also True as long as friction
-    does not agree with the normal force. `predicted` are the midpoint speeds at which the `count` contacts were
-    linearised, `half_step` is half of the time step [s].
+    `system` and `equations` are the arrays of reducer and step. The speeds `v` (unknowns,) are those of the solution.
+    At most one contact of each moving pin changes its state per call, the first that has to. Of all other contacts and
+    the shafts with drag, only one changes its state, or with `change_all` every one that has to. Without
+    `coupled_friction`, the result is also True as long as friction does not agree with the normal force. `predicted`
+    (unknowns,) are the midpoint speeds at which the `count` contacts were linearised, `half_step` is half of the time
+    step [s].
     """
     has_changed, no_other_changed, largest_force, largest_change = False, True, 0.0, 0.0
     size, width, no_change = len(equations.rhs), equations.pins.shape[1], equations.settled
@@ -717,10 +720,10 @@ def _update_states(
 def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: float) -> float:
     """Update a contact's speeds [m/s] and forces [N], in place; return its normal force, which is negative if it pulls.
 
-    `v` are the new midpoint speeds of all unknowns, `predicted` those at which the contact was linearised, and
-    `half_step` is half of the time step [s]. An open contact has a force if its gap at the midpoint is below 0. The
-    friction force opposes the slip: it is the slip times the contact's `creep` [N s/m], limited to the friction
-    coefficient times the normal force.
+    `v` (unknowns,) are the new midpoint speeds of all coordinates, `predicted` those at which the contact was
+    linearised, and `half_step` is half of the time step [s]. An open contact has a force if its gap at the midpoint is
+    below 0. The friction force opposes the slip: it is the slip times the contact's `creep` [N s/m], limited to the
+    friction coefficient times the normal force.
     """
     contact.speed, contact.slip = relative_speeds(contact, v)
     normal_force = contact.force - contact.slope * contact.speed

@@ -82,8 +82,8 @@ class Stepper:
     ) -> None:
         """Allocate contacts and equations of the planar solver, and set the positions half a step before time 0.
 
-        `system` has the arrays of the reducer. `positions` and `speeds` are those of all unknowns at time 0; the
-        earlier positions are extrapolated with these speeds. `timestep` is in [s], `stride` in steps per sample.
+        `system` is the reducer as arrays. `positions` and `speeds` (unknowns,) are those of all coordinates at time 0;
+        the earlier positions are extrapolated with these speeds. `timestep` is in [s], `stride` in steps per sample.
         `midpoint_pins` is whether moving pins are integrated by the midpoint rule too. `train` has the cranks of an RV
         reducer.
         """
@@ -117,7 +117,8 @@ class Stepper:
         """Advance the run up to and including its next `samples` samples, and return these, shape (samples, columns).
 
         Each step uses the next row of the commands that `command` has set; after the last row, this is repeated. The
-        columns are those of the slices `copied`, `solver`, `pairs` and `drags`, see `sample_layout`.
+        columns are positions, speeds and energies, solver statistics, forces and powers of all pairs, and losses by
+        drags (seals, lubricant); `sample_slices` has the slice of each group.
         """
         rows = np.zeros((samples, self._width))
         steps = self._next_sample + (samples - 1) * self._stride
@@ -166,11 +167,11 @@ def _compile_steps() -> Any:
     ) -> None:
         """Take a time step for each row of `commands`; update `motion`, and write samples to `rows`.
 
-        `system` has the arrays of the reducer. A row of `commands`, shape (steps, 2), has the commands of output and
-        crank: the angle [rad] of a shaft with a servo, else its torque [N m]. There is a sample every `stride` steps
-        from step `next_sample` on, counted from 1. In each step, contact search and solution are repeated until both
-        agree. `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear;
-        `train` is None without cranks. Forces accelerate pins in `pin_span` [s]: half of a `timestep`, or all of it.
+        `system` is the reducer as arrays. A row of `commands`, shape (steps, 2), has the commands of output and crank:
+        the angle [rad] of a shaft with a servo, else its torque [N m]. There is a sample every `stride` steps from step
+        `next_sample` on, counted from 1. In each step, contact search and solution are repeated until both agree.
+        `contacts` and `equations` are working memory. `lobes` [m] are radii, None without an internal gear; `train` is
+        None without cranks. Forces accelerate pins in `pin_span` [s]: half of a `timestep`, or all of it.
         """
         size, half = len(equations.rhs), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
@@ -212,7 +213,8 @@ def _compile_steps() -> Any:
 def _extrapolate_speeds(motion: Motion, size: int, predicted: Array) -> None:
     """Write the expected midpoint speeds of the next step to `predicted`, from those of the last two steps in `motion`.
 
-    The first `size` unknowns are extrapolated linearly. The others are those of pins; they keep their speeds.
+    `predicted` has the shape (unknowns,). The first `size` unknowns are extrapolated linearly. The others are those of
+    pins; they keep their speeds.
     """
     for i in range(len(predicted)):
         predicted[i] = motion.midpoint[i]
@@ -238,8 +240,8 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
     """Advance the state of a run, `motion`, in place to the end of a step with the speeds `midpoint` at its midpoint.
 
-    All but the first `size` unknowns are those of pins. `timestep` is in [s], and `pin_span` [s] is the time in which
-    forces accelerate pins to their midpoint speeds, half a step or a step.
+    `midpoint` has the shape (unknowns,); all but the first `size` unknowns are those of pins. `timestep` is in [s], and
+    `pin_span` [s] is the time in which forces accelerate pins to their midpoint speeds, half a step or a step.
     """
     of_pins = timestep / pin_span
     for i in range(len(midpoint)):
@@ -252,7 +254,7 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether a disc or a moving pin is so far from the pose of the contact search that it has to be repeated.
 
-    `system` has the arrays of the reducer. The search is at the pose that follows from the `predicted` midpoint speeds,
+    `system` is the reducer as arrays. The search is at the pose that follows from the `predicted` midpoint speeds,
     which is compared with that by the speeds `midpoint` of the solution, both of shape (unknowns,) [m/s, rad/s].
     `half_step` is half of the time step [s]; all but the first `size` unknowns are those of pins. A rotation of a disc
     is converted to a path at the radius of the pin circle.
@@ -303,8 +305,8 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `system` has the arrays of the reducer. The first `count` of the `contacts` are written, and the peak forces in
-    `motion`, which are set to 0. `q` and `v` are positions and speeds of all unknowns (`Motion`) at the midpoint of the
+    `system` is the reducer as arrays. The first `count` of the `contacts` are written, and the peak forces in `motion`,
+    which are set to 0. `q` and `v` are all coordinates and their speeds, shape (unknowns,), at the midpoint of the
     step, `command` (2,) the commands of output and input. `iterations` is the largest number of Newton iterations in
     the steps since the last sample; only the last contact search of a step counts. `unconverged` is the number of these
     steps whose contact geometry did not converge.
@@ -333,7 +335,7 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
-    `system` has the arrays of the reducer. `q` and `v` are positions and speeds of all unknowns (`Motion`), `command`
+    `system` is the reducer as arrays. `q` and `v` are all coordinates and their speeds, shape (unknowns,),, `command`
     (2,) the commands of output and input. The columns of a floating sun's position and velocity come after those of its
     rotation, which is the input. Angles of cranks are relative to the carrier, positions of pins to the seats in the
     ring. The position of a tilting pin is that of its middle.
@@ -371,7 +373,7 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
 @njit
 def _write_contacts(contacts: Contacts, count: int, row: Array, solver_column: int, pairs_column: int) -> None:
-    """Write number, depth, forces and powers of the first `count` contacts to a `row` of samples.
+    """Write number, depth, forces and powers of the first `count` contacts to a sample, the array `row` (columns,).
 
     The values for all contacts start at `solver_column`, those of each pair at `pairs_column`, where the row must be
     zero before; see `sample_layout`.
@@ -411,8 +413,8 @@ def _write_shaft(
 ) -> int:
     """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft to a `row`; return the next column.
 
-    They are written from `column` on. `system` has the arrays of the reducer. `q` and `v` are positions and speeds of
-    all unknowns (`Motion`), `command` (2,) the commands of output and input. `shaft` is the index of the shaft in
+    They are written from `column` on. `system` is the reducer as arrays. `q` and `v` are all coordinates and their
+    speeds, shape (unknowns,),, `command` (2,) the commands of output and input. `shaft` is the index of the shaft in
     `command`, `unknown` that of its rotation in `q` and `v`.
     """
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]

@@ -192,7 +192,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
 
 
 def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
-    """Return the attributes of a planar `System` that describe discs, ring and gravity, by name.
+    """Return the arguments of a planar `System` that describe discs, ring and gravity, by name of its field.
 
     `output_unknown` is the index of the output's rotation among the unknowns.
     """

@@ -55,14 +55,14 @@ def choose_step(reducer: Reducer) -> TimeStep:
     design = reducer.design
     if design.settings.timestep:
         return TimeStep(design.settings.timestep, "given")
-    allowed = {
+    max_step_by_reason = {
         "largest allowed step": SETTINGS.max_step,
         "log rate": 1.0 / design.settings.log_rate,
         "oscillation on all contacts": output_period(reducer) / SETTINGS.min_steps_per_swing,
     }
     if design.drive.speed:
-        allowed["tooth passing"] = passing_limit(reducer, SETTINGS.min_steps_per_tooth)
-    return divide_sample_time(design.settings.log_rate, allowed)
+        max_step_by_reason["tooth passing"] = passing_limit(reducer, SETTINGS.min_steps_per_tooth)
+    return divide_sample_time(design.settings.log_rate, max_step_by_reason)
 
 
 def acceleration_timestep(reducer: Reducer) -> float:
@@ -71,13 +71,13 @@ def acceleration_timestep(reducer: Reducer) -> float:
     It is that of `choose_step`, limited by `SETTINGS.max_step_for_accelerations` and by the oscillation of moving pins.
     A time step that the design sets is not changed.
     """
-    chosen, rate = choose_step(reducer), reducer.design.settings.log_rate
+    chosen_step, log_rate = choose_step(reducer), reducer.design.settings.log_rate
     if reducer.design.settings.timestep:
-        return chosen.seconds
-    allowed = {chosen.reason: chosen.seconds, "accelerations": SETTINGS.max_step_for_accelerations}
+        return chosen_step.seconds
+    max_step_by_reason = {chosen_step.reason: chosen_step.seconds, "accelerations": SETTINGS.max_step_for_accelerations}
     if reducer.design.ring.has_pin_bodies:
-        allowed["moving pins"] = _max_pin_step(reducer)
-    return divide_sample_time(rate, allowed).seconds
+        max_step_by_reason["moving pins"] = _max_pin_step(reducer)
+    return divide_sample_time(log_rate, max_step_by_reason).seconds
 
 
 def resolves_pins(reducer: Reducer, seconds: float) -> bool:
