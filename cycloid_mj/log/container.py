@@ -172,7 +172,9 @@ def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
 
 
 def read_chunk(record: Record, path: Path) -> Messages:
-    """Read the schemas, channels and messages of a chunk record, see `Messages`, and verify the CRC of the chunk.
+    """Read the schemas, channels and messages of a chunk record, and verify the CRC of the chunk.
+
+    `path` names the file in errors.
 
     Raises
     ------

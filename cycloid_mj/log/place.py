@@ -49,7 +49,8 @@ class LogFile:
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
         """Open a new file for the log, and lock it against other writers.
 
-        With `force` an existing log is replaced; a `hidden` log has a hidden name until it is complete.
+        `path` is the name of the log. With `force` an existing log is replaced; a `hidden` log has a hidden name until
+        it is complete.
 
         Raises
         ------
@@ -79,7 +80,7 @@ class LogFile:
             raise unwritable(path, problem) from problem
 
     def finish(self, complete: bool) -> None:
-        """Close the file of a log and, if it is `complete`, rename it to the name of the log.
+        """Close the file of a log and, if the log is `complete`, rename the file to the name of the log.
 
         Raises
         ------

@@ -22,10 +22,10 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
     The first record states the format, a checksum of the provenance, and the names of the attachments; the second is
     the provenance. Characters that UTF-8 cannot encode are escaped.
     """
-    stored = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
+    encodable_provenance = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
     names = [encodable_text(name) for name in attachments]
-    entries = {"format": FORMAT, CHECKSUM: _checksum(stored), FILES: json.dumps(names)}
-    return {PACKAGE: entries, PROVENANCE: stored}
+    entries = {"format": FORMAT, CHECKSUM: _checksum(encodable_provenance), FILES: json.dumps(names)}
+    return {PACKAGE: entries, PROVENANCE: encodable_provenance}
 
 
 def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
@@ -36,16 +36,16 @@ def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str
     only missing provenance is reported.
     """
     package, provenance = metadata[PACKAGE], metadata.get(PROVENANCE)
-    missing = []
+    phrases = []
     if provenance is None:
-        missing.append("its provenance is missing")
+        phrases.append("its provenance is missing")
     elif package.get(CHECKSUM, _checksum(provenance)) != _checksum(provenance):
-        missing.append("its provenance is damaged")
+        phrases.append("its provenance is damaged")
     try:
         names = set(json.loads(package.get(FILES, "[]")))
     except (ValueError, TypeError):
-        return [*missing, "its list of attachments is damaged"]
-    return [*missing, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
+        return [*phrases, "its list of attachments is damaged"]
+    return [*phrases, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
 
 
 def _checksum(entries: Mapping[str, str]) -> str:

@@ -70,7 +70,7 @@ class _GroupSamples:
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
-        """Append the samples in a block of message records, shape (k, bytes of a record), to the columns of a group.
+        """Append the samples of a block of message records, shape (k, bytes of a record), to the columns of a group.
 
         The sequence numbers must continue those of the previous block. If the constructor was called with `rows`, only
         the samples with these indices are kept.
@@ -142,7 +142,7 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     without
         Topics to skip, such as ``/forces``, which is the largest part of a long run.
     rows
-        Indices of the samples to read, from 0, increasing; by default all.
+        Indices of the samples to read, from 0, increasing, shape (k,); by default all.
 
     Returns
     -------
@@ -161,7 +161,8 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
     """Read a log: its run, its viewer topics, whether the file is complete, and its size.
 
-    `without` are topics to skip, and `rows` are the indices of the samples to read, by default all.
+    `without` are topics to skip, such as ``/forces``, and `rows` (k,) are the indices of the samples to read, by
+    default all.
 
     Raises
     ------
@@ -254,7 +255,7 @@ def _require_log_format(contents: _Contents, path: Path) -> None:
 def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
     """Add schemas, channels and samples of a chunk to the contents of a log, except the samples of excluded topics.
 
-    The messages of topics for viewers are only counted.
+    The messages of topics for viewers are only counted. `path` names the file in errors.
 
     Raises
     ------
@@ -278,7 +279,7 @@ def _add_messages(contents: _Contents, messages: container.Messages, path: Path)
 
 
 def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
-    """Return the topics of a log for viewers as a mapping from name to schema, number of messages and frame rate.
+    """Return the topics of a log for viewers: name of the topic -> schema, number of messages and frame rate.
 
     `contents` are those of the log file. A topic is for viewers if the metadata of its channel contain no units.
     """
@@ -343,8 +344,8 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
     note, is_finished = end_entries.get("note", ""), end_entries.get("complete") == "true"
     if not is_complete:
         truncation_note = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
-        missing = missing_contents(contents.metadata, contents.attachments)
-        note, is_finished = "; ".join(filter(None, (note, truncation_note, *missing))), False
+        missing_phrases = missing_contents(contents.metadata, contents.attachments)
+        note, is_finished = "; ".join(filter(None, (note, truncation_note, *missing_phrases))), False
     try:
         provenance = contents.metadata.get(PROVENANCE, {})
         topics = {group.topic: tuple(group.units) for group in groups.values()}

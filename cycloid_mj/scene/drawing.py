@@ -149,7 +149,7 @@ class Drawing(MeshDrawing):
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the largest factor by which the clearances of a reducer can be magnified in a drawing.
+    """Compute the largest factor [1] by which the clearances of a reducer can be magnified in a drawing.
 
     Magnified clearances make the drawn parts smaller. Each part keeps at least `DRAWING.min_radius_share` of its
     radius.
@@ -166,8 +166,8 @@ def largest_magnification(reducer: Reducer) -> float:
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
     """Return an upper bound of the gaps between mating parts over all samples [m].
 
-    `gaps` are those of a disc and its mates, from `measure_gaps`. For each kind of pair, the bound is the clearance
-    plus the largest deviation from the ideal position; the result is the largest of these sums.
+    `gaps` are those of a disc and its mates at n samples, from `measure_gaps`. For each kind of pair, the bound is the
+    clearance plus the largest deviation from the ideal position; the result is the largest of these sums.
     """
     design = reducer.design
     return max(
@@ -197,7 +197,7 @@ def tooth_clearance(reducer: Reducer) -> float:
 
 
 def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
-    """Return radii [m] of pins, sockets, sleeves and cam at which each clearance is `magnification` times as wide.
+    """Return the radii [m] of pins, sockets, sleeves and cam that make each clearance `magnification` times as wide.
 
     Raises
     ------
@@ -235,8 +235,8 @@ def _ring_radii(reducer: Reducer, magnification: float) -> RingRadii:
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
     """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at n samples of a log.
 
-    `columns` are the log columns by name, n samples each, in SI units. `disc` is the index of the disc. The result also
-    has the pose of the disc. Gaps of teeth are those in excess of the clearance; those of output pins follow from the
+    `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc. The result also has
+    the pose of the disc. Gaps of teeth are those in excess of the clearance; those of output pins follow from the
     positions of their centres.
     """
     poses_by_part = poses(reducer, columns)
@@ -269,19 +269,19 @@ def measure_mesh(reducer: Reducer, poses_by_part: Mapping[str, Array], crank: Ar
     """
     tooth_profile, phase = reducer.tooth_profile, reducer.phases[disc]
     gear = poses_by_part[gears(reducer.design.gear.discs)[disc]]
-    ideal = np.column_stack([gear_centre(tooth_profile, crank + phase), gear_rotation(tooth_profile, crank)])
-    nominal = ring_places(reducer)
-    pins = np.zeros((crank.size, len(nominal), 3))
+    ideal_pose = np.column_stack([gear_centre(tooth_profile, crank + phase), gear_rotation(tooth_profile, crank)])
+    nominal_centres = ring_places(reducer)
+    pins = np.zeros((crank.size, len(nominal_centres), 3))
     if pin(1) in poses_by_part:
-        pins = np.stack([poses_by_part[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
-        pins[..., :2] -= nominal
+        pins = np.stack([poses_by_part[pin(number)] for number in range(1, len(nominal_centres) + 1)], axis=1)
+        pins[..., :2] -= nominal_centres
     return MeshGaps(
         disc=disc,
-        gear=ideal,
-        deviation=gear - ideal,
+        gear=ideal_pose,
+        deviation=gear - ideal_pose,
         crank_angle=crank,
         opening=_trochoid_distance(
-            tooth_profile, gear - [0.0, 0.0, phase / tooth_profile.lobes], nominal + pins[..., :2]
+            tooth_profile, gear - [0.0, 0.0, phase / tooth_profile.lobes], nominal_centres + pins[..., :2]
         ),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
@@ -301,7 +301,12 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
     """Compute the poses of all parts at n times for a drawing with `gaps` magnified along the ideal normals.
 
-    `magnification` is the factor of the `gaps`. Raises the UsageError of `drawn_radii`.
+    `gaps` are those of `measure_gaps`, `magnification` is their factor.
+
+    Raises
+    ------
+    UsageError
+        `magnification` is below 1 or beyond `largest_magnification`.
     """
     mesh, gear = magnify_mesh(reducer, gaps, magnification), gaps.gear
     holes = transform(gear[:, np.newaxis], output_centres(reducer))
@@ -322,10 +327,15 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -> MeshDrawing:
     """Compute the poses of disc and ring at n times for a drawing with `gaps` magnified along the ideal normals.
 
-    `magnification` is the factor of the gaps.
+    `gaps` are those of `measure_mesh`, `magnification` is their factor.
+
+    Raises
+    ------
+    UsageError
+        `magnification` is below 1 or beyond `largest_magnification`.
     """
-    opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
-    ring = ring_places(reducer) + opening
+    drawn_opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gaps.gear)
+    ring = ring_places(reducer) + drawn_opening
     return MeshDrawing(
         magnification=magnification,
         radii=_ring_radii(reducer, magnification),
@@ -337,12 +347,12 @@ def magnify_mesh(reducer: Reducer, gaps: MeshGaps, magnification: float = 1.0) -
 
 
 def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: MeshDrawing, frame: int) -> Array:
-    """Compute the outline of an internal gear in a frame of an animation [m], displaced by magnified gaps, (m, 2).
+    """Compute the outline of an internal gear [m], displaced by magnified gaps, in a frame of an animation, (m, 2).
 
     Parameters
     ----------
     outline, normals
-        The m points of the true outline [m], and unit normals that point into the bore, shape (m, 2) each.
+        The m points of the outline as designed [m], and its unit normals, which point into the bore, shape (m, 2) each.
     drawing
         The drawing of all frames.
     frame
@@ -374,13 +384,13 @@ def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Arr
     phases = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
     for _ in range(DRAWING.newton_steps):
         tangent, second_derivative = profile.trochoid_derivatives(cycloid, phases)
-        difference = profile.trochoid(cycloid, phases) - points
+        offset_to_foot = profile.trochoid(cycloid, phases) - points
         speed_squared = np.einsum("nik,nik->ni", tangent, tangent)
-        curvature = speed_squared + np.einsum("nik,nik->ni", difference, second_derivative)
-        increment = np.einsum("nik,nik->ni", difference, tangent) / np.maximum(
+        curvature = speed_squared + np.einsum("nik,nik->ni", offset_to_foot, second_derivative)
+        parameter_step = np.einsum("nik,nik->ni", offset_to_foot, tangent) / np.maximum(
             curvature, DRAWING.min_curvature * speed_squared
         )
-        phases = phases - np.clip(increment, -max_increment, max_increment)
+        phases = phases - np.clip(parameter_step, -max_increment, max_increment)
     return np.einsum("nik,nik->ni", points - profile.trochoid(cycloid, phases), profile.normals(cycloid, phases))
 
 

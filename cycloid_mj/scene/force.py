@@ -121,7 +121,7 @@ def contact_forces(
     poses_by_part, disc_names = poses(reducer, columns), names.gears(reducer.design.gear.discs)
     measured_geometry = _logged_inner_parts(reducer, poses_by_part)
     displayed_geometry = measured_geometry if drawing is None else _inner_parts_of_drawing(reducer, drawing)
-    wrench_columns = [columns[names.column(name, part)] for name in kind_by_pair for part in WRENCH]
+    wrench_columns = [columns[names.column(name, component)] for name in kind_by_pair for component in WRENCH]
     count = columns["output_angle"].size
     wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
     loaded_parts = [
@@ -151,7 +151,7 @@ def shown_forces(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForce
 
 
 def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
-    """Compute the axial position of the force arrows of each disc [m]: just above its face towards the output.
+    """Compute the z at which the force arrows of each disc are drawn [m]: just above its face on the output side.
 
     The first of several discs has its arrows on its other face, which no disc covers.
     """
@@ -164,7 +164,8 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
     """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, mates); None for an internal gear.
 
-    `columns` are log columns, shape (n,), in SI units. The halves of a ring share the load equally.
+    `columns` are log columns by name, shape (n,), in SI units. `disc` is the index of the disc. The halves of a ring
+    share the load equally.
     """
     design = reducer.design
     if design.ring.kind != "pin":
@@ -179,7 +180,8 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 def _ideal_rv_forces(reducer: RvReducer, columns: Mapping[str, Array], disc: int) -> Array:
     """Compute the force of a disc of an RV reducer on each pin by ideal load sharing [N], shape (n, mates).
 
-    `columns` are those of the log, of which the load and the angle of the sun are used.
+    `columns` are those of the log by name, of which the load and the angle of the sun are used. `disc` is the index of
+    the disc.
     """
     member = reducer.member
     crank = member.against_ring(columns[f"{reducer.INPUT}_angle"])
@@ -260,10 +262,12 @@ def _logged_inner_parts(reducer: Reducer, poses_by_part: Mapping[str, Array]) ->
     `poses_by_part` has the poses of each part by its name at n samples of the log: x [m], y [m] and angle [rad], shape
     (n, 3).
     """
-    nominal = ring_places(reducer)
-    ring = transform(poses_by_part[names.HOUSING][:, np.newaxis], nominal)
+    nominal_centres = ring_places(reducer)
+    ring = transform(poses_by_part[names.HOUSING][:, np.newaxis], nominal_centres)
     if names.pin(1) in poses_by_part:
-        ring = np.stack([poses_by_part[names.pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+        ring = np.stack(
+            [poses_by_part[names.pin(number)][:, :2] for number in range(1, len(nominal_centres) + 1)], axis=1
+        )
     if isinstance(reducer, RvReducer):
         return _rv_inner_parts(reducer, poses_by_part, ring)
     pins = transform(poses_by_part[names.OUTPUT][:, np.newaxis], output_centres(reducer))
@@ -324,7 +328,8 @@ def _pitch_points(reducer: RvReducer, sun: Array, cranks: Array) -> Array:
 def _drawn_rv_parts(reducer: RvReducer, drawing: RvDrawing) -> _InnerParts:
     """Return centres and radii of the inner parts of all mating pairs (pins, needles) of an RV reducer as drawn.
 
-    `drawing` has the poses of the drawn parts. The pairs of all discs have the positions of those of the drawn disc.
+    `drawing` has the poses of the drawn parts, of one disc only. The pairs of all discs have the positions of those of
+    the drawn disc.
     """
     eccentrics = np.repeat(drawing.eccentrics[:, np.newaxis], reducer.design.gear.discs, axis=1)
     pitch_points = _pitch_points(reducer, drawing.sun, drawing.cranks)

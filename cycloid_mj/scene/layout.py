@@ -16,7 +16,7 @@ DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
 def viewer_layout(reducer: Reducer) -> dict[str, Any]:
     """Return the layout that Foxglove and Lichtblick import as JSON: a view of the mechanism, and three plots.
 
-    ``assets/layout.json`` is common to all designs. At its playback speed, a crank at 1640 rpm turns once in 4 s.
+    It is made from ``assets/layout.json``. At its playback speed, a crank at 1640 rpm turns once in 4 s.
     """
     design = reducer.design
     content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text("utf-8"))

@@ -51,10 +51,10 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
         A column in `pose_columns` is missing.
     """
     design = reducer.design
-    missing = [name for name in pose_columns(reducer) if name not in columns]
-    if missing:
+    missing_columns = [name for name in pose_columns(reducer) if name not in columns]
+    if missing_columns:
         raise LogError(
-            f"the log lacks the columns {', '.join(missing)}, which determine the positions of the parts: run "
+            f"the log lacks the columns {', '.join(missing_columns)}, which determine the positions of the parts: run "
             "`cycloid-mj simulate` again to write a complete log"
         )
     zeros = np.zeros_like(columns["output_angle"])
@@ -100,8 +100,8 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring_angle: Array
     displacements in the frame of the ring. Pins without columns do not move in this frame, except massless pins: they
     are displaced by their clearance in the direction in which the discs push them.
     """
-    nominal = ring_places(reducer)
-    numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring_angle)
+    nominal_centres = ring_places(reducer)
+    numbers, zeros = range(1, len(nominal_centres) + 1), np.zeros_like(ring_angle)
     displacements = np.array(
         [
             [columns.get(names.column(names.pin(number), name), zeros) for name in ("x", "y", "angle")]
@@ -116,7 +116,7 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring_angle: Array
             ]
         )
         displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring_angle))
-    centres = rotate(nominal[:, np.newaxis] + displacements[..., :2], ring_angle)
+    centres = rotate(nominal_centres[:, np.newaxis] + displacements[..., :2], ring_angle)
     return usable(np.concatenate([centres, displacements[..., 2:] + ring_angle[:, np.newaxis]], axis=-1))
 
 

@@ -44,7 +44,7 @@ def render(
     size: tuple[int, int] = (IMAGE.width, IMAGE.height),
     view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
-    """Render a sample as an image, shape (height, width, 3), with the forces on the disc as arrows.
+    """Render a sample of a run as an RGB image, shape (height, width, 3), with the forces on the disc as arrows.
 
     Parameters
     ----------
@@ -80,10 +80,11 @@ def render_part(
     size: tuple[int, int] = (IMAGE.width, IMAGE.height),
     view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
-    """Render only some bodies of a run's model in their poses at its start; `bodies` are their names.
+    """Render only some bodies of a run's model as an RGB image (height, width, 3), in their poses at its start.
 
-    The camera points at the middle of the bodies, from a distance of `IMAGE.part_distance` times their radius. `size`
-    is width and height of the image [pixels]. `view` is azimuth and elevation of the camera [deg].
+    `bodies` are their names. The camera points at the middle of the bodies, from a distance of `IMAGE.part_distance`
+    times their radius. `size` is width and height of the image [pixels]. `view` is azimuth and elevation of the camera
+    [deg].
 
     Raises
     ------
@@ -152,7 +153,7 @@ def _force_arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any
     of contact has the length `ARROWS.length` times the radius of the pin circle. Forces of zero have no arrow.
     """
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
-    forces, ring_radius, faces = (
+    forces, ring_radius, arrow_z = (
         shown_forces(reducer, columns),
         reducer.design.ring.pin_circle_radius,
         arrow_heights(reducer),
@@ -165,7 +166,7 @@ def _force_arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any
             forces_of_kind.point[0], forces_of_kind.force[0], forces_of_kind.discs, strict=True
         ):
             if force.any():
-                tip, tail = np.array([*point, faces[disc]]), np.array([*(point - scale * force), faces[disc]])
+                tip, tail = np.array([*point, arrow_z[disc]]), np.array([*(point - scale * force), arrow_z[disc]])
                 arrows.append(
                     {"tail": tail, "tip": tip, "width": ARROWS.thickness * ring_radius, "colour": FORCE_COLOURS[kind]}
                 )

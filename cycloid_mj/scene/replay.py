@@ -52,9 +52,9 @@ def replay_model(run: Run) -> Any:
         model = spec.compile()
     except (ValueError, UnicodeDecodeError) as problem:
         version = run.provenance.get("mujoco", mujoco.__version__)
-        install = "" if version == mujoco.__version__ else f"install MuJoCo {version}, which simulated the run, or "
+        advice = "" if version == mujoco.__version__ else f"install MuJoCo {version}, which simulated the run, or "
         raise LogError(
-            f"MuJoCo {mujoco.__version__} cannot load the {MODEL_FILE} attached to {run.label} ({problem}): {install}"
+            f"MuJoCo {mujoco.__version__} cannot load the {MODEL_FILE} attached to {run.label} ({problem}): {advice}"
             "simulate the design again"
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
@@ -70,7 +70,9 @@ def aim_camera(camera: Any, model: Any, azimuth: float = VIEW.azimuth, elevation
 
 
 def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
-    """Set all joints in MuJoCo's `data` to a sample of a run, by its index; joints without a column are unchanged.
+    """Set all joints in MuJoCo's `data` of a `model` to a sample of a run; joints without a column are unchanged.
+
+    `sample` is the index of the sample.
 
     Raises
     ------

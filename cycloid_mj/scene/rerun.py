@@ -94,13 +94,15 @@ def _log_forces(rerun: Any, recording: Any, reducer: Reducer, time: Any, forces:
     the contact forces at these samples. The largest force of a kind over all times has an arrow of `ARROWS.length`
     times the pin-circle radius.
     """
-    ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
+    ring_radius, arrow_z = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(forces.kinds):
         forces_of_kind = forces.of(kind)
         scale = ARROWS.length * ring_radius / forces_of_kind.size.max(initial=1e-9)
         vectors = np.concatenate([scale * forces_of_kind.force, np.zeros((*forces_of_kind.size.shape, 1))], axis=2)
-        heights = np.broadcast_to(faces[list(forces_of_kind.discs)][:, np.newaxis], (*forces_of_kind.size.shape, 1))
-        origins = np.concatenate([forces_of_kind.point, heights], axis=2) - vectors
+        arrow_z_by_force = np.broadcast_to(
+            arrow_z[list(forces_of_kind.discs)][:, np.newaxis], (*forces_of_kind.size.shape, 1)
+        )
+        origins = np.concatenate([forces_of_kind.point, arrow_z_by_force], axis=2) - vectors
         count, pairs = forces_of_kind.size.shape
         arrows = rerun.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"

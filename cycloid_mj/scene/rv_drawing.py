@@ -51,7 +51,7 @@ class RvDrawing(MeshDrawing):
 
 
 def largest_rv_magnification(reducer: RvReducer) -> float:
-    """Compute the largest factor by which the clearances of an RV reducer can be magnified in a drawing.
+    """Compute the largest factor [1] by which the clearances of an RV reducer can be magnified in a drawing.
 
     Each part keeps at least `DRAWING.min_radius_share` of its radius.
     """

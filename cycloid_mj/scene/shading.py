@@ -75,7 +75,7 @@ def _connected_components(pairs: Integers, count: int) -> Integers:
 
 
 def _corner_angles(corners: Array) -> Array:
-    """Return the angle [rad] at each corner of triangles, shape (m, 3), from their corners (m, 3, 3)."""
+    """Return the angle [rad] at each corner of m triangles, shape (m, 3), from their corners in space, (m, 3, 3)."""
     angles = np.empty(corners.shape[:2])
     for corner in range(3):
         next_edge = corners[:, (corner + 1) % 3] - corners[:, corner]

@@ -54,8 +54,8 @@ def show_run(run: Run, slowdown: float) -> None:
         aim_camera(window.cam, model)
         while window.is_running():
             played_time = (time.monotonic() - start_time) / slowdown
-            span = float(run.time[-1] - run.time[0]) or 1.0
-            set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played_time % span)))
+            run_duration = float(run.time[-1] - run.time[0]) or 1.0
+            set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played_time % run_duration)))
             window.sync()
             time.sleep(1.0 / RATE)
 
@@ -67,7 +67,7 @@ def _viewer() -> Any:
 
 
 def _open_viewer_window(open_window: Any, *args: Any) -> Any:
-    """Call a function that opens a window with `args` and return its result; raise CycloidError if it fails."""
+    """Call `open_window`, which opens a window, with `args`; return its result, or raise CycloidError if it fails."""
     try:
         return open_window(*args)
     except Exception as problem:
