@@ -21,23 +21,65 @@ from cycloid_mj.parts.joint_strength import (
     tilting_dowel_force,
 )
 
+FINE_THREADS = {
+    # diameter, pitch, bearing face, hole [mm]: friction -> preloads [kN] and torques [N m] of 8.8, 10.9 and 12.9
+    (8, 1.0, 11.63, 9.0): {
+        0.10: (20.7, 30.4, 35.6, 22.8, 33.5, 39.2),
+        0.12: (20.2, 29.7, 34.7, 26.1, 38.3, 44.9),
+        0.14: (19.7, 28.9, 33.9, 29.2, 42.8, 50.1),
+    },
+    (10, 1.25, 14.63, 11.0): {
+        0.10: (32.4, 47.5, 55.6, 44, 65, 76),
+        0.12: (31.6, 46.4, 54.3, 51, 75, 87),
+        0.14: (30.8, 45.2, 52.9, 57, 83, 98),
+    },
+    (12, 1.25, 16.63, 13.5): {
+        0.10: (49.1, 72.1, 84.4, 79, 116, 135),
+        0.12: (48.0, 70.5, 82.5, 90, 133, 155),
+        0.14: (46.8, 68.7, 80.4, 101, 149, 174),
+    },
+    (14, 1.5, 19.64, 15.5): {
+        0.10: (66.4, 97.5, 114.1, 124, 182, 213),
+        0.12: (64.8, 95.2, 111.4, 142, 209, 244),
+        0.14: (63.2, 92.9, 108.7, 159, 234, 274),
+    },
+    (16, 1.5, 22.49, 17.5): {
+        0.10: (89.6, 131.6, 154.0, 189, 278, 325),
+        0.12: (87.6, 128.7, 150.6, 218, 320, 374),
+        0.14: (85.5, 125.5, 146.9, 244, 359, 420),
+    },
+}
 
-@pytest.mark.parametrize(
-    ("diameter", "pitch", "bearing", "hole", "preload", "torque"),
-    [
-        (8, 1.0, 11.63, 9.0, 20.2, 26.1),  # preload [kN] and tightening torque [N m]
-        (10, 1.25, 14.63, 11.0, 31.6, 51.0),
-        (12, 1.25, 16.63, 13.5, 48.0, 90.0),
-    ],
-)
-def test_preload_and_tightening_torque_match_vdi_2230(
-    diameter: float, pitch: float, bearing: float, hole: float, preload: float, torque: float
-) -> None:
-    """VDI 2230 table A3 (fine threads, class 8.8, friction 0.12), as printed by Mastik, p. 685: 90 % of yield."""
+
+@pytest.mark.parametrize("size", FINE_THREADS)
+def test_preload_and_tightening_torque_match_vdi_2230(size: tuple[float, float, float, float]) -> None:
+    """VDI 2230 table A3 (fine threads, 90 % of yield), as printed by Mastik, p. 685: 45 preloads and 45 torques.
+
+    The preloads agree within 0.3 %, the torques within half of the printed unit or 0.65 %.
+    """
+    diameter, pitch, bearing, hole = size
     thread = Thread(1e-3 * diameter, 1e-3 * pitch)
-    computed = thread.largest_preload(PROOF_STRESS["8.8"])
-    assert computed == pytest.approx(1e3 * preload, rel=0.01)
-    assert thread.tightening_torque(computed, 0.5e-3 * (bearing + hole)) == pytest.approx(torque, rel=0.02)
+    for friction, printed in FINE_THREADS[size].items():
+        for proof, preload, torque in zip(PROOF_STRESS.values(), printed[:3], printed[3:], strict=True):
+            computed = thread.largest_preload(proof, friction)
+            assert computed == pytest.approx(1e3 * preload, rel=3e-3)
+            tightening = thread.tightening_torque(computed, 0.5e-3 * (bearing + hole), friction)
+            assert tightening == pytest.approx(torque, rel=6.5e-3, abs=0.5)
+
+
+def test_preload_of_m12_matches_the_example_of_bossard() -> None:
+    """Bossard (2021), values of VDI 2230 (2015): M12 x 40, 8.8, friction 0.14: 41.9 kN; over alpha_A = 1.8, 23.3 kN."""
+    preload = Thread(12e-3, 1.75e-3).largest_preload(PROOF_STRESS["8.8"], 0.14)
+    assert preload == pytest.approx(41.9e3, rel=2.5e-3)
+    assert preload / 1.8 == pytest.approx(23.3e3, rel=2.5e-3)
+
+
+def test_tightening_torque_matches_shigley() -> None:
+    """Shigley, 9th ed., example 8-3 (c): 3/4 in-16 UNF, 25 kip, friction 0.15, face at 0.625 d: 3551 lbf in."""
+    inch, pound, pound_inch = 25.4e-3, 4.448222, 0.1129848
+    thread = Thread(0.75 * inch, inch / 16.0)
+    torque = thread.tightening_torque(25e3 * pound, 2.0 * 0.625 * 0.75 * inch, 0.15)
+    assert torque == pytest.approx(3551.0 * pound_inch, rel=5e-4)
 
 
 def test_stress_area_matches_iso_898() -> None:
@@ -67,6 +109,12 @@ def test_stripping_force_of_m8_in_steel() -> None:
         (50, 80, 0, 40, 40, (210e9, 0.3), (210e9, 0.3), 0.12, 51.2e6, 965.0),
         # novasolver, shrink-fit stress, default values: p 58.3 MPa, 6.87 kN m (E 210 GPa, same material)
         (100, 150, 0, 50, 100, (210e9, 0.3), (210e9, 0.3), 0.15, 58.33e6, 6872.0),
+        # Boresi and Schmidt, 6th ed., example 11.3: 72 um on the radius of 25 mm between 10 and 50 mm: 189.0 MPa
+        (50, 100, 20, 10, 144, (200e9, 0.29), (200e9, 0.29), 0.15, 189.0e6, 1113.3),
+        # Ugural and Fenster, example 8.3: 0.1 mm on the radius of 200 mm between 150 and 250 mm: 12.3 MPa
+        (400, 500, 300, 100, 200, (200e9, 0.3), (200e9, 0.3), 0.15, 12.305e6, 46388.0),
+        # Bhandari, example 22.8: tube 50/75 mm in a jacket 75/100 mm, bored to 74.9919 mm: 3.615 MPa (E 207 GPa)
+        (75, 100, 50, 100, 8.084, (207e9, 0.3), (207e9, 0.3), 0.15, 3.615e6, 479.1),
         # DIN 7190, hollow shaft, steel on steel by hand: K = 5/3 + 0.3 + 5/3 - 0.3 = 10/3, p = 1e-3 x 210e9/(10/3)
         (60, 120, 30, 50, 60, (210e9, 0.3), (210e9, 0.3), 0.12, 63.0e6, 2137.5),
         # steel pin in aluminium by hand: K = 1.25/0.75/70e9 + 0.33/70e9 + 0.7/210e9 = 3.1857e-11 1/Pa
@@ -134,6 +182,13 @@ def test_key_length_matches_shigley() -> None:
     inch, psi, pound_inch = 25.4e-3, 6894.757, 0.1129848
     key = ParallelKey(0.375 * inch, 0.1875 * inch, 0.720 * inch)
     assert key.pressure(4200.0 * pound_inch, 1.4375 * inch) == pytest.approx(65e3 / 1.5 * psi, rel=2e-3)
+
+
+def test_key_length_matches_wentzell() -> None:
+    """Wentzell, example 15.1: square key of 1/8 in on 1/2 in, 180 lbf in, 51 kpsi over 2.5: 0.56 in are crushed."""
+    inch, psi, pound_inch = 25.4e-3, 6894.757, 0.1129848
+    key = ParallelKey(0.125 * inch, 0.0625 * inch, 0.565 * inch)
+    assert key.pressure(180.0 * pound_inch, 0.5 * inch) == pytest.approx(51e3 / 2.5 * psi, rel=1e-2)
 
 
 def test_a_stiff_dowel_tilts_in_soft_holes_at_the_limit_load_of_johansen() -> None:
