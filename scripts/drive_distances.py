@@ -25,7 +25,6 @@ from cycloid_mj.parts.export import Casing, PlacedPart, place_parts
 from cycloid_mj.parts.export.assembly import assembly_sections
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing_rules import (
-    hub_shoulders,
     shoulder_radius,
 )
 from cycloid_mj.parts.export.step import occ, planar_face
@@ -239,7 +238,7 @@ def _rings(reducer: Reducer, casing: Casing, placement: PlacedPart, drawn: PartS
     inner, outer = (
         (shoulder_radius(bore.radius, outside.radius), shoulder_radius(outside.radius, bore.radius))
         if on_shaft
-        else hub_shoulders(casing.hub)
+        else casing.hub.shoulders
     )
     yield around, _annulus(outside.radius, outer)
     yield names.SHAFT if on_shaft else names.OUTPUT, _annulus(inner, bore.radius)

@@ -1261,6 +1261,15 @@ class Design(Section, Presented):
         return ring.pin_circle_radius - ring.pin_radius + 2.0 * self.gear.eccentricity
 
     @property
+    def pin_retaining_radius(self) -> float:
+        """Largest radius [m] of a cavity next to the ring whose wall covers a fifth of the end face of each ring pin.
+
+        Without pins, it is the radius out to which the teeth reach.
+        """
+        ring = self.ring
+        return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else self.ring_root_radius
+
+    @property
     def bolt_circle_radius(self) -> float:
         """Radius of the ring's bolt circle [m]."""
         return self.housing.bolt_circle_radius or (self.ring_root_radius + self.housing.outer_radius) / 2.0

@@ -406,6 +406,27 @@ class StockKey:
 
 
 @dataclass(frozen=True)
+class ShoulderShares:
+    """Heights of the shoulders next to the rings of a bearing, relative to its section (D - d)/2 [1].
+
+    Attributes
+    ----------
+    ball, crossed_roller
+        Height at both rings (balls: assumed; crossed rollers: the least of THK's dimensions for series RA and RB).
+    tapered
+        Height at the inner and at the outer ring of a tapered roller bearing: series 329 has 0.22 to 0.34, and 0.2 to
+        0.32 (SKF, Rolling bearings, 2018: d_b min, D_a max).
+    """
+
+    ball: float = 0.3
+    crossed_roller: float = 0.19
+    tapered: tuple[float, float] = (0.34, 0.25)
+
+
+SHOULDERS = ShoulderShares()
+
+
+@dataclass(frozen=True)
 class StockBearing:
     """A rolling bearing: designation, bore, outside and width [m], load ratings [N], contact angle [rad].
 
@@ -437,6 +458,17 @@ class StockBearing:
     def has_balls(self) -> bool:
         """Whether the bearing, one of those for the output, has balls instead of rollers."""
         return not (self.has_tapered_rollers or self.has_crossed_rollers)
+
+    @property
+    def shoulders(self) -> tuple[float, float]:
+        """Radii of the shoulders that touch only the inner and only the outer ring [m], of a bearing of the output."""
+        inner, outer = 0.5 * self.bore, 0.5 * self.outside
+        shares = SHOULDERS.ball, SHOULDERS.ball
+        if self.has_tapered_rollers:
+            shares = SHOULDERS.tapered
+        elif self.has_crossed_rollers:
+            shares = SHOULDERS.crossed_roller, SHOULDERS.crossed_roller
+        return inner + shares[0] * (outer - inner), outer - shares[1] * (outer - inner)
 
     @property
     def load_centre_offset(self) -> float:

@@ -14,7 +14,6 @@ from cycloid_mj.life.output_bearing import output_bearings
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import assembly_order, casing
 from cycloid_mj.parts.export.assembly import assembly_parts
-from cycloid_mj.parts.export.casing_rules import hub_shoulders
 from cycloid_mj.parts.export.drive import TURNING, casing_inertia, drive_length
 from cycloid_mj.parts.export.insertion import assembly_moves
 from cycloid_mj.reducer import Reducer
@@ -56,7 +55,7 @@ def test_parts_run_free_can_be_assembled_and_the_bill_has_their_mass(name: str) 
 def test_each_disc_has_a_bearing_against_a_shoulder_next_to_the_cycloid_discs(name: str) -> None:
     reducer = drive(name)
     sizes, parts = casing(reducer), assembly_parts(reducer, casing(reducer))
-    bore, shoulder = 0.5 * sizes.hub.bore, hub_shoulders(sizes.hub)[0]
+    bore, shoulder = 0.5 * sizes.hub.bore, sizes.hub.shoulders[0]
     (motor_side, output_side), face = sizes.bearings, 0.5 * reducer.design.gear.stack_width + 1e-3
     assert motor_side[1] == pytest.approx(-face - 2.0 * sizes.wall)
     assert output_side[0] >= face + 2.0 * sizes.wall - 1e-12
@@ -89,7 +88,7 @@ def test_the_second_disc_with_its_bearing_seat_is_in_the_inertia(monkeypatch: py
     monkeypatch.setitem(TURNING, "output", ("output", "output_flange"))
     missing = (whole - casing_inertia(reducer)) * reducer.design.reduction**2
     sizes, density = casing(reducer), reducer.design.material_of("output").density
-    inner, outer, rim = hub_shoulders(sizes.hub)[0], 0.5 * sizes.hub.bore, sizes.rim
+    inner, outer, rim = sizes.hub.shoulders[0], 0.5 * sizes.hub.bore, sizes.rim
     by_hand = 0.5 * math.pi * density * (2e-3 * inner**4 + 10e-3 * outer**4 - 12e-3 * rim**4)
     assert missing == pytest.approx(by_hand, rel=0.01)
 
@@ -132,7 +131,7 @@ def test_outer_rings_are_supported_next_to_the_discs_and_inner_rings_at_their_ou
     assert stop.thickness >= 0.5 * hub.width
     assert high == pytest.approx(-sizes.end - stop.thickness)
     assert (top, bottom) == pytest.approx((sizes.top, sizes.top - hub.width))
-    inner, outer = hub_shoulders(hub)
+    inner, outer = hub.shoulders
     assert stop.bore == outer
     cover = [
         (one.z0, one.z1, min(circle_of(hole).radius for hole in one.holes)) for one in parts["motor_cover"].segments

@@ -14,7 +14,7 @@ from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import casing
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.casing import flange_centres
-from cycloid_mj.parts.export.casing_rules import counterbore, hub_shoulders, thread_radius
+from cycloid_mj.parts.export.casing_rules import counterbore, thread_radius
 from cycloid_mj.parts.export.drive import drive_length
 from cycloid_mj.parts.export.output_flange import flange_screw_depth
 from cycloid_mj.parts.export.rules import describe_violations
@@ -60,7 +60,7 @@ def test_the_disc_carries_the_inner_rings_against_a_shoulder(name: str) -> None:
         for circle in [circle_of(segment.outline)]
         if circle and math.hypot(*circle.centre) < 1e-9
     }
-    assert radii == {True: pytest.approx(0.5 * sizes.hub.bore), False: pytest.approx(hub_shoulders(sizes.hub)[0])}
+    assert radii == {True: pytest.approx(0.5 * sizes.hub.bore), False: pytest.approx(sizes.hub.shoulders[0])}
     assert max(segment.z1 for segment in output.segments) == pytest.approx(end)
 
 

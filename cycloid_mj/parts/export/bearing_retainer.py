@@ -10,7 +10,6 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     counterbore,
-    hub_shoulders,
     stock_screw_length,
     thread_radius,
 )
@@ -107,4 +106,4 @@ def max_stop_ring_radius(
 
 def stop_ring_of(bearing: stock.StockBearing, radius: float, wall: float) -> StopRing:
     """Size the stop ring of `bearing` with an outer radius [m]; `wall` is the minimum wall of the covers [m]."""
-    return StopRing(radius, hub_shoulders(bearing)[1], max(2.0 * wall, THICKNESS_SHARE * bearing.width))
+    return StopRing(radius, bearing.shoulders[1], max(2.0 * wall, THICKNESS_SHARE * bearing.width))

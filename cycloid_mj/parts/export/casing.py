@@ -31,7 +31,6 @@ from cycloid_mj.parts.export.casing_rules import (
     axial_play,
     counterbore,
     hole_depth,
-    hub_shoulders,
     least_wall,
     min_grip,
     ring_end,
@@ -46,7 +45,6 @@ from cycloid_mj.parts.export.hub_bearing import (
     count_cover_bearings,
     has_both_seats,
     needs_stop_ring,
-    retaining_radius,
     seat_second_disc,
 )
 from cycloid_mj.parts.export.motor_mount import (
@@ -222,7 +220,7 @@ class Casing(MotorSide, OutputSide):
     @property
     def flange_radius(self) -> float:
         """Radius of the output flange, which clamps the inner rings [m]."""
-        return hub_shoulders(self.hub)[0]
+        return self.hub.shoulders[0]
 
     @property
     def gap_seal_radius(self) -> float:
@@ -593,7 +591,7 @@ def _cavity_radii(
             "output.pin_circle_radius_mm"
         )
     if output_side.motor_bearing:
-        shoulder = hub_shoulders(hub)[1]
+        shoulder = hub.shoulders[1]
         if cavity > shoulder:
             raise DesignError(
                 f"a bearing of {MILLIMETRES * hub.bore:g} x {MILLIMETRES * hub.outside:g} mm around the second disc of "
@@ -602,7 +600,7 @@ def _cavity_radii(
                 "output.pin_circle_radius_mm"
             )
         return shoulder, shoulder
-    return cavity, min(max_radius, retaining_radius(reducer))
+    return cavity, min(max_radius, reducer.design.pin_retaining_radius)
 
 
 def output_cover_step(casing: Casing) -> float | None:

@@ -12,9 +12,6 @@ from cycloid_mj.parts.export.bearings import pin_pieces, ring_pin_radius, roller
 from cycloid_mj.parts.export.cam_clamp import cam_clamp, slotted_contour
 from cycloid_mj.parts.export.cam_splines import cam_spline, spline_contour
 from cycloid_mj.parts.export.casing import Casing, output_cover_step
-from cycloid_mj.parts.export.casing_rules import (
-    hub_shoulders,
-)
 from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.crank_rings import (
     CrankRing,
@@ -151,7 +148,7 @@ def _fit_disc(casing: Casing, segments: Sequence[Segment]) -> Iterator[Segment]:
         yield replace(disc, outline=seat)
     else:
         step = casing.bearings[-1 if casing.motor_bearing else 0][0]
-        yield replace(disc, outline=CircleContour(hub_shoulders(casing.hub)[0]), z1=step)
+        yield replace(disc, outline=CircleContour(casing.hub.shoulders[0]), z1=step)
         yield replace(disc, outline=seat, z0=step)
     yield from others
 
@@ -162,7 +159,7 @@ def _fit_second_disc(casing: Casing, bearing: tuple[float, float], segments: Seq
     The shoulder is next to the cycloid discs, or with a stop ring at the other side of the bearing. `bearing` are the
     ends of the bearing along z [m].
     """
-    seat, shoulder = CircleContour(0.5 * casing.hub.bore), CircleContour(hub_shoulders(casing.hub)[0])
+    seat, shoulder = CircleContour(0.5 * casing.hub.bore), CircleContour(casing.hub.shoulders[0])
     first, second, step = (shoulder, seat, bearing[0]) if casing.stop_ring else (seat, shoulder, bearing[1])
     for disc in segments:
         yield replace(disc, outline=first, z1=step)
@@ -345,6 +342,6 @@ def _hub_rounds(reducer: Reducer, casing: Casing) -> tuple[Round, ...]:
     shoulder, first_bearing = floor + 0.5 * AXIAL_GAP, casing.bearings[0][0]
     return (
         (casing.rim, floor, shoulder),
-        (hub_shoulders(casing.hub)[0], shoulder, first_bearing),
+        (casing.hub.shoulders[0], shoulder, first_bearing),
         (0.5 * casing.hub.bore, first_bearing, casing.top),
     )

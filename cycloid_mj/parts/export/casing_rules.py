@@ -38,10 +38,6 @@ class CasingRules:
         Depth of the bore of the crank beyond the motor shaft: those of NEMA 17 are up to 24 instead of 22 mm long.
     collar
         Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings.
-    shoulder_share, crossed_roller_shoulder_share, tapered_shoulder_shares
-        Height of a shoulder relative to the section of its bearing; the second is for crossed rollers, the least of
-        THK's shoulder dimensions for series RA and RB, the third for inner and outer rings of tapered roller bearings:
-        series 329 has 0.22 to 0.34, and 0.2 to 0.32 (SKF, Rolling bearings, 2018: d_b min, D_a max).
     boss_share
         Wall around a bearing of the crank relative to the radius of its seat.
     """
@@ -62,9 +58,6 @@ class CasingRules:
     printed_axial_play: float = 0.2e-3
     blind_room: float = 3e-3
     collar: float = 0.5 * AXIAL_GAP
-    shoulder_share: float = 0.3
-    crossed_roller_shoulder_share: float = 0.19
-    tapered_shoulder_shares: tuple[float, float] = (0.34, 0.25)
     boss_share: float = 0.3
 
 
@@ -170,18 +163,7 @@ def stock_shaft_bearing(reducer: Reducer, width: float) -> stock.StockBearing | 
 
 def shoulder_radius(ring: float, other: float) -> float:
     """Compute the radius of a shoulder [m] that touches the ring of a bearing with the first radius only."""
-    return ring + RULES.shoulder_share * (other - ring)
-
-
-def hub_shoulders(hub: stock.StockBearing) -> tuple[float, float]:
-    """Compute the radii of the shoulders [m] that touch only the inner and only the outer ring of an output bearing."""
-    inner, outer = 0.5 * hub.bore, 0.5 * hub.outside
-    shares = RULES.shoulder_share, RULES.shoulder_share
-    if hub.has_tapered_rollers:
-        shares = RULES.tapered_shoulder_shares
-    elif hub.has_crossed_rollers:
-        shares = RULES.crossed_roller_shoulder_share, RULES.crossed_roller_shoulder_share
-    return inner + shares[0] * (outer - inner), outer - shares[1] * (outer - inner)
+    return ring + stock.SHOULDERS.ball * (other - ring)
 
 
 def flange_washer(reducer: Reducer, bolt: stock.Bolt) -> tuple[float, float]:

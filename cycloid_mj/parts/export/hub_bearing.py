@@ -11,7 +11,6 @@ from cycloid_mj.parts.export.bearing_retainer import StopRing, retainer_of
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     counterbore,
-    hub_shoulders,
     is_plastic,
     least_wall,
     ring_end,
@@ -45,9 +44,9 @@ def choose_hub_bearing(
     bearings, max_seat = _hub_bearings(reducer, max_radius, wall), design.ring_root_radius
     if has_both_seats(reducer):
         _require_both_seats(reducer, stop_ring_radius)
-        max_seat = retaining_radius(reducer)
+        max_seat = design.pin_retaining_radius
         if needs_stop_ring(reducer):
-            bearings = tuple(bearing for bearing in bearings if hub_shoulders(bearing)[1] <= max_seat)
+            bearings = tuple(bearing for bearing in bearings if bearing.shoulders[1] <= max_seat)
             max_seat = stop_ring_radius - wall
     if not design.output.has_disc_seat:
         min_bore = seat + 2.0 * wall if design.shaft.mounting == "straddle" else 0.0
@@ -180,15 +179,6 @@ def seat_second_disc(
             f"output.disc_thickness_mm to at least {MILLIMETRES * min_thickness:.4g}"
         )
     return -start - hub.width, -start
-
-
-def retaining_radius(reducer: Reducer) -> float:
-    """Return the largest radius [m] of a cavity in a cover that still covers a fifth of the end face of each ring pin.
-
-    Without pins, it is the radius out to which the teeth reach.
-    """
-    ring = reducer.design.ring
-    return ring.pin_circle_radius + 0.5 * ring.pin_radius if ring.kind == "pin" else reducer.design.ring_root_radius
 
 
 def count_cover_bearings(hub: stock.StockBearing, motor_bearing: tuple[float, float] | None) -> int:

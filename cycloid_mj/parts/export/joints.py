@@ -28,7 +28,6 @@ from cycloid_mj.parts.export.casing_rules import (
     counterbore,
     flange_washer,
     hole_depth,
-    hub_shoulders,
     insert_in,
     shoulder_radius,
     thickest_bolt,
@@ -243,7 +242,7 @@ def _output_bearing_joint(casing: Casing) -> Joint:
     both are back to back, the shoulder is next to the ring.
     """
     hub, seat, (*inner, (outer, top)) = casing.hub, 0.5 * casing.hub.outside, casing.bearings
-    shoulder = hub_shoulders(hub)[1]
+    shoulder = hub.shoulders[1]
     holes: tuple[Hole, ...] = ((AXIS, seat, casing.hub_floor, top), (AXIS, shoulder, top, casing.output_cover_end))
     if not casing.has_outer_lip:
         others = () if casing.motor_bearing else inner
@@ -314,7 +313,7 @@ def _retainer_joint(reducer: Reducer, casing: Casing) -> Iterator[Joint]:
     depth = hole_depth(reducer, thread, ring.length - ring.thickness)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT_COVER, (centres, core_radius(reducer, thread), cover_end - depth, cover_end)),
-        (names.RETAINER, (AXIS, hub_shoulders(casing.hub)[1], casing.top, retainer_face)),
+        (names.RETAINER, (AXIS, casing.hub.shoulders[1], casing.top, retainer_face)),
         (names.RETAINER, (centres, 0.5 * stock.bolt_hole(thread), casing.top, retainer_face)),
     )
     bought_parts = (

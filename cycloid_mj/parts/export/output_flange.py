@@ -14,7 +14,6 @@ from cycloid_mj.parts.export.casing_rules import (
     axial_play,
     flange_washer,
     hole_depth,
-    hub_shoulders,
     in_one_piece,
     is_plastic,
     least_wall,
@@ -117,7 +116,7 @@ def choose_flange_pattern(
         Not even the smallest number of screws fits.
     """
     radius, hole, head_radius = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    flange = hub_shoulders(hub)[0]
+    flange = hub.shoulders[0]
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head_radius - wall)
     pitch = head_radius + hole + wall
     for count in RULES.flange_screws:
@@ -142,7 +141,7 @@ def choose_disc_pattern(reducer: Reducer, hub: stock.StockBearing, wall: float) 
     DesignError
         No screw in stock fits between the pins.
     """
-    output, radius, shoulder = reducer.design.output, 0.5 * hub.bore, hub_shoulders(hub)[0]
+    output, radius, shoulder = reducer.design.output, 0.5 * hub.bore, hub.shoulders[0]
     pin = 0.0 if in_one_piece(reducer) else output.root_radius
     counts = (output.pins, output.pins // 2) if output.pins % 2 == 0 and output.pins > 6 else (output.pins,)
     for bolt in sorted(stock.bolts(), key=lambda bolt: -bolt.thread):

@@ -23,7 +23,6 @@ from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import (
-    hub_shoulders,
     shoulder_radius,
 )
 from cycloid_mj.parts.export.joints import MOTOR
@@ -192,7 +191,7 @@ def _split_bearing(reducer: Reducer, casing: Casing, bearing: Annulus) -> Iterat
     inner, outer = (
         (shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner))
         if is_on_shaft
-        else hub_shoulders(casing.hub)
+        else casing.hub.shoulders
     )
     yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
     yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
