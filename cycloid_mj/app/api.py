@@ -67,7 +67,9 @@ def with_load(design: Design) -> Design:
 def view(design: Design, content: Content) -> dict[str, Any]:
     """Return all that the page shows of a design without solving for static equilibrium, as JSON values.
 
-    These are the values of the design file, the header (ratio, diameter, mass), controls, cross-section and errors.
+    The keys are ``design`` (values that differ from the preset), ``name``, ``layout``, ``toleranced`` (whether it has
+    tolerances), ``files`` (kinds of downloads), ``head`` (`geometry_figures`), ``load_nm``, ``controls``, ``section``
+    (the cross-section) and ``errors`` (failed checks).
 
     Parameters
     ----------

@@ -210,8 +210,8 @@ def _all_controls(design: Design) -> Iterator[Control]:
             if isinstance(value, bool):
                 yield Control(key, OTHERS, label, "", meaning, value, options=((True, "yes"), (False, "no")))
             elif isinstance(value, str) and value in options:
-                words = tuple((option, str(option).replace("_", " ")) for option in options)
-                yield Control(key, OTHERS, label, "", meaning, value, options=words)
+                labelled_options = tuple((option, str(option).replace("_", " ")) for option in options)
+                yield Control(key, OTHERS, label, "", meaning, value, options=labelled_options)
             elif isinstance(value, int | float) and math.isfinite(value):
                 yield _plain_slider(key, label, meaning, unit_of(field), value)
 
@@ -232,7 +232,10 @@ def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) 
 
 
 def key_in_words(key: str) -> str:
-    """Return a key of the design file as words within a sentence; any other text is returned unchanged."""
+    """Return a key of the design file as words, such as "pin radius (output)"; any other text is returned unchanged.
+
+    A key of a control of the page becomes the label of the control with a small initial.
+    """
     if "." not in key:
         return key
     word = _control_labels().get(key, key)
@@ -250,7 +253,10 @@ def key_in_words(key: str) -> str:
 
 
 def value_in_words(key: str, value: Any) -> str:
-    """Return the value of a key as text: a number with its unit, or the label of an option."""
+    """Return the value of a key as text: a number with its unit, the label of an option, or "yes" and "no".
+
+    A list becomes the number of its values and their range, an empty list "none".
+    """
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):

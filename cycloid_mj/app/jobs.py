@@ -65,9 +65,10 @@ class Job:
     page: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert number, state, progress, result and error of a background job of the page to JSON values.
+        """Return the state of a background job of the page as JSON values.
 
-        ``files`` are only the names of its files, ``page`` says whether it has a report.
+        ``job`` is its number, ``state``, ``progress``, ``result`` and ``error`` are its attributes, ``files`` are only
+        the names of its files, and ``page`` says whether it has a report.
         """
         return {
             "job": self.number,

@@ -157,12 +157,13 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
 
 
 def _sample_distributions(columns: Mapping[str, Array], jams: Mask, condition_text: str) -> dict[str, Any]:
-    """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
+    """Compute the distributions of the samples solved so far, as JSON values.
 
-    `columns` are the computed quantities of the samples by key, and `jams` is which samples jam, shape (samples,) each.
-    `condition_text` states the load and the model with which they were computed; it becomes ``condition``. Jammed
-    samples are left out of the histograms, and so are quantities with fewer than two solved samples or in a unit not in
-    `UNITS`.
+    ``samples`` is the number of samples, ``jam`` the share that jams, and ``charts`` a list with ``name``, ``unit``,
+    histogram (``counts``, ``edges``) and percentiles (``p05``, ``p50``, ``p95``) of each quantity. `columns` are the
+    computed quantities by key, and `jams` is which samples jam, shape (samples,) each. `condition_text` states the load
+    and the model with which they were computed; it becomes ``condition``. Jammed samples are left out of the
+    histograms, and so are quantities with fewer than two solved samples or in a unit not in `UNITS`.
     """
     charts = list[dict[str, Any]]()
     for key, values in columns.items():

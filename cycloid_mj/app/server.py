@@ -158,7 +158,9 @@ def application(page: Page, token: str) -> ASGIApp:
 def start_values(design: Design) -> dict[str, Any]:
     """Return what the page shows first, as JSON values: the design, and the choices of its start form and menus.
 
-    ``design`` has the values in which the design differs from its preset; ``fresh`` is true for the preset ``pin``.
+    ``design`` has the values in which the design differs from its preset; ``fresh`` is true for the preset ``pin``. The
+    choices are ``presets``, ``processes`` (`process_defaults` by name), ``materials``, ``files``, ``motors``, ``beds``
+    and ``cooling``; ``rv`` has the defaults of an RV reducer.
     """
     return {
         "design": changed_values(with_load(design)),
@@ -184,7 +186,8 @@ def rv_defaults() -> dict[str, Any]:
 def process_defaults(limits: ProcessLimits) -> dict[str, Any]:
     """Return the usual values of a manufacturing process with some `limits`, by the fields of the start form.
 
-    These are the material, the life [h], the crank speed [rpm] and the share of the time under load [%].
+    These are ``material``, ``life_h``, ``speed_rpm`` of the crank, and ``duty_percent``, the share of the time under
+    load.
     """
     return {
         "material": limits.material,
@@ -259,9 +262,9 @@ def serve(design: Design, listener: socket.socket, token: str, show: bool) -> No
     show
         Whether to open the page in the default browser.
     """
-    question = {"design": changed_values(with_load(design))}
-    slower_work = [(SLOWER[name], (question,)) for name in ("checks", "life")]
-    quick_work = [(work, (question,)) for work in QUICK.values()]
+    page_request = {"design": changed_values(with_load(design))}
+    slower_work = [(SLOWER[name], (page_request,)) for name in ("checks", "life")]
+    quick_work = [(work, (page_request,)) for work in QUICK.values()]
     workers = Workers(quick_work, slower_work, [(load_search, ())], [(load_exports, ())])
     try:
         server = create_server(application(Page(design, workers), token))

@@ -283,9 +283,11 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
 
 
 def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> list[dict[str, Any]]:
-    """Convert those of `evaluated_checks` that failed to JSON values: name, verdict, reason, remedy and changes.
+    """Convert those of `evaluated_checks` that failed to JSON values, a dict each.
 
-    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later.
+    The keys are ``name``, ``severity``, ``judgement``, ``part`` (which the page marks), ``what`` (value and limit),
+    ``why``, ``remedy`` and ``changes`` (those of `_resolving_changes`). For a check in `KINDS` the ``remedy`` is empty,
+    because it takes longer to compute; `remedies` returns it later.
     """
     return [
         {

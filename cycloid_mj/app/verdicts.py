@@ -108,10 +108,10 @@ def _margin_to_limit(value: float, limit: float, side: str) -> float:
 def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
     """Convert a rated part with a kind of failure to a table row with a bar as JSON values, for a required life [h].
 
-    ``text`` is the life or safety factor in words, ``title`` has load, limit, source and note, and ``margin`` is 1
-    where the part is just sufficient. ``share`` is the length of the bar, 0 to 1, on a logarithmic scale of ``margin``:
-    0.5 where the part is just sufficient, 1 at a margin of 10 to the power of `BAR_DECADES` or more, and never less
-    than `SMALLEST_BAR`.
+    ``name`` is its name, ``judgement`` the verdict, ``text`` is the life or safety factor in words, ``title`` has load,
+    limit, source and note, and ``margin`` is 1 where the part is just sufficient. ``share`` is the length of the bar, 0
+    to 1, on a logarithmic scale of ``margin``: 0.5 where the part is just sufficient, 1 at a margin of 10 to the power
+    of `BAR_DECADES` or more, and never less than `SMALLEST_BAR`.
     """
     margin = item.margin(life)
     decades = math.log10(max(margin, 1e-9)) / (2.0 * BAR_DECADES) if math.isfinite(margin) else 1.0

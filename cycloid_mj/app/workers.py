@@ -135,11 +135,11 @@ def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
     while True:
         gc.collect()  # reducers contain reference cycles: 350 MB in 200 moves if left to Python's own schedule
         try:
-            work, args, reports = pipe.recv()
+            work, args, reports_progress = pipe.recv()
         except EOFError:
             return
         try:
-            result = work(_reporter(pipe), *args) if reports else work(*args)
+            result = work(_reporter(pipe), *args) if reports_progress else work(*args)
         except CycloidError as error:
             pipe.send(("failed", str(error)))
         except Exception as error:  # a failure with one design must not end the page

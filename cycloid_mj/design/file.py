@@ -195,8 +195,8 @@ def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
     if not torque:
         return design
     power = torque * abs(design.drive.speed)
-    drive = {"torque": torque} | ({"power": power} if power and "power" not in values.get("drive", {}) else {})
-    return design.but(drive=drive)
+    motor_values = {"torque": torque} | ({"power": power} if power and "power" not in values.get("drive", {}) else {})
+    return design.but(drive=motor_values)
 
 
 def parse_toml(
@@ -558,12 +558,7 @@ def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) 
     """Expand a sparse list to a list with a value for each part: that of `sparse` for its number from 1 on, or else 0.
 
     The number of parts is the product of `counts`; `source` names the key in errors. If a count is out of range, the
-    sparse values are returned unchanged, for the validation to report.
-
-    Raises
-    ------
-    DesignError
-        A part does not exist.
+    sparse values are returned unchanged, for the validation to report. Raises DesignError if a part does not exist.
     """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range

@@ -1090,7 +1090,10 @@ class Design(Section, Presented):
         return make_frame([*_value_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return the main properties of a design as pairs of name and text: name, ratio, ring, torques and others."""
+        """Return the main properties of a design as pairs of name and text.
+
+        They are name, ratio, ring, eccentricity, speed, nominal torque and load.
+        """
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -1323,10 +1326,10 @@ class Design(Section, Presented):
     def friction_of(self, pair: str) -> float:
         """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn between the parts.
 
-        With the law ``film``, sliding parts have its upper limit, the coefficient of boundary lubrication. Where a
-        roller slides on an output pin, the coefficient is multiplied by the ratio of the radii of pin and roller. In an
-        RV reducer, needles and tapered bearing of a crank both carry the force of a disc, so that their friction is
-        counted twice.
+        `pair` is the kind, such as "pin_gear", "output" or "cam". With the law ``film``, sliding parts have its upper
+        limit, the coefficient of boundary lubrication. Where a roller slides on an output pin, the coefficient is
+        multiplied by the ratio of the radii of pin and roller. In an RV reducer, needles and tapered bearing of a crank
+        both carry the force of a disc, so that their friction is counted twice.
         """
         if self.planet is not None and pair in (CRANK_BEARING, PLANET_MESH):
             if pair == CRANK_BEARING:
