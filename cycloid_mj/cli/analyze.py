@@ -35,12 +35,12 @@ def analyze(log: LogName, /, *, q: PointFlag = None, output_flags: Annotated[Del
     ramp of the speed, it evaluates the path of q. A log of an interrupted run is evaluated up to its end; if it ends
     during the ramp, the ramp is evaluated. No file except the log is needed.
     """
-    from cycloid_mj.analysis import analyze as judged
+    from cycloid_mj.analysis import analyze as analyze_run
     from cycloid_mj.log import read
 
     point_q, destination = parse_point(q), claim_destination(output_flags, f"{Path(log).stem}-analysis")
     run = read(log)
-    findings = judged(run, point_q, log=log)
+    findings = analyze_run(run, point_q, log=log)
     if not run.complete:
         # the log knows how many steps were planned, not how many were taken
         findings = replace(findings, steps=None)

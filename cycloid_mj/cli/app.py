@@ -71,10 +71,12 @@ def main(argv: Sequence[str] | None = None) -> int:
                         f"{group} has no commands: install a package that provides one, as described above"
                     )
                 raise UsageError(f"{group} needs a command: choose one of {command_texts}")
-            command, bound = parse(app, words)
-            workers = next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
+            command, bound_arguments = parse(app, words)
+            workers = next(
+                (value.workers for value in bound_arguments.arguments.values() if hasattr(value, "workers")), None
+            )
             with at_most(workers):
-                code = command(*bound.args, **bound.kwargs)
+                code = command(*bound_arguments.args, **bound_arguments.kwargs)
         sys.stdout.flush()
         return code or 0
     except CycloptsError as error:
@@ -163,8 +165,8 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
     """
     while True:
         try:
-            command, bound, _ = app.parse_args(words)
-            return command, bound
+            command, bound_arguments, _ = app.parse_args(words)
+            return command, bound_arguments
         except CoercionError as error:
             corrected = correct_case(error, words)
             if corrected is None:
@@ -177,10 +179,10 @@ def _has_command(paper: "Paper") -> bool:
 
     The function builds the command. Any exception means that it cannot, because papers are packages of other authors.
     """
-    trial = App()
+    trial_app = App()
     try:
-        trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
-        page.set_help_format(trial[REPRODUCE]).assemble_argument_collection()
+        trial_app.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
+        page.set_help_format(trial_app[REPRODUCE]).assemble_argument_collection()
     except Exception as problem:
         warn(
             f"paper {paper.key}",
@@ -195,13 +197,13 @@ def _replace_old_command(words: list[str]) -> list[str]:
 
     `words` are returned unchanged if they do not start with such a name.
     """
-    if not words or (group := FOLDED.get(words[0])) is None:
+    if not words or (new_name := FOLDED.get(words[0])) is None:
         return words
     tell(
-        f"warning: the command `{words[0]}` is deprecated: use `{' '.join(group)}`; the old name will be removed in "
+        f"warning: the command `{words[0]}` is deprecated: use `{' '.join(new_name)}`; the old name will be removed in "
         "the next release"
     )
-    return [*group, *words[1:]]
+    return [*new_name, *words[1:]]
 
 
 def _rename_flag(word: str) -> str:

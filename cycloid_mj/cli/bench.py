@@ -174,10 +174,7 @@ def calibrate(
 def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
     """Read measured loops from CSV files at the `paths` of ``--loop``.
 
-    Raises
-    ------
-    UsageError
-        Two files have the same name, or a file cannot be read.
+    Raises UsageError if two files have the same name, or a file cannot be read.
     """
     from cycloid_mj.bench import read_loop
 
@@ -241,8 +238,8 @@ def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]
     fit, causes = calibration.fitted, []
     for position, parameter in enumerate(fit.parameters, 1):
         model = fit.model
-        for replaced, value in zip(fit.parameters, fit.values.tolist(), strict=True):
-            model = model if replaced == parameter else replaced.apply(model, value)
+        for other_parameter, value in zip(fit.parameters, fit.values.tolist(), strict=True):
+            model = model if other_parameter == parameter else other_parameter.apply(model, value)
         with show_activity(
             f"calibrate: testing it with the drawn {parameter.key}, {position} of {len(fit.parameters)}", quiet
         ):
@@ -310,7 +307,7 @@ def _calibration_outcome(
         f"{name}.toml": dump(calibration.design).encode(),
         f"{name}-residuals.csv": encodable_text("\n".join([*rows, ""])).encode(),
     }
-    names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
+    file_names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(
         title=f"calibration: {name}",
         failures=unusable or (),
@@ -335,7 +332,7 @@ def _calibration_outcome(
         files=files,
         result=calibration.as_json()
         | {"unusable": None if unusable is None else list(unusable), "figures": values_json(figures)}
-        | {"files": [*destination.paths(names), str(destination.page)]},
+        | {"files": [*destination.paths(file_names), str(destination.page)]},
         page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTESTED,) if unusable is None else unusable),
         code=1 if unusable else 0,
     )
@@ -388,7 +385,7 @@ def compare_bench(
     order: both amplitudes, their phase, the share of the measured variance that the model explains, and possible
     causes.
     """
-    from cycloid_mj.bench import compare_bench as compared
+    from cycloid_mj.bench import compare_bench as compare_with_bench
     from cycloid_mj.bench import read_te
     from cycloid_mj.plots.bench import comparison_figure
     from cycloid_mj.plots.save import encode_figure
@@ -397,7 +394,7 @@ def compare_bench(
     design = design_options.resolve_checked()
     stem = f"{design.name}-{measured.name}"
     destination = claim_destination(output_flags, stem, [f"{stem}.png"], OUT_TE)
-    comparison = compared(design, measured, load_nm)
+    comparison = compare_with_bench(design, measured, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",
         headline={"share of the measured variance that the model explains": f"{comparison.explained_share:.1%}"},

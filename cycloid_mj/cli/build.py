@@ -105,12 +105,14 @@ def build(
 
 def _require_writable(out: str) -> None:
     """Raise CycloidError if the output folder `out` cannot be created or written to; do not create it."""
-    existing = Path(out)
-    while not existing.exists() and existing != existing.parent:
-        existing = existing.parent
-    if not existing.is_dir() or not os.access(existing, os.W_OK):
-        reason = "is not writable" if existing.is_dir() else "is a file"
-        raise CycloidError(f"cannot write the model to {out}: {existing} {reason}. Choose another folder with --out")
+    existing_folder = Path(out)
+    while not existing_folder.exists() and existing_folder != existing_folder.parent:
+        existing_folder = existing_folder.parent
+    if not existing_folder.is_dir() or not os.access(existing_folder, os.W_OK):
+        reason = "is not writable" if existing_folder.is_dir() else "is a file"
+        raise CycloidError(
+            f"cannot write the model to {out}: {existing_folder} {reason}. Choose another folder with --out"
+        )
 
 
 def _surface_deviations(manifest: bytes) -> dict[str, dict[str, Any]]:

@@ -238,10 +238,10 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
     `names` are the files of the logs, `q` is the point of the disc whose motion is compared [m]; None: the default
     point. `destination` has the paths of the output files.
     """
-    from cycloid_mj.comparison import compare as compared
+    from cycloid_mj.comparison import compare as compare_trials
 
     trials = [_measure_trial(Path(name), q) for name in names]
-    comparison = compared([trial for _, trial in trials])
+    comparison = compare_trials([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
     verdicts = judge_runs(comparison.trials, {})
     return outcome_of(

@@ -50,7 +50,7 @@ def datasheet(
     computed with the checks of `rate`. All values are computed by statics and stated with their conditions.
     """
     from cycloid_mj.cli.progress import count_progress
-    from cycloid_mj.life.datasheet import datasheet as computed
+    from cycloid_mj.life.datasheet import datasheet as compute_datasheet
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
         raise UsageError(
@@ -60,7 +60,7 @@ def datasheet(
     stem = f"{design.name}-datasheet"
     destination = claim_destination(output_flags, stem, [f"{stem}.pdf"], RUNS, with_page=True)
     progress = count_progress("data sheet", output_flags.quiet)
-    sheet = computed(reducer_of(design), life_h or 0.0, progress)
+    sheet = compute_datasheet(reducer_of(design), life_h or 0.0, progress)
     inheritance = design_options.inheritance()
     if inheritance and inheritance.note:
         sheet = replace(sheet, notes=(*sheet.notes, inheritance.note))
@@ -99,16 +99,16 @@ def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
 
     pdf = f"{destination.stem}.pdf"
     quantities = by_key(*sheet.groups.values())
-    paths = [*destination.paths([pdf]), str(destination.page)]
+    printed_paths = [*destination.paths([pdf]), str(destination.page)]
     return Outcome(
         title=f"data sheet: {sheet.design.name}",
         condition=", ".join(filter(None, (f"rated for {sheet.life:g} h", sheet.design.thermal.words))),
         headline=headline(quantities[key] for key in _headline_keys(quantities)),
-        summary=paths,
+        summary=printed_paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
         notes=sheet.notes,
         files={pdf: document(datasheet_pages(sheet))},
         frame=quantity_frame(quantities),
-        result=sheet.as_json() | {"files": paths},
+        result=sheet.as_json() | {"files": printed_paths},
         page=lambda: datasheet_page(sheet),
     )

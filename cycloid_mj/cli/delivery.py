@@ -232,9 +232,9 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
     if destination.folder:
         for name, content in outcome.files.items():
             yield destination.folder / name, content
-        for name, draw in outcome.pictures.items():
+        for name, encode_picture in outcome.pictures.items():
             for file_format in outcome.formats:
-                yield destination.folder / f"{name}.{file_format}", draw(file_format)
+                yield destination.folder / f"{name}.{file_format}", encode_picture(file_format)
         if outcome.filed:
             yield (
                 destination.folder / f"{destination.stem}.json",

@@ -38,7 +38,10 @@ EXAMPLES = """Examples:
 
 
 def commands(sort_key: int) -> App:
-    """Build the commands about design files; `sort_key` is their place in the help."""
+    """Build the group of commands `design` (new, show, check, profile, kinematics).
+
+    `sort_key` is its position in the help.
+    """
     help_text = "Create, print and check design files."
     app = CompletingApp(name="design", help=help_text, help_epilogue=EXAMPLES, sort_key=sort_key)
     group_commands: tuple[Callable[..., int], ...] = (new, show, check)
@@ -213,7 +216,7 @@ def _compute_rating(reducer: Reducer) -> "Rating | None":
 
 
 def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]:
-    """Convert the summary of a design to JSON values; keys end in their units.
+    """Convert the summary of a design to JSON values, such as ``ratio``, ``mass_kg`` and ``backlash_arcmin``.
 
     `rating` adds the weakest part under the key ``weakest_item``, which is None if the design could not be rated.
     """
@@ -235,18 +238,21 @@ def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]
 
 
 def _summary_lines(design: Design, summary: "Summary", rating: "Rating | None") -> list[str]:
-    """Return the summary of a design as lines of text, with its weakest part if `rating` has been computed."""
+    """Return the summary of a design as lines of text: discs, size, loaded teeth, backlash and capacity.
+
+    If `rating` has been computed, a line on the weakest part is added; notes on measured parts follow.
+    """
     from cycloid_mj.geometry.measured import part_notes
 
-    angle, play = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)
+    pressure_angle, backlash = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)
     disc_text = " of each disc" if summary.discs > 1 else ""
     part_text = "identical parts" if summary.one_part else "different parts"
     return [
         *([f"{summary.discs} discs, {part_text}"] if summary.discs > 1 else []),
         f"ratio {summary.ratio}:1, outer diameter {1e3 * summary.outer_diameter:.4g} mm, mass {summary.mass:.3g} kg",
         f"at the nominal torque of {summary.rated_torque:.4g} N m: {summary.loaded_teeth:.1f} teeth{disc_text} "
-        f"carry load on average, mean pressure angle {angle:.1f} deg",
-        f"backlash {play:.3g} arcmin; capacity {summary.capacity:.3g} N m (first yield at {summary.weakest})",
+        f"carry load on average, mean pressure angle {pressure_angle:.1f} deg",
+        f"backlash {backlash:.3g} arcmin; capacity {summary.capacity:.3g} N m (first yield at {summary.weakest})",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),
         *part_notes(design),
     ]

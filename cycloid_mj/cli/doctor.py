@@ -107,12 +107,8 @@ def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
 def _test_contact() -> str:
     """Install the contact functions in MuJoCo; return a text for the report that states the release of MuJoCo.
 
-    The installation tests memory layout, gaps and forces, once for each release of MuJoCo.
-
-    Raises
-    ------
-    CycloidError
-        Memory layout, gaps or forces differ from those expected.
+    The installation tests memory layout, gaps and forces, once for each release of MuJoCo. Raises CycloidError if
+    memory layout, gaps or forces differ from those expected.
     """
     import mujoco
 
@@ -125,12 +121,8 @@ def _test_contact() -> str:
 def _simulate_self_test() -> str:
     """Simulate a millisecond of a reducer with fixed pins, and compare the disc's angle with the closed form.
 
-    Returns a text for the report: the number of samples and the largest difference of the angle [rad].
-
-    Raises
-    ------
-    CycloidError
-        The difference is too large.
+    Returns a text for the report: the number of samples and the largest difference of the angle [rad]. Raises
+    CycloidError if the difference is too large.
     """
     from cycloid_mj.design import PRESETS, override
     from cycloid_mj.dynamics.run import simulate

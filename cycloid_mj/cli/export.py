@@ -426,17 +426,9 @@ def _outcome(
 
 
 def _bed_size(text: str | None) -> tuple[float, float] | None:
-    """Parse the size of a printer's bed from a text ``LxW`` in mm; return None for None.
+    """Parse the size of a printer's bed, ``LxW`` in mm, to length and width [m]; return None for None.
 
-    Returns
-    -------
-    tuple of float
-        Length and width [m].
-
-    Raises
-    ------
-    UsageError
-        The text is not two positive numbers with an x between them.
+    Raises UsageError if the text is not two positive numbers with an x between them.
     """
     if text is None:
         return None

@@ -416,17 +416,9 @@ def require_distinct_names(designs: Iterable[Design]) -> None:
 
 
 def parse_point(text: str | None) -> tuple[float, float] | None:
-    """Parse the point q of the disc from a text ``X,Y`` in mm; return None for None.
+    """Parse the point q of the disc, a text ``X,Y`` in mm, to x and y [m]; return None for None.
 
-    Returns
-    -------
-    tuple of float
-        x and y [m].
-
-    Raises
-    ------
-    UsageError
-        The text is not two numbers in range.
+    Raises UsageError if the text is not two numbers in range.
     """
     if text is None:
         return None

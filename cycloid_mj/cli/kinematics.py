@@ -84,26 +84,24 @@ def _compute_motion(
     from cycloid_mj.geometry.kinematics import CrankLaw
     from cycloid_mj.reducer import reducer_of
 
-    reducer, law = reducer_of(design), CrankLaw(design.drive.speed, design.drive.ramp)
+    reducer, crank_law = reducer_of(design), CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
     interval = _choose_sample_interval(design, interval)
-    t = interval * np.arange(_count_samples(until, interval))
-    crank, speed, acceleration = map(
-        reducer.member.crank_angle, (law.angle_at(t), law.speed_at(t), law.acceleration_at(t))
+    time = interval * np.arange(_count_samples(until, interval))
+    crank_angle, speed, acceleration = map(
+        reducer.member.crank_angle,
+        (crank_law.angle_at(time), crank_law.speed_at(time), crank_law.acceleration_at(time)),
     )
-    path = point_path(reducer, np.array(q or (0.0, reducer.lever)), 0, crank, speed, acceleration)
+    path = point_path(reducer, np.array(q or (0.0, reducer.lever)), 0, crank_angle, speed, acceleration)
     (x, y), (vx, vy), (ax, ay) = (1e3 * vectors.T for vectors in (path.position, path.velocity, path.acceleration))
-    names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
-    return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
+    column_names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
+    return dict(zip(column_names, (time, crank_angle, x, y, vx, vy, ax, ay), strict=True))
 
 
 def _choose_sample_interval(design: Design, interval: float | None) -> float:
     """Return the interval between samples [s]: ``--step-s``, or the time of one degree of crank at full speed.
 
-    Raises
-    ------
-    UsageError
-        ``--step-s`` is not set, and the speed is 0.
+    Raises UsageError if ``--step-s`` is not set, and the speed is 0.
     """
     if interval is not None:
         return interval
@@ -118,10 +116,7 @@ def _choose_sample_interval(design: Design, interval: float | None) -> float:
 def _count_samples(until: float, interval: float) -> int:
     """Return the number of samples from 0 to `until` at intervals of `interval` [s].
 
-    Raises
-    ------
-    UsageError
-        There are too many samples.
+    Raises UsageError if there are too many samples.
     """
     count = math.floor(until / interval + ROUNDING) + 1
     if count > RANGES.rows[1]:

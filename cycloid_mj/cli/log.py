@@ -55,7 +55,10 @@ SceneFlag = Annotated[
 
 
 def commands(sort_key: int) -> App:
-    """Build the group of commands `log`; `sort_key` is its position in the help."""
+    """Build the group of commands `log` (info, columns, csv, parquet, repair, rerun, layout, plot).
+
+    `sort_key` is its position in the help.
+    """
     help_text = "Inspect, convert and repair logs."
     app = CompletingApp(name="log", help=help_text, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
@@ -256,9 +259,9 @@ def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
-    rates = [viewer_topic.rate for viewer_topic in log.viewers.values() if viewer_topic.rate]
+    logged_rates = [viewer_topic.rate for viewer_topic in log.viewers.values() if viewer_topic.rate]
     try:
-        return Scene(design_of(log.run), rate or (rates[0] if rates else RATE))
+        return Scene(design_of(log.run), rate or (logged_rates[0] if logged_rates else RATE))
     except CycloidError as problem:
         if rate is not None:
             raise
@@ -267,7 +270,12 @@ def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
 
 
 def _describe_contents(log: "Log") -> dict[str, Any]:
-    """Return conditions, topics and attachments of a log as JSON values."""
+    """Return the contents of a log as JSON values.
+
+    ``bytes`` is its size, ``whole`` whether the file is complete, ``complete`` and ``note`` are those of the run.
+    ``samples``, ``start_s``, ``end_s`` and ``rate_hz`` describe its samples, ``topics`` are the columns by topic,
+    ``viewers`` the topics for 3-D viewers, ``attachments`` sizes in bytes by name, and ``provenance`` texts by name.
+    """
     run = log.run
     return {
         "bytes": log.size,

@@ -356,9 +356,9 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
         The other arguments are flags: changes of all designs by ``--set``, temperature of all parts ``--at-c`` [°C],
         settings of the measure, and settings of the output.
         """
-        chosen = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *design) or BOTH]
-        resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
-        return _measure_designs(name, resolved, options, output_flags)
+        design_choices = [flags.DesignOptions(name, set_=changes, at_c=at_c) for name in (*designs, *design) or BOTH]
+        resolved_designs = [choice.resolve_checked(options.values()) for choice in design_choices]
+        return _measure_designs(name, resolved_designs, options, output_flags)
 
     command: Any = measure_designs if options is TorqueOptions else measure_design
     option_types: dict[str, type[Any]] = {
@@ -384,12 +384,8 @@ def _measure_designs(
     """Measure designs one after another, write and print the results, and return the exit code 0.
 
     `name` is the name of the measure, `options` are its settings. Files are written after the last measurement. With
-    several designs, the printed JSON is an object whose ``measurements`` is the list of results.
-
-    Raises
-    ------
-    UsageError
-        Two designs have the same name.
+    several designs, the printed JSON is an object whose ``measurements`` is the list of results. Raises UsageError if
+    two designs have the same name.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.measure import MEASURES
@@ -397,7 +393,7 @@ def _measure_designs(
 
     flags.require_distinct_names(designs)
     stems = [f"{name}-{design.name}" for design in designs]
-    endings = [f".{form}" for form in Outcome.formats] if _is_drawn(output_flags) else []
+    endings = [f".{file_format}" for file_format in Outcome.formats] if _is_drawn(output_flags) else []
     destinations = [claim_destination(output_flags, stem, [stem + ending for ending in endings], OUT) for stem in stems]
     measurements = []
     for design in designs:

@@ -295,12 +295,8 @@ class SizeFlags:
         """Return the required crank speed [rpm] at a ratio; None if no speed is required and no motor is set.
 
         With a motor and no required speed, it is the largest speed at which the motor delivers the torque. If the motor
-        is a frame size, the speed is limited to the usual crank speed of the manufacturing process.
-
-        Raises
-        ------
-        UsageError
-            The motor is too weak, or too slow.
+        is a frame size, the speed is limited to the usual crank speed of the manufacturing process. Raises UsageError
+        if the motor is too weak, or too slow.
         """
         if not self.motor or ratio < 1 or not self.torque_nm or not 0.0 < self.torque_nm < math.inf:
             return self.speed_rpm  # the check of the requirement reports the wrong ratio or torque
@@ -396,10 +392,7 @@ def _size_drive(requirement: "Requirement", on_progress: "Callable[[Answer], Non
 def _file_stem(name: str) -> str:
     """Return the name of a new design without ``.toml``.
 
-    Raises
-    ------
-    UsageError
-        It cannot be the name of a file, or is that of a preset.
+    Raises UsageError if it cannot be the name of a file, or is that of a preset.
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
@@ -423,12 +416,8 @@ def _copy_design(
     """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code 0.
 
     `stem` is the name of the copy without ending, `output_flags` are those of the output (``--out``, ``--quiet``), and
-    `size_flags` are names of flags for a new drive. With `short`, the copy of a preset lists few of its values.
-
-    Raises
-    ------
-    UsageError
-        A flag for a new drive is set, or `short` with a file.
+    `size_flags` are names of flags for a new drive. With `short`, the copy of a preset lists few of its values. Raises
+    UsageError if a flag for a new drive is set, or `short` with a file.
     """
     if size_flags:
         raise UsageError(
@@ -439,8 +428,8 @@ def _copy_design(
     design = load_design(source, changes, ()).but(name=stem)
     if short and not preset(source):
         raise UsageError(f"--short requires a preset (--from {NAMES}), but --from is {source}: remove --short")
-    changed = {change.partition("=")[0].strip() for change in changes}
-    text = dump_short(design, source, changed) if short else dump(design, preset_reasons(source, design))
+    changed_keys = {change.partition("=")[0].strip() for change in changes}
+    text = dump_short(design, source, changed_keys) if short else dump(design, preset_reasons(source, design))
     files = {f"{stem}.toml": text.encode()}
     return _write_designs(
         files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, output_flags), output_flags
@@ -470,8 +459,8 @@ def _deliver_drives(stem: str, answer: "Answer", destination: Destination, outpu
     """
     files: dict[str, bytes] = {}
     for index, drive in enumerate(answer.drives):
-        title = f"{stem}-{drive.title.replace(' ', '-')}" if index else stem
-        files[f"{title}.toml"] = dump(drive.design.but(name=title), drive.reasons).encode()
+        drive_stem = f"{stem}-{drive.title.replace(' ', '-')}" if index else stem
+        files[f"{drive_stem}.toml"] = dump(drive.design.but(name=drive_stem), drive.reasons).encode()
     descriptions = [
         {"title": drive.title, "figures": dict(drive.figures), "why": drive.why, "reasons": drive.reasons}
         for drive in answer.drives
@@ -537,15 +526,15 @@ def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: boo
     """
     from cycloid_mj.sizing.requirement import QUANTITIES
 
-    changed = remedy.requirement
+    changed_requirement = remedy.requirement
     values = {quantity.flag: (key, quantity.scale) for key, quantity in QUANTITIES.items()}
     values |= {f"--{key}": (key, 1.0) for key in ("fit", "discs", "process", "material")}
-    words = []
+    flag_words = []
     for flag, (key, scale) in values.items():
-        if (value := getattr(changed, key)) != getattr(original, key):
-            words += [flag, value if isinstance(value, str) else f"{value / scale:.10g}"]
-    words += ["--ratio-range", f"{original.ratio}:{original.ratio}"] if is_range else []
-    return [*words, "--custom"] if changed.custom and not original.custom else words
+        if (value := getattr(changed_requirement, key)) != getattr(original, key):
+            flag_words += [flag, value if isinstance(value, str) else f"{value / scale:.10g}"]
+    flag_words += ["--ratio-range", f"{original.ratio}:{original.ratio}"] if is_range else []
+    return [*flag_words, "--custom"] if changed_requirement.custom and not original.custom else flag_words
 
 
 def _frame(motor: str) -> "MotorName":
@@ -559,12 +548,8 @@ def _motor_speed(motor: str, torque: float) -> float:
     """Return the largest speed [rpm] at which a motor delivers a torque [N m].
 
     `motor` is the name of a frame or bolt pattern, or a CSV file with the motor's curve, which is interpolated
-    linearly. Motors of a bolt pattern differ too much for a limit: the result is infinite.
-
-    Raises
-    ------
-    UsageError
-        The file cannot be read, or the motor is too weak.
+    linearly. Motors of a bolt pattern differ too much for a limit: the result is infinite. Raises UsageError if the
+    file cannot be read, or the motor is too weak.
     """
     import csv
 
@@ -593,7 +578,11 @@ def _motor_speed(motor: str, torque: float) -> float:
             f"--motor {motor}: {problem}. Choose one of {frame_text}, or a CSV file with the columns speed_rpm and "
             "torque_nm"
         ) from error
-    speeds = [previous_speed for previous_speed, available in curve if available >= torque and previous_speed > 0.0]
+    speeds = [
+        previous_speed
+        for previous_speed, available_torque in curve
+        if available_torque >= torque and previous_speed > 0.0
+    ]
     for (previous_speed, previous_torque), (next_speed, next_torque) in itertools.pairwise(curve):
         if next_torque < torque <= previous_torque:
             speeds.append(
@@ -601,9 +590,9 @@ def _motor_speed(motor: str, torque: float) -> float:
                 + (next_speed - previous_speed) * (previous_torque - torque) / (previous_torque - next_torque)
             )
     if not speeds:
-        largest = max(available for _, available in curve)
+        peak = max(available_torque for _, available_torque in curve)
         raise UsageError(
-            f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {largest:.4g} N m at "
+            f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {peak:.4g} N m at "
             "any speed. Choose a stronger motor, a larger ratio or less torque"
         )
     return max(speeds)

@@ -155,9 +155,9 @@ def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
     """Split the texts of ``--vary`` into key -> range; raise UsageError for a wrong form or a repeated key."""
     ranges: dict[str, str] = {}
     for text in vary:
-        key, equals, range_text = text.partition("=")
+        key, equals_sign, range_text = text.partition("=")
         key = key.strip()
-        if not equals or not key or not range_text.strip():
+        if not equals_sign or not key or not range_text.strip():
             raise UsageError(
                 f"--vary {text!r} is not a range: give KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
             )
@@ -177,11 +177,11 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     from cycloid_mj.plots.save import encode_figure
 
     picture = Path(FIGURE).stem
-    numbers = {"evaluations": str(optimum.evaluations), "feasible": str(len(optimum.feasible))}
-    numbers |= {key: f"{value:.5g}" for key, value in optimum.best_figures.items()}
+    headline_texts = {"evaluations": str(optimum.evaluations), "feasible": str(len(optimum.feasible))}
+    headline_texts |= {key: f"{value:.5g}" for key, value in optimum.best_figures.items()}
     return Outcome(
         title=f"optimization of {optimum.task.reducer.design.name}",
-        headline=dict(islice(numbers.items(), MOST_FIGURES)),
+        headline=dict(islice(headline_texts.items(), MOST_FIGURES)),
         summary=[optimum.words, *optimum.active_bounds, f"best design: {best}"],
         tables=tables(optimum),
         warnings=optimum.warnings,

@@ -142,12 +142,7 @@ def _is_device(path: Path) -> bool:
 def _open_output(file: str) -> Iterator[TextIO]:
     """Open a text file for writing, so that an incomplete file never has its final name.
 
-    A device is written directly.
-
-    Raises
-    ------
-    CycloidError
-        The file cannot be written.
+    A device is written directly. Raises CycloidError if the file cannot be written.
     """
     path = Path(file)
     try:

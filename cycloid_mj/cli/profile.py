@@ -87,10 +87,7 @@ def _gear(reducer: Reducer, points: int | None) -> Columns:
 def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
     """Return the outline of an internal gear as columns of n values: points, normals, curvature and part.
 
-    Raises
-    ------
-    UsageError
-        The design has ring pins.
+    Raises UsageError if the design has ring pins.
     """
     from cycloid_mj.geometry.envelope import sample_ring
 
@@ -107,12 +104,8 @@ def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
 def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
     """Return relative curvature and Hertz pressure of all contact lines over a mesh period, as columns with units.
 
-    `crank_angles` is the number of crank angles; None: `CRANK_ANGLES`.
-
-    Raises
-    ------
-    UsageError
-        The number of crank angles results in too many rows.
+    `crank_angles` is the number of crank angles; None: `CRANK_ANGLES`. Raises UsageError if they result in too many
+    rows.
     """
     import numpy as np
 

@@ -123,13 +123,13 @@ def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
     Before the first item is finished, no time is estimated.
     """
     start = monotonic()
-    last = [start]
+    last_print = [start]
 
     def progress(finished: int, total: int) -> None:
-        time = monotonic()
-        if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and finished < total):
+        now = monotonic()
+        if quiet or (now - last_print[0] < SECONDS_BETWEEN_COUNTS and finished < total):
             return
-        last[0] = time
+        last_print[0] = now
         time_text = f", about {seconds_left(start, finished / total):.0f} s left" if finished else ""
         tell(f"{activity}: {finished} of {total}{time_text}")
 

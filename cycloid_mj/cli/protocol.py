@@ -93,7 +93,7 @@ def protocol(
     """
     from cycloid_mj.bench import read_loop, read_te
     from cycloid_mj.bench.protocol import BenchFiles
-    from cycloid_mj.bench.protocol import protocol as computed
+    from cycloid_mj.bench.protocol import protocol as compute_protocol
     from cycloid_mj.cli.progress import count_progress
 
     if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
@@ -106,9 +106,9 @@ def protocol(
     )
     design = design_options.resolve_checked()
     destination = claim_destination(
-        output_flags, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
+        output_flags, f"{design.name}-protocol", [f"{design.name}-protocol{ending}" for ending in (".png", ".svg")]
     )
-    sheet = computed(
+    sheet = compute_protocol(
         reducer_of(design),
         files,
         rated_nm or design.rated_torque,
@@ -129,13 +129,13 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.plots.save import encode_figure
 
     measured_keys = {key for key, item in sheet.bench.items() if not isnan(item.value)}
-    first_items = {key: sheet.bench[key] if key in measured_keys else item for key, item in sheet.model.items()}
+    headline_items = {key: sheet.bench[key] if key in measured_keys else item for key, item in sheet.model.items()}
     return Outcome(
         title=f"protocol of {sheet.design}",
         condition=f"rated torque {sheet.rated:.4g} N m",
         headline={
             f"{LINES[key].name}{', bench' if key in measured_keys else ''}": f"{item.value:.4g} {LINES[key].unit}"
-            for key, item in first_items.items()
+            for key, item in headline_items.items()
         },
         tables=[sheet.table()],
         frame=sheet.frame,

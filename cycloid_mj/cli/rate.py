@@ -81,7 +81,7 @@ def rate(
     [service]. The exit code is 0 for any safety factor, unless --check is set.
     """
     from cycloid_mj.life.as_built import default_parts
-    from cycloid_mj.life.items import rate as rated
+    from cycloid_mj.life.items import rate as compute_rating
     from cycloid_mj.life.ranges import read_ranges
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
@@ -91,7 +91,7 @@ def rate(
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     destination = claim_destination(output_flags, f"{design.name}-rating")
-    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=parts or default_parts(design))
+    rating = compute_rating(design, cycle, life_h or 0.0, ranges, compliance=True, parts=parts or default_parts(design))
     outcome = _outcome(rating, destination)
     return deliver(replace(outcome, code=1) if check and rating.failing else outcome, destination, output_flags)
 

@@ -164,8 +164,8 @@ def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
     from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES
     from cycloid_mj.robot.randomization import FILES
 
-    model = (*BASE_FILES, *SPRING_FILES) if file_format == "mjcf" else list_description_files(name, file_format)
-    return [*model, *((SAMPLES, *FILES[file_format]) if spread else ())]
+    model_files = (*BASE_FILES, *SPRING_FILES) if file_format == "mjcf" else list_description_files(name, file_format)
+    return [*model_files, *((SAMPLES, *FILES[file_format]) if spread else ())]
 
 
 def _encode_files(
@@ -200,24 +200,9 @@ def _require_scene_values(timestep_ms: float | None, load_inertia: float | None)
 
 
 def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tuple[int, int]:
-    """Return number and seed of the drawn drives: the values of the flags, or the defaults.
+    """Return number and seed of the drawn drives: values of the flags `samples` and `seed`, or the defaults for None.
 
-    Parameters
-    ----------
-    spread
-        Whether ``--spread`` is set.
-    samples, seed
-        Values of these flags; None if not set.
-
-    Returns
-    -------
-    tuple of int
-        Number of samples, and seed.
-
-    Raises
-    ------
-    UsageError
-        A value is out of range, or set without ``--spread``.
+    Raises UsageError if a value is out of range, or set although ``--spread`` is not (`spread`).
     """
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"

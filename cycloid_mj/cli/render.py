@@ -72,9 +72,9 @@ def render(
     page = claim_page(output_flags, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     require_mujoco()
-    from cycloid_mj.scene.render import render as rendered
+    from cycloid_mj.scene.render import render as render_run
 
-    picture = rendered(run, reducer_of(design_of(run)), sample, (width, height), (azimuth, elevation))
+    picture = render_run(run, reducer_of(design_of(run)), sample, (width, height), (azimuth, elevation))
     from PIL import Image
 
     with atomic_file(out) as temporary_path:

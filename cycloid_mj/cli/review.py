@@ -36,7 +36,7 @@ def report(
     needs no network and can be printed.
     """
     from cycloid_mj.log import read
-    from cycloid_mj.report import report as reviewed
+    from cycloid_mj.report import report as write_report
 
     point_q = parse_point(q)
     if not logs:
@@ -49,6 +49,6 @@ def report(
     page_names = tuple(dict.fromkeys((*([out] if out else ()), *(output_flags.html or ()))))
     page_names = page_names or (str(Path(logs[0]).with_suffix(".html")),)
     destination = Destination("report", None, claim_page(replace(output_flags, html=page_names), "report"))
-    review = reviewed(runs, point_q)
+    review = write_report(runs, point_q)
     outcome = Outcome(title="review", text=page_names, result={"files": list(page_names)}, page=lambda: review)
     return deliver(outcome, destination, output_flags)

@@ -229,20 +229,20 @@ def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> It
     rates the drive, or runs it under load if it had none. Another follows for each kind of user: who prints an
     actuator, designs reducers or, except for RV reducers, simulates robots.
     """
-    design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
+    design_flags = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
     resolved_design = design_options.resolve()
     if findings.condition.load:
-        yield _command(["rate", *design], "life, and the weakest part")
+        yield _command(["rate", *design_flags], "life, and the weakest part")
     else:
         hold_text = "0.05" if resolved_design.layout == "central" else "0.2"
         load_flags = ["--load-nm", f"{resolved_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold_text]
-        yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
+        yield _command(["simulate", *design_flags, *load_flags], "the same drive under its nominal torque")
     yield _command(
         ["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive that meets requirements"
     )
-    yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
+    yield _command(["statics", *design_flags], "I design reducers: backlash, stiffness, loads, efficiency")
     if resolved_design.layout == "central":
-        yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
+        yield _command(["reduce", *design_flags, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
 
 
 def _command(words: Sequence[str], comment: str) -> str:
@@ -304,11 +304,11 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
     from cycloid_mj.dynamics.run import RUN, STEP_RULES
 
     require_sound(reducer)
-    step = STEP_RULES[solver].choose(reducer).seconds
-    steps = (design.drive.ramp + design.drive.hold) / step
-    if steps > RUN.max_steps:
+    timestep = STEP_RULES[solver].choose(reducer).seconds
+    step_count = (design.drive.ramp + design.drive.hold) / timestep
+    if step_count > RUN.max_steps:
         raise UsageError(
-            f"the run of {design.name} would take {steps:.3g} time steps of {step * 1e6:g} us, but at most "
+            f"the run of {design.name} would take {step_count:.3g} time steps of {timestep * 1e6:g} us, but at most "
             f"{RUN.max_steps:.0e} are allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 
@@ -386,7 +386,7 @@ def run_into_log(
     plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
     run_provenance = provenance(reducer, contact, plan.timestep, solver)
-    open_log = _log_opener(compiled, reducer, run_provenance | {"steps": str(plan.steps)}, force, viewable)
+    open_log = _make_log_opener(compiled, reducer, run_provenance | {"steps": str(plan.steps)}, force, viewable)
     progress.tell(f"time step {run_provenance['timestep']}; accuracy of the results: {run_provenance['timestep_for']}")
     start = time.perf_counter()
     with _open_unused_log(design.name, names, open_log) as log:
@@ -403,7 +403,7 @@ def run_into_log(
     return LoggedRun(log.path, plan.steps, wall_time, findings, kept_run)
 
 
-def _log_opener(
+def _make_log_opener(
     compiled: "Model", reducer: Reducer, provenance: dict[str, str], force: bool, viewable: bool
 ) -> "Callable[[Path], LogWriter]":
     """Return a function that opens a path as the log of a run, with its columns, provenance and files for viewers.
@@ -416,13 +416,13 @@ def _log_opener(
     from cycloid_mj.log import LogWriter
     from cycloid_mj.scene import Scene, frame_rate
 
-    groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
-    entries = provenance | warnings_entry(run_warnings(compiled, reducer))
+    column_groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
+    metadata_entries = provenance | warnings_entry(run_warnings(compiled, reducer))
     files = attachments(compiled, reducer)
     scene = Scene(reducer.design, frame_rate(reducer)) if viewable else None
     if not viewable:
         files = {DESIGN_FILE: files[DESIGN_FILE]}
-    return lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)
+    return lambda path: LogWriter(path, column_groups, metadata_entries, files, force=force, viewer=scene)
 
 
 def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path], "LogWriter"]) -> "LogWriter":
@@ -470,11 +470,11 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
 
     `plan` has the interval of the samples.
     """
-    sampling = plan.stride * plan.timestep
-    if design.drive.hold < FEWEST_HELD * sampling:
+    interval = plan.stride * plan.timestep
+    if design.drive.hold < FEWEST_HELD * interval:
         raise UsageError(
             f"--hold-s {design.drive.hold:g} (drive.hold_s) is too short: it must contain at least {FEWEST_HELD} "
-            f"samples at intervals of {sampling:g} s. Increase --hold-s to {FEWEST_HELD * sampling:.4g} or more, or "
+            f"samples at intervals of {interval:g} s. Increase --hold-s to {FEWEST_HELD * interval:.4g} or more, or "
             "increase settings.log_rate_hz"
         )
 

@@ -195,7 +195,7 @@ def stress(
         return _write_springs(list(selected), load_nm, mounts, output_flags)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=map_angle)
     arguments = (part, settings, output_flags)
-    job = _read_logs(log, names, *arguments) if log else _simulate(list(selected), load_nm, *arguments)
+    job = _read_logs(log, names, *arguments) if log else _simulate_designs(list(selected), load_nm, *arguments)
     studies = _study_parts(job.runs, job.grids, settings, output_flags.quiet)
     outcome = outcome_of(studies, job.destination, _choose_figures(figure, job.destination))
     return deliver(outcome, job.destination, output_flags)
@@ -268,7 +268,7 @@ def _read_logs(
     return _Job(runs, grids, destination)
 
 
-def _simulate(
+def _simulate_designs(
     designs: Sequence[Design],
     load: float | None,
     parts: Sequence[str],
@@ -288,11 +288,11 @@ def _simulate(
     designs = [for_one_turn(design, load) for design in designs]
     _require_runnable(designs)
     grids = _mesh_parts(designs, parts, settings, output_flags.quiet)
-    simulated = [design for design in designs if design.layout == Reducer.LAYOUT]
-    files = (*(f"{design.name}.mcap" for design in simulated), *FILES)
+    simulated_designs = [design for design in designs if design.layout == Reducer.LAYOUT]
+    files = (*(f"{design.name}.mcap" for design in simulated_designs), *FILES)
     directory = logs_folder(RUNS, output_flags.out, files, output_flags.force)
     destination = _claim(directory, output_flags)
-    logs = {design: directory / f"{design.name}.mcap" for design in simulated}
+    logs = {design: directory / f"{design.name}.mcap" for design in simulated_designs}
     if logs:
         run_all(logs, output_flags.force, output_flags.quiet)
     runs = ((design, logs.get(design)) for design in designs)
@@ -390,10 +390,7 @@ def _mesh_parts(designs: Sequence[Design], parts: Sequence[str], settings: "Stud
 def _read_log(path: Path, design: str) -> Logged:
     """Read the log of a run, and issue its warnings again; return the design of the run, the run and the path.
 
-    Raises
-    ------
-    UsageError
-        The run is not that of `design`, a name or a file; an empty `design` accepts any run.
+    Raises UsageError if the run is not that of `design`, a name or a file; an empty `design` accepts any run.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
@@ -440,12 +437,8 @@ def _study_parts(
 def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
     """Return the names of the requested parts for each design, in the order of the designs.
 
-    No `parts` mean all parts. Parts that a design lacks are left out of its list.
-
-    Raises
-    ------
-    UsageError
-        One of the parts exists in none of the designs.
+    No `parts` mean all parts. Parts that a design lacks are left out of its list. Raises UsageError if one of the parts
+    exists in none of the designs.
     """
     from cycloid_mj.stress.loads import part_names, require_part
 

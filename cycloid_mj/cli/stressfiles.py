@@ -236,7 +236,11 @@ def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", has_references: bool
 
 
 def _claim_json(claim: "Claim") -> dict[str, str]:
-    """Convert a claim of a paper on stresses and our verdict on it to JSON values."""
+    """Convert a claim of a paper on stresses and our verdict on it to JSON values.
+
+    The keys are ``figure`` (of the paper), ``statement``, ``found`` (our result in words), ``verdict`` and
+    ``decided_by``.
+    """
     return {
         "figure": claim.figure,
         "statement": claim.claim,

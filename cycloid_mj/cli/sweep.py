@@ -153,12 +153,12 @@ def sweep(
             "again to resume"
         ) from stop
     quantities = select_quantities(result, tuple(name for name in show_.split(",") if name))
-    code = deliver(_outcome(result, quantities, destination), destination, output_flags)
+    exit_code = deliver(_outcome(result, quantities, destination), destination, output_flags)
     for error, count in list(result.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(result.points)} points failed: {error}")
     if (unlisted_errors := len(result.errors) - MOST_ERRORS) > 0:
         tell(f"{unlisted_errors} more types of error: see the column `error` of the files in {directory}")
-    return code
+    return exit_code
 
 
 def _choose_points(
@@ -185,8 +185,8 @@ def _choose_points(
 
     ranges: dict[str, str] = {}
     for text in vary:
-        key, equals, values = text.partition("=")
-        if not equals or not key.strip() or not values.strip():
+        key, equals_sign, values = text.partition("=")
+        if not equals_sign or not key.strip() or not values.strip():
             raise UsageError(f"--vary {text!r} has no values: give KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
         if key.strip() in ranges:
             raise UsageError(f"--vary {key.strip()} is repeated: list all values of this key in one --vary")
@@ -210,27 +210,27 @@ def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destinati
     from cycloid_mj.report.sweep import sweep_page
 
     directory = destination.folder or Path(OUT)
-    table, parquet = directory / TABLE, directory / PARQUET
-    draw = cache(partial(encode_figure, sweep_figure(sweep, quantities)))
+    table_file, parquet_file = directory / TABLE, directory / PARQUET
+    encode_diagram = cache(partial(encode_figure, sweep_figure(sweep, quantities)))
     missing_parquet_note = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
     return Outcome(
         title=f"sweep of {sweep.task.reducer.design.name}",
-        headline={"points": str(len(sweep.points)), "failed": str(sweep.failed), "rows": str(table)},
-        warnings=[] if parquet.exists() else [missing_parquet_note],
+        headline={"points": str(len(sweep.points)), "failed": str(sweep.failed), "rows": str(table_file)},
+        warnings=[] if parquet_file.exists() else [missing_parquet_note],
         summary=[f"{len(sweep.points)} points, {sweep.failed} failed"],
         tables=tabulate_quantities(sweep, quantities),
         notes=[f"assumed: {sentence}" for sentence in sweep.assumptions],
-        pictures={STEM: draw},
+        pictures={STEM: encode_diagram},
         result={
             "points": len(sweep.points),
             "failed": sweep.failed,
-            "table": str(table),
-            "parquet": str(parquet) if parquet.exists() else None,
+            "table": str(table_file),
+            "parquet": str(parquet_file) if parquet_file.exists() else None,
             "page": str(destination.page),
             "quantities": {name: sweep.frame.units.get(name, "1") for name in sweep.quantities},
             "assumptions": list(sweep.assumptions),
         },
         filed=False,
-        page=lambda: sweep_page(sweep, quantities, draw("svg")),
+        page=lambda: sweep_page(sweep, quantities, encode_diagram("svg")),
         code=1 if sweep.failed == len(sweep.points) else 0,
     )

@@ -165,7 +165,10 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         formats=(),
         captions=CAPTIONS,
         files={
-            **{f"{name}-worst-{rank}.toml": dump(item).encode() for rank, item in enumerate(tolerances.worst, 1)},
+            **{
+                f"{name}-worst-{rank}.toml": dump(worst_design).encode()
+                for rank, worst_design in enumerate(tolerances.worst, 1)
+            },
             f"{name}-samples.csv": csv_text(tolerances.frame.columns, "nan").encode(),
         },
         result=tolerances.as_json(),

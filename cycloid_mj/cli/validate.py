@@ -64,12 +64,12 @@ def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -
     """
     from cycloid_mj.validate.suite import run_parts, sort_rows
 
-    start, total = monotonic(), sum(part.cost[not quick] for part in parts)
+    start_time, total_cost = monotonic(), sum(part.cost[not quick] for part in parts)
     finished_cost, finished_parts = 0.0, []
     for index, rows in run_parts(parts, quick, workers):
         finished_parts.append((index, rows))
         finished_cost += parts[index].cost[not quick]
-        remaining = seconds_left(start, finished_cost / total)
+        remaining = seconds_left(start_time, finished_cost / total_cost)
         note(
             f"{len(finished_parts)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
             f"{remaining:.0f} s left"
@@ -90,7 +90,7 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     steps = dict.fromkeys(row.rung for row in rows)
     counts = {row_outcome: sum(row.verdict == row_outcome for row in rows) for row_outcome in RowOutcome}
     failed_rows = [_format_row(step_numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
-    table = [row.as_json() for row in rows]
+    json_rows = [row.as_json() for row in rows]
     return Outcome(
         title="validation: " + ", ".join(f"{step_numbers[name]} {name}" for name in steps),
         failures=[
@@ -104,8 +104,8 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
             for row in rows
             if row.measured.note
         ],
-        frame=make_frame(table, table[0] if table else (), {}),
-        result={"passed": not failed_rows, "quick": quick, "wall_s": wall, "rows": table},
+        frame=make_frame(json_rows, json_rows[0] if json_rows else (), {}),
+        result={"passed": not failed_rows, "quick": quick, "wall_s": wall, "rows": json_rows},
         code=1 if failed_rows else 0,
     )
 

@@ -168,8 +168,8 @@ def _headline(
         for key in _available(HEADLINE[:6], by_statics)
     ]
     for figure in RUN_QUANTITIES:
-        spreads = [trial.over_starts(figure.read) for trial in trials]
-        values = [math.nan if spread is None else spread.mean for spread in spreads]
+        start_statistics = [trial.over_starts(figure.read) for trial in trials]
+        values = [math.nan if statistics is None else statistics.mean for statistics in start_statistics]
         if not all(map(math.isnan, values)):
             rows.append((f"{figure.words} (runs)", values, figure.unit))
     return {name: (*map(_number, values), *ratios(values), unit) for name, values, unit in rows}

@@ -65,12 +65,12 @@ def wear(
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     destination = claim_destination(output_flags, f"{design.name}-wear")
-    count = count_progress("wear, percent", output_flags.quiet)
+    print_progress = count_progress("wear, percent", output_flags.quiet)
 
-    def report(case: str, share: float) -> None:
-        count(round(100 * (CASES.index(case) + share) / len(CASES)), 100)
+    def report_progress(case: str, share: float) -> None:
+        print_progress(round(100 * (CASES.index(case) + share) / len(CASES)), 100)
 
-    result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
+    result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report_progress)
     if result.interrupted:
         tell("stopped by Ctrl-C: the result contains only the completed steps")
     return deliver(_outcome(result, destination), destination, output_flags)
