@@ -166,25 +166,25 @@ def _standardise_deviations(zones: Mapping[str, Zone], deviations: Mapping[str, 
     return standardised
 
 
-def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
+def _estimator_terms(values: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
     """Compute terms for each of n samples whose means are the variance of a quantity, and its parts by tolerance.
 
     The parts are the first-order and the total variance of each tolerance. A linear model serves as control variate
-    (`_fit_control_variate`). `figure` are the values of the quantity in all sample sets. `deviations` are those in the
+    (`_fit_control_variate`). `values` are the values of the quantity in all sample sets. `deviations` are those in the
     sets A and B, from `_standardise_deviations`: an array (n, k) for each tolerance, with its k random numbers.
     """
-    centre, linear, variances = _fit_control_variate(figure, deviations)
-    values_a, values_b, values_mixed = figure.set_a - centre, figure.set_b - centre, figure.mixed - centre
-    variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.set_a**2 + linear.set_b**2) + variances.sum(axis=0)
-    first_order = values_b * (values_mixed - values_a) - linear.set_b * (linear.mixed - linear.set_a) + variances
-    total_order = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.set_a - linear.mixed) ** 2 + variances
+    constants, model, variances = _fit_control_variate(values, deviations)
+    values_a, values_b, values_mixed = values.set_a - constants, values.set_b - constants, values.mixed - constants
+    variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (model.set_a**2 + model.set_b**2) + variances.sum(axis=0)
+    first_order = values_b * (values_mixed - values_a) - model.set_b * (model.mixed - model.set_a) + variances
+    total_order = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (model.set_a - model.mixed) ** 2 + variances
     return _Terms(variance, first_order, total_order)
 
 
-def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
+def _fit_control_variate(values: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
     """Fit a linear model of a quantity to the deviations by cross-validation, as a control variate of its variance.
 
-    In each fold of the samples the model has the coefficients fitted to the other folds. `figure` are the values of the
+    In each fold of the samples the model has the coefficients fitted to the other folds. `values` are the values of the
     quantity in all sample sets. `deviations` are those in the sets A and B, from `_standardise_deviations`: an array
     (n, k) for each tolerance, with its k random numbers in n samples.
 
@@ -195,43 +195,43 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
         the variance that the model attributes to each tolerance, shape (tolerances, n).
     """
     deviations_a, deviations_b = deviations
-    tolerances, count = figure.mixed.shape
+    tolerances, count = values.mixed.shape
     fold_of_sample = np.arange(count) % SOBOL.folds
     fit_a, fit_b, variances = np.zeros((3, tolerances, count))
-    centre = np.zeros(count)
-    model_tolerances = _choose_model_tolerances(figure, deviations_a)
+    constants = np.zeros(count)
+    model_tolerances = _choose_model_tolerances(values, deviations_a)
     ends = np.cumsum([deviations_a[index].shape[1] for index in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
         training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
         columns = np.concatenate(
             [_columns(deviations_a, model_tolerances, training), _columns(deviations_b, model_tolerances, training)]
         )
-        target = np.concatenate([figure.set_a[training], figure.set_b[training]])
+        target = np.concatenate([values.set_a[training], values.set_b[training]])
         # normal equations: the columns are independent draws, four rows and more for each
         constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
-        centre[validation] = constant[0]
+        constants[validation] = constant[0]
         for index, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
             fit_a[index, validation], fit_b[index, validation] = (
                 deviations_a[index][validation] @ slope,
                 deviations_b[index][validation] @ slope,
             )
             variances[index, validation] = slope @ slope
-    return centre, _FigureSets(fit_a.sum(axis=0), fit_b.sum(axis=0), fit_a.sum(axis=0) - fit_a + fit_b), variances
+    return constants, _FigureSets(fit_a.sum(axis=0), fit_b.sum(axis=0), fit_a.sum(axis=0) - fit_a + fit_b), variances
 
 
-def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> list[int]:
+def _choose_model_tolerances(values: _FigureSets, deviations: list[Array]) -> list[int]:
     """Choose the tolerances in the linear model of a quantity; return their indices in ascending order.
 
     Only tolerances that change the value of at least one sample are included, those with the fewest random numbers
     first. The number of columns of the fit is limited to the number of its rows times `SobolSettings.max_columns`.
-    `figure` are the values of the quantity in all sample sets; `deviations` are those in set A, from
+    `values` are the values of the quantity in all sample sets; `deviations` are those in set A, from
     `_standardise_deviations`: an array (n, k) for each tolerance, with its k random numbers in n samples.
     """
-    fit_rows = 2.0 * figure.set_a.size * (1.0 - 1.0 / SOBOL.folds)
+    fit_rows = 2.0 * values.set_a.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * fit_rows - 1.0
     selected_tolerances = []
     for index in sorted(range(len(deviations)), key=lambda index: deviations[index].shape[1]):
-        if np.any(figure.mixed[index] != figure.set_a) and deviations[index].shape[1] <= free_columns:
+        if np.any(values.mixed[index] != values.set_a) and deviations[index].shape[1] <= free_columns:
             selected_tolerances.append(index)
             free_columns -= deviations[index].shape[1]
     return sorted(selected_tolerances)

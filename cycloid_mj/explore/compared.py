@@ -239,12 +239,12 @@ def plan_runs(
     loaded_cases = [design for design in cases if design.load.torque]
     names = {
         start: name_run(start, start_index)
-        for group in starts_by_case.values()
-        for start_index, start in enumerate(group)
+        for case_starts in starts_by_case.values()
+        for start_index, start in enumerate(case_starts)
     }
     for variation, designs in [
-        *((group, cases) for group in variations),
-        *((group, loaded_cases) for group in assumptions),
+        *((variation, cases) for variation in variations),
+        *((variation, loaded_cases) for variation in assumptions),
     ]:
         for design in designs:
             suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")

@@ -91,14 +91,14 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     rows = np.flatnonzero(jams)[: JAM.max_examined]
     all_deviations = draw_deviations(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
     deviations = {key: values[rows] for key, values in all_deviations.items()}
-    interferences, shares = _minimize_interference(reducer, deviations)
+    interferences, pair_shares = _minimize_interference(reducer, deviations)
     if max(interferences) <= 0.0:
         return (
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
             "balance was found"
         )
     pairs = sorted(
-        (pair for pair, share in shares.items() if share > JAM.min_pair_share), key=lambda pair: -shares[pair]
+        (pair for pair, share in pair_shares.items() if share > JAM.min_pair_share), key=lambda pair: -pair_shares[pair]
     )
     removable_keys = [
         f"tolerance.{key}"

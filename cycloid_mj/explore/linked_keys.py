@@ -207,10 +207,7 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
 def _keys_in_formula(node: ast.expr) -> Iterator[str]:
     """Yield the keys in a parsed formula, the expression `node`.
 
-    Raises
-    ------
-    ValueError
-        It does not consist of keys, numbers and + - * / only.
+    Raises ValueError if it does not consist of keys, numbers and + - * / only.
     """
     match node:
         case ast.Constant(value=int() | float()):

@@ -202,9 +202,9 @@ def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int,
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
         return
     evaluations_per_weight = max(1, evaluations // len(OPTIMIZER.weights))
-    for number, weight in enumerate(OPTIMIZER.weights):
+    for search_number, weight in enumerate(OPTIMIZER.weights):
         cost = _chebyshev_cost(task, evaluator.in_order, weight)
-        feasible = [row for row in evaluator.in_order if row.values[FEASIBLE]] if number > 1 else []
+        feasible = [row for row in evaluator.in_order if row.values[FEASIBLE]] if search_number > 1 else []
         start_point = _values_of_row(task, min(feasible, key=cost)) if feasible else None
         sigma = OPTIMIZER.front_sigma if start_point else CMA.initial_sigma
         search_minimum(
@@ -212,8 +212,8 @@ def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int,
             evaluator.evaluate_points,
             cost,
             evaluations_per_weight,
-            starts if number < 2 else 1,
-            [seed, number],
+            starts if search_number < 2 else 1,
+            [seed, search_number],
             start_point,
             sigma,
         )
@@ -234,10 +234,10 @@ def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -
     weight
         Weight of the first objective, 0 to 1. At the ends, 0 and 1, the cost is that of one objective.
     """
-    feasible = [row for row in rows if row.values[FEASIBLE]]
-    costs = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
+    feasible_rows = [row for row in rows if row.values[FEASIBLE]]
+    costs = [task.costs(row) for row in feasible_rows] or [(0.0, 0.0)]
     ideal_point = [min(column) for column in zip(*costs, strict=True)]
-    front_ends = [min(costs), min(costs, key=lambda pair: pair[1])]
+    front_ends = [min(costs), min(costs, key=lambda costs_of_row: costs_of_row[1])]
     ranges = [abs(front_ends[1 - i][i] - ideal_point[i]) or abs(ideal_point[i]) or 1.0 for i in (0, 1)]
 
     def scalarized_cost(row: PointResult) -> float:
@@ -306,10 +306,7 @@ class _PointEvaluator:
     def _is_known(self, index: int, point: Point) -> bool:
         """Return whether the point of this index is already recorded.
 
-        Raises
-        ------
-        CycloidError
-            The record has another point at this index.
+        Raises CycloidError if the record has another point at this index.
         """
         row = self._rows.by_index.get(index)
         if row is None:

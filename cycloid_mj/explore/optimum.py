@@ -187,8 +187,9 @@ class Optimum(Tabular):
 
         ``best`` and ``start`` have values by keys of the design file, in its units; ``figures`` are by key of the
         quantity. ``front`` is the Pareto front if there are several objectives. ``refused`` is the number of points
-        rejected by each check or limit. ``verified`` are the results of statics, full dynamics and tolerance study of
-        the best design.
+        rejected by each check or limit, ``feasible`` and ``evaluations`` are numbers of points. ``objective`` is the
+        best value, or a list of both values; ``objectives`` are dicts with ``key`` and ``sense``. ``verified`` are the
+        results of statics, full dynamics and tolerance study of the best design.
         """
         best, objectives = self.best, self.task.objectives
         objective_values = None if best is None else [self.figures(best)[objective.key] for objective in objectives]

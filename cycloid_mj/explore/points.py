@@ -273,12 +273,8 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
 def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
     """Convert a value to the type of a key: float, int, bool, text, or one of the words that the key allows.
 
-    `field` is the declaration of the key. Limits of numbers are checked later, by the design.
-
-    Raises
-    ------
-    UsageError
-        The value cannot be converted, or is none of the allowed words.
+    `field` is the declaration of the key. Limits of numbers are checked later, by the design. Raises UsageError if the
+    value cannot be converted, or is none of the allowed words.
     """
     value_type, words = field.annotation, _words(field)
     text = str(value).strip().strip("\"'")

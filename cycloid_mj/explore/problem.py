@@ -190,12 +190,8 @@ def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
     """Parse the values of a key as a variable of the search: a range of real numbers, or a list of single values.
 
     A pair of numbers is a range if the key has a real number. A range of whole numbers becomes the list of all of them,
-    and a range ``lo:hi:n`` the list of its n values.
-
-    Raises
-    ------
-    UsageError
-        There is no such key, it is not a single value, or it cannot have such values.
+    and a range ``lo:hi:n`` the list of its n values. Raises UsageError if there is no such key, it is not a single
+    value, or it cannot have such values.
     """
     if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
         values = f"{values[0]}:{values[1]}"
@@ -213,11 +209,11 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     `values` are those of the problem's keys, in order. The result has the objectives and limited quantities, whether
     the point is feasible, its violation, and the checks and limits that reject it; an error is recorded in it.
     """
-    start = time.thread_time()
+    start_time = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        figures, rejecting_checks, offset, error = _compute_violations(task, values)
-    violation = offset + sum(rejecting_checks.values()) if rejecting_checks else 0.0
+        figures, rejecting_checks, violation_offset, error = _compute_violations(task, values)
+    violation = violation_offset + sum(rejecting_checks.values()) if rejecting_checks else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
     cells = {
         **inputs,
@@ -226,7 +222,7 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
         VIOLATION: violation,
         REJECTED_BY: "; ".join(rejecting_checks),
     }
-    return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
+    return PointResult(values=cells, error=error, cpu=time.thread_time() - start_time)
 
 
 def _compute_violations(

@@ -59,12 +59,12 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     value or a measure is recorded in the result, since other points may succeed. If a value fails, the result has no
     quantities; if a measure fails, it has those of the others.
     """
-    start = time.thread_time()
+    start_time = time.thread_time()
     try:
         changed_design = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
         design = apply_links(task.reducer, reducer_of(changed_design), task.links)
     except CycloidError as error:
-        return PointResult(error=error_line(error), cpu=time.thread_time() - start)
+        return PointResult(error=error_line(error), cpu=time.thread_time() - start_time)
     results: dict[str, MeasuredFigures] = {}
     errors = []
     for name in task.measures:
@@ -82,7 +82,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
         error="; ".join(errors),
         warnings=tuple(dict.fromkeys(text for result in results.values() for text in result.warnings)),
         assumptions=tuple(dict.fromkeys(text for result in results.values() for text in result.assumptions)),
-        cpu=time.thread_time() - start,
+        cpu=time.thread_time() - start_time,
         followed=dict(linked_values(reducer_of(design), task.links)),
     )
 

@@ -190,8 +190,8 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     linear_deviations = np.array([deviations[column] for column in responses]).reshape(len(responses), samples)
     linear_responses = np.array(list(responses.values())).reshape(len(responses), nominal.size)
     values = _transmission_errors(reducer, nominal, linear_responses, linear_deviations, pin_rotations) / ARCSECOND
-    total = sum(variances.values())
-    share_of_key = {key: variance / total if total else 0.0 for key, variance in variances.items()}
+    total_variance = sum(variances.values())
+    share_of_key = {key: variance / total_variance if total_variance else 0.0 for key, variance in variances.items()}
     worst_rows = np.argsort(-values)[:worst]
     return RvSamples(
         values=values,

@@ -304,25 +304,25 @@ def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tupl
         Clearances and errors [m], by their keys in the design file.
     """
     design, deviations = reducer.design, measured_deviations(reducer.design)
-    pins, holes = (
+    pin_errors, hole_errors = (
         samples.pin_displacement[row] - deviations.pin_displacement,
         samples.hole_displacement[row].reshape(-1, 2),
     )
-    cams, waves = samples.cam_displacement[row], np.array(samples.waves[row])
+    cam_errors, waves = samples.cam_displacement[row], np.array(samples.waves[row])
     waves[: len(deviations.waves)] -= deviations.waves
     waves = waves[: design.ring.teeth]
     clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}
     if design.seat_pair:
         clearance[design.seat_pair] = samples.seat[row]
     errors = {
-        "pin_x": pins[:, 0],
-        "pin_y": pins[:, 1],
+        "pin_x": pin_errors[:, 0],
+        "pin_y": pin_errors[:, 1],
         "pin_dr": samples.pin_radius[row] - deviations.pin_radius,
-        "hole_x": holes[:, 0],
-        "hole_y": holes[:, 1],
+        "hole_x": hole_errors[:, 0],
+        "hole_y": hole_errors[:, 1],
         "disc_dr": samples.disc_radius[row] - deviations.disc_radius,
-        "cam_x": cams[:, 0],
-        "cam_y": cams[:, 1],
+        "cam_x": cam_errors[:, 0],
+        "cam_y": cam_errors[:, 1],
         "profile_cos": waves[:, 0],
         "profile_sin": waves[:, 1],
     }

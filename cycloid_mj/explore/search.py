@@ -168,13 +168,13 @@ def search_minimum(
     sigma
         Initial standard deviation of these first searches, relative to the ranges.
     """
-    run = _SearchRun(task, evaluate, cost, budget, seed)
-    remaining = run.select_combination(start_point or task.start, sigma)
+    search_run = _SearchRun(task, evaluate, cost, budget, seed)
+    remaining_searches = search_run.select_combination(start_point or task.start, sigma)
     if not task.ranges:
-        run.advance(remaining, budget)
+        search_run.advance(remaining_searches, budget)
         return
-    run.select_start(remaining[0], starts)
-    run.restart_locally(starts)
+    search_run.select_start(remaining_searches[0], starts)
+    search_run.restart_locally(starts)
 
 
 class _SearchRun:
@@ -224,20 +224,22 @@ class _SearchRun:
         evaluation.
         """
         start = positions_in_ranges(self._task.ranges, start_point)
-        remaining = [
-            self._new_search(combination, start, sigma, [number, 0])
-            for number, combination in enumerate(self._combinations)
+        remaining_searches = [
+            self._new_search(combination, start, sigma, [round_number, 0])
+            for round_number, combination in enumerate(self._combinations)
         ]
-        round_count = math.ceil(math.log2(len(remaining))) if len(remaining) > 1 else 0
+        round_count = math.ceil(math.log2(len(remaining_searches))) if len(remaining_searches) > 1 else 0
         selection_budget = CMA.selection_share * self._budget
-        for number in range(round_count):
+        for round_number in range(round_count):
             self.advance(
-                remaining,
-                round(selection_budget * (number + 1) / round_count),
-                selection_budget / round_count / len(remaining),
+                remaining_searches,
+                round(selection_budget * (round_number + 1) / round_count),
+                selection_budget / round_count / len(remaining_searches),
             )
-            remaining = sorted(remaining, key=lambda search: search.best)[: -(-len(remaining) // 2)]
-        return remaining
+            remaining_searches = sorted(remaining_searches, key=lambda search: search.best)[
+                : -(-len(remaining_searches) // 2)
+            ]
+        return remaining_searches
 
     @property
     def _combinations(self) -> list[Point]:

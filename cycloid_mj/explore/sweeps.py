@@ -244,7 +244,7 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
             """Add a result, by the `index` of its point, to the journal; rewrite the table if it is time for that."""
             nonlocal next_write
             # assumptions hardly differ between rows: those of the first are enough
-            has_assumptions = any(known.assumptions for known in journal.rows.values())
+            has_assumptions = any(known_row.assumptions for known_row in journal.rows.values())
             journal.add(index, replace(row, assumptions=()) if has_assumptions else row)
             if (start := monotonic()) > next_write:
                 write_csv(Sweep(task, points, journal.rows).frame, folder / TABLE)
@@ -288,9 +288,9 @@ def write_tables(sweep: Sweep, folder: Path) -> None:
 
 
 def _describe_sweep(task: Task, points: Points) -> dict[str, Any]:
-    """Collect design, keys, points, measures and versions as JSON values, which identify the sweep of a folder.
+    """Return JSON values that identify the sweep of a folder: design, keys, measures and options of `task`; versions.
 
-    `task` has the design, the points and the measures.
+    ``points`` has the number and a digest of the points, ``follows`` the formulas of linked keys.
     """
     return {
         "design": dump(task.reducer.design),

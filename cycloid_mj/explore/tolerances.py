@@ -276,9 +276,11 @@ class Tolerances(Tabular):
     def as_json(self) -> dict[str, Any]:
         """Convert a tolerance study to JSON values, without the values of single samples.
 
-        ``samples`` of ``asked`` samples were computed. ``yield`` and ``jam_probability`` are shares of the samples [1],
+        ``samples`` of ``asked`` samples were computed; ``condition``, ``seed`` and ``limits`` state how. ``yield`` and
+        ``jam_probability`` are shares of the samples [1], ``yield_ci95`` are the bounds of the 95 % interval,
         ``pressed_unloaded`` the share in which each kind of part is preloaded. ``quantities`` are the distributions of
-        the quantities, ``budget`` the shares of the variance of the quantity ``budget_of``.
+        the quantities, ``budget`` the shares of the variance of the quantity ``budget_of``, and ``verified`` the worst
+        samples in full dynamics.
         """
         return {
             "design": self.design,
@@ -405,12 +407,8 @@ def _run_study(study: "_Study", progress: Progress, engine: Engine) -> Tolerance
 def _study_rv_reducer(reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> Tolerances:
     """Return the tolerance study of the transmission error of an RV reducer; no sample jams.
 
-    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities.
-
-    Raises
-    ------
-    UsageError
-        The design has no tolerances, or a limit is not valid, or not on the transmission error (`rv_samples.FIGURE`).
+    `samples` is the number of samples, `seed` the random seed, and `limits` are limits of quantities. Raises UsageError
+    if the design has no tolerances, or a limit is not valid, or not on the transmission error (`rv_samples.FIGURE`).
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
@@ -473,12 +471,12 @@ def _solve_batches(
     index of the batch, then by key, shape (samples,) each. Return False if the study stops because too many samples of
     the first batch jam, otherwise True.
     """
-    total, solved_samples = sum(batch.count for batch, _ in study.work), 0
-    solve = partial(solve_sample_batch, study.reducer, study.zones, study.seed, ANGLES)
-    for index, figures in engine.stream(solve, study.work):
+    sample_count, solved_samples = sum(batch.count for batch, _ in study.work), 0
+    solve_batch = partial(solve_sample_batch, study.reducer, study.zones, study.seed, ANGLES)
+    for index, figures in engine.stream(solve_batch, study.work):
         figures_by_batch[index] = figures
         solved_samples += study.work[index][0].count
-        progress(solved_samples, total)
+        progress(solved_samples, sample_count)
         if index == 0 and stops_study(find_jams(figures)):
             return False
     return True

@@ -126,11 +126,12 @@ def _simulate_quantities(reducer: Reducer, solver: Solver) -> dict[str, float]:
     loaded_reducer = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = run_steady(loaded_reducer, STEADY.settling_time, design.ring.teeth, solver)
     transmission_error = run["output_angle"] - reducer.member.output_angle(run[f"{run.driven_shaft}_angle"])
-    contacts, compared = contact_pressures(run, loaded_reducer), COMPARED[reducer.LAYOUT]
+    contacts, compared_quantities = contact_pressures(run, loaded_reducer), COMPARED[reducer.LAYOUT]
     forces = {
-        key: contacts[design.tooth_pair if pair == TEETH else pair].peak_force for key, pair in compared.forces.items()
+        key: contacts[design.tooth_pair if pair == TEETH else pair].peak_force
+        for key, pair in compared_quantities.forces.items()
     }
-    return {compared.transmission_error: ARCSECONDS * float(np.ptp(transmission_error)), **forces}
+    return {compared_quantities.transmission_error: ARCSECONDS * float(np.ptp(transmission_error)), **forces}
 
 
 def table_rows(check: DynamicsCheck) -> list[tuple[str, ...]]:

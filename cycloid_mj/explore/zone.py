@@ -73,8 +73,8 @@ def parse_zone(
                 return None
             case ["normal", sigma] if _finite(sigma) >= 0.0:
                 return Zone("normal", 0.0, 1e-6 * _finite(sigma))
-            case ["uniform", half] if _finite(half) >= 0.0:
-                return Zone("uniform", 0.0, 1e-6 * _finite(half))
+            case ["uniform", half_width] if _finite(half_width) >= 0.0:
+                return Zone("uniform", 0.0, 1e-6 * _finite(half_width))
             case ["between", low, high] if _finite(low) <= _finite(high):
                 return Zone("uniform", 0.5e-6 * (_finite(low) + _finite(high)), 0.5e-6 * (_finite(high) - _finite(low)))
         if match := re.fullmatch(r"IT(\d+)", text.strip()):

@@ -47,7 +47,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
             f"the joint {joint!r} already has a reducer, and only one is allowed: choose another joint, or attach the "
             "reducer to the original model"
         )
-    keyframes = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
+    keyframes = [(list(keyframe.qpos), list(keyframe.qvel)) for keyframe in spec.keys]
     if reduced.level == "rigid":
         hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
         hinge.solref_friction, hinge.solimp_friction = [MJCF.sticking_time, 1.0], MJCF.sticking_impedance
@@ -190,9 +190,9 @@ def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> No
     The gear is multiplied by the speed of the hinge divided by that of the crank, which is ``-reduced.coefficient``.
     `spec`, an ``MjSpec``, is changed in place; `joint` is the name of the hinge.
     """
-    kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    joint_transmissions = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
-        if actuator.trntype in kinds and actuator.target == joint:
+        if actuator.trntype in joint_transmissions and actuator.target == joint:
             gear = np.array(actuator.gear)
             gear[0] *= -reduced.coefficient
             actuator.trntype, actuator.target, actuator.gear = mujoco.mjtTrn.mjTRN_JOINT, rotor_name(joint), gear
@@ -219,9 +219,9 @@ def _write_keyframes(
     attached_model = _compile_copy(spec)
     crank, output = attached_model.joint(rotor_name(joint)), model.joint(joint)
     qpos_address, dof_address = int(crank.qposadr[0]), int(crank.dofadr[0])
-    for key, (positions, speeds) in zip(spec.keys, keyframes, strict=True):
+    for keyframe, (positions, speeds) in zip(spec.keys, keyframes, strict=True):
         positions, speeds = positions or model.qpos0.tolist(), speeds or [0.0] * model.nv
         angle = (reduced.middle - positions[int(output.qposadr[0])]) / reduced.coefficient
         speed = -speeds[int(output.dofadr[0])] / reduced.coefficient
-        key.qpos = [*positions[:qpos_address], angle, *positions[qpos_address:]]
-        key.qvel = [*speeds[:dof_address], speed, *speeds[dof_address:]]
+        keyframe.qpos = [*positions[:qpos_address], angle, *positions[qpos_address:]]
+        keyframe.qvel = [*speeds[:dof_address], speed, *speeds[dof_address:]]

@@ -35,14 +35,14 @@ def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
     """Fit the friction models M3 and M5 of BAM (Better Actuator Models) to a reduced joint; return JSON values.
 
     `reduced` is the joint model. The keys "m3" and "m5" have the parameters of the models, in N m, N m s/rad or 1.
-    "largest_error_nm" has the largest errors of their friction [N m], and "fitted_nm" the range of fitted loads [N m].
-    The fit by nonnegative least squares (Lawson and Hanson) covers loads from `MIN_FIT_SHARE` to 1 of the nominal
-    torque at the rated speed, with the crank driving and with the output driving.
+    "source" and "joint" are texts. "largest_error_nm" has the largest errors of their friction [N m], and "fitted_nm"
+    the range of fitted loads [N m]. The fit by nonnegative least squares (Lawson and Hanson) covers loads from
+    `MIN_FIT_SHARE` to 1 of the nominal torque at the rated speed, with the crank driving and with the output driving.
     """
     base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
-    external, motor, friction = _friction_samples(reduced)
-    m3, _ = nnls((external + motor)[:, np.newaxis], friction)
-    m5, _ = nnls(np.stack([external, motor], axis=1), friction)
+    external_torques, motor_torques, friction = _friction_samples(reduced)
+    m3, _ = nnls((external_torques + motor_torques)[:, np.newaxis], friction)
+    m5, _ = nnls(np.stack([external_torques, motor_torques], axis=1), friction)
     by_torque = {"load_friction_motor": float(m5[1]), "load_friction_external": float(m5[0])}
     common_parameters = {
         "friction_base": base_torque,
@@ -55,8 +55,8 @@ def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
         "m3": {"model": "m3", **common_parameters, "load_friction_base": float(m3[0])},
         "m5": {"model": "m5", **common_parameters, **by_torque, **WITHOUT_STRIBECK},
         "largest_error_nm": {
-            "m3": float(np.abs(m3[0] * (external + motor) - friction).max()),
-            "m5": float(np.abs(m5[0] * external + m5[1] * motor - friction).max()),
+            "m3": float(np.abs(m3[0] * (external_torques + motor_torques) - friction).max()),
+            "m5": float(np.abs(m5[0] * external_torques + m5[1] * motor_torques - friction).max()),
         },
         "fitted_nm": [MIN_FIT_SHARE * reduced.rated_torque, reduced.rated_torque],
     }
@@ -88,5 +88,5 @@ def _friction_samples(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
                 [torques, torques + sign * friction_at_joint, friction_at_joint - reduced.no_load_torque_at_output]
             )
         )
-    external, motor, load_dependent = np.concatenate(rows, axis=1)
-    return external, motor, load_dependent
+    external_torques, motor_torques, load_dependent = np.concatenate(rows, axis=1)
+    return external_torques, motor_torques, load_dependent

@@ -158,8 +158,8 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
     )
     bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
     # the joint's backlash is extrapolated from this wind-up, so a smaller backlash is not resolved
-    resolved = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
-    bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * resolved
+    resolved_backlash = (play.backlash + GRID.small * play.wind_up[1.0]) / ARCMINUTE
+    bounds["backlash_arcmin"] = BOUNDS["backlash_arcmin"] * resolved_backlash
     bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*loop_curves, *efficiency_curves, *(curve for _, curves in transmission for curve in curves))
@@ -318,8 +318,8 @@ def _measure_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> f
     scene.press_to_stop(reduced.way * (-torque if driving else torque))
     scene.step()
     scene.step()
-    useful, friction = torque / reduced.ratio, scene.friction_torque()
-    return joint_powers(useful, friction, driving).efficiency
+    useful_torque, friction_torque = torque / reduced.ratio, scene.friction_torque()
+    return joint_powers(useful_torque, friction_torque, driving).efficiency
 
 
 def _compare_transmission_error(
@@ -343,21 +343,21 @@ def _compare_transmission_error(
         curves.
     """
     errors = solve_error(reducer, 1.0, direction)
-    fine, _ = compute_amplitudes(errors)
-    harmonics = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
+    model_amplitudes, _ = compute_amplitudes(errors)
+    harmonics = np.flatnonzero(np.abs(model_amplitudes) >= COMPARISON.min_harmonic * np.abs(model_amplitudes).max())
     wind_up = reduced.wind_up(reduced.rated_torque)
     steps_of_error = len(errors) * np.abs(np.diff(errors)).max() / (COMPARISON.max_error_change * wind_up)
-    count = max(COMPARISON.steps_per_cycle * int(harmonics.max()), math.ceil(steps_of_error))
-    speed = direction * 2.0 * np.pi * reduced.ratio / (count * COMPARISON.slow_step)
+    step_count = max(COMPARISON.steps_per_cycle * int(harmonics.max()), math.ceil(steps_of_error))
+    speed = direction * 2.0 * np.pi * reduced.ratio / (step_count * COMPARISON.slow_step)
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
     scene.press_to_stop(-direction * reduced.way * reduced.rated_torque)
     for _ in range(COMPARISON.steps_per_cycle):
         scene.step()
-    angle, deviation = _record_motion(scene, count)
-    order = harmonics / reduced.ratio
-    basis = np.exp(-1j * np.outer(order, angle))
-    amplitudes = 2.0 * basis @ (deviation - deviation.mean()) / count
+    angle, deviation = _record_motion(scene, step_count)
+    orders = harmonics / reduced.ratio
+    basis = np.exp(-1j * np.outer(orders, angle))
+    amplitudes = 2.0 * basis @ (deviation - deviation.mean()) / step_count
     rows = [
         Quantity(
             f"te_{name}_{cycles_per_turn:.4g}",
@@ -365,9 +365,9 @@ def _compare_transmission_error(
             abs(amplitude) * ARCSECONDS,
             "arcsec",
             None,
-            abs(fine[index]) * ARCSECONDS,
+            abs(model_amplitudes[index]) * ARCSECONDS,
         )
-        for cycles_per_turn, amplitude, index in zip(order.tolist(), amplitudes, harmonics.tolist(), strict=True)
+        for cycles_per_turn, amplitude, index in zip(orders.tolist(), amplitudes, harmonics.tolist(), strict=True)
     ]
     return rows, list(_transmission_error_curves(reducer, errors, angle, deviation, name))
 

@@ -77,20 +77,23 @@ def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: boo
     """
     masses = moving_masses(reducer)
     crank_part = next(body.part for body in reducer.mechanism.bodies if reducer.INPUT_JOINT in body.joints)
-    output_body, crank = masses[reducer.mechanism.turning], masses[crank_part]
+    output_body, crank_body = masses[reducer.mechanism.turning], masses[crank_part]
     total_mass, radius, length = _measure_cylinder(reducer)
-    housing_mass = total_mass - output_body.mass - crank.mass
+    housing_mass = total_mass - output_body.mass - crank_body.mass
     housing_transverse = housing_mass * (3.0 * radius**2 + length**2) / 12.0
-    rotor = reduced.rotor_inertia if armature else reflected_rotor(reduced)
-    izz = reduced.output_inertia + (rotor if reduced.level == "rigid" and not armature else 0.0)
+    rotor_inertia = reduced.rotor_inertia if armature else reflected_rotor(reduced)
+    izz = reduced.output_inertia + (rotor_inertia if reduced.level == "rigid" and not armature else 0.0)
     output_transverse = max(float(output_body.inertia[0, 0]), DESCRIPTION.side_share * izz)
     links = {
         HOUSING: LinkInertia(housing_mass, housing_transverse, housing_transverse, 0.5 * housing_mass * radius**2),
-        OUTPUT: LinkInertia(output_body.mass + crank.mass, output_transverse, output_transverse, izz),
+        OUTPUT: LinkInertia(output_body.mass + crank_body.mass, output_transverse, output_transverse, izz),
     }
     if reduced.level != "rigid":
         links[DRIVE] = LinkInertia(
-            DESCRIPTION.drive_mass, DESCRIPTION.side_share * rotor, DESCRIPTION.side_share * rotor, rotor
+            DESCRIPTION.drive_mass,
+            DESCRIPTION.side_share * rotor_inertia,
+            DESCRIPTION.side_share * rotor_inertia,
+            rotor_inertia,
         )
     return links
 
@@ -251,12 +254,12 @@ def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
     `urdf` is the name of the URDF file. The configuration of the motor, `BamMotorCfg`, has the parameters of BAM's
     friction model M5. The play is a passive joint.
     """
-    drive = _list_joints(reduced)[0]
+    drive_joint = _list_joints(reduced)[0]
     friction = {key: value for key, value in fit_bam_models(reduced)["m5"].items() if isinstance(value, float)}
     del friction["armature"]
     motor_values = {**equivalent_motor(reduced), **friction}
     parameters = "".join(f"    {key}={_format_number(value)},\n" for key, value in motor_values.items())
-    passive = (
+    play_actuator = (
         ""
         if reduced.level == "rigid"
         else f'''    "play": ImplicitActuatorCfg(
@@ -284,15 +287,15 @@ MOTOR = BamMotorCfg(
 
 ACTUATORS = {{
     "drive": BamActuatorCfg(
-        joint_names_expr=["{drive.name}"],
+        joint_names_expr=["{drive_joint.name}"],
         motor=MOTOR,
         kp_fw=1.0,
         vin={_format_number(DESCRIPTION.supply)},
-        actuator_effort_limit={_format_number(drive.effort)},
-        actuator_velocity_limit={_format_number(drive.speed)},
+        actuator_effort_limit={_format_number(drive_joint.effort)},
+        actuator_velocity_limit={_format_number(drive_joint.speed)},
         armature={_format_number(reflected_rotor(reduced))},
     ),
-{passive}}}
+{play_actuator}}}
 
 REDUCER_CFG = ArticulationCfg(
     spawn=sim_utils.UrdfFileCfg(

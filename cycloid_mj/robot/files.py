@@ -72,9 +72,9 @@ def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial |
         scene_xml(reduced, main_scene.inertia, main_scene.timestep, main_scene.integrator),
         f"{dumps(to_json_values(fit_bam_models(reduced)), indent=2)}\n",
     ]
-    names: tuple[str, ...] = BASE_FILES
+    file_names: tuple[str, ...] = BASE_FILES
     if lossy:
-        names += SPRING_FILES
+        file_names += SPRING_FILES
         texts += [lossy_joint_xml(reduced), lossy_scene_xml(reduced, lossy.inertia, lossy.timestep)]
         texts += [getsource(standalone)]
-    return {name: text.encode() for name, text in zip(names, texts, strict=True)}
+    return {name: text.encode() for name, text in zip(file_names, texts, strict=True)}

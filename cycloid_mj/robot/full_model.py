@@ -96,8 +96,8 @@ class FullModel(ABC):
         contact at the output.
         """
         compliances, time_constants = self.compliances(), self.time_constants()
-        total = sum(compliances.values())
-        return sum(time_constants[kind] * compliance for kind, compliance in compliances.items()) / total**2
+        total_compliance = sum(compliances.values())
+        return sum(time_constants[kind] * compliance for kind, compliance in compliances.items()) / total_compliance**2
 
 
 class CentralModel(FullModel):
@@ -232,12 +232,12 @@ class RvModel(FullModel):
         reducer, torques = self._reducer, [share * self._reducer.design.rated_torque for share in STRAIGHT]
         springs = springs_over_turn(reducer, POSES)
         at_low_torque, at_high_torque = (solve_rv_equilibrium(reducer, torque, POSES) for torque in torques)
-        teeth, flanks = np.split(springs.stiffness, [springs.pins], axis=1)
+        tooth_stiffness, flank_stiffness = np.split(springs.stiffness, [springs.pins], axis=1)
         work = {
-            "mesh": (at_high_torque.pins - at_low_torque.pins) ** 2 / teeth,
+            "mesh": (at_high_torque.pins - at_low_torque.pins) ** 2 / tooth_stiffness,
             names.CRANK_BEARING: (at_high_torque.cranks - at_low_torque.cranks) ** 2 / springs.bearing_stiffness,
             names.PLANET_MESH: (at_high_torque.flanks - at_low_torque.flanks) ** 2
-            / flanks.reshape(at_high_torque.flanks.shape),
+            / flank_stiffness.reshape(at_high_torque.flanks.shape),
         }
         squared_torque_change = (torques[1] - torques[0]) ** 2 * len(springs.crank)
         return {kind: float(work_of_springs.sum()) / squared_torque_change for kind, work_of_springs in work.items()}

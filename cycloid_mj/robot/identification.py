@@ -226,12 +226,12 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in GRID.speeds:
         reducer_at_speed = reducer.but(drive={"speed": share * speed})
-        no_load = _compute_no_load_torque(reducer_at_speed)
+        no_load_torque = _compute_no_load_torque(reducer_at_speed)
         on_step()
         for sign, rows in rows_by_sign.items():
             rows.append(
                 (
-                    no_load,
+                    no_load_torque,
                     *(
                         _compute_friction_torque(reducer_at_speed, sign * share_of_torque * rated_torque, on_step)
                         for share_of_torque in GRID.torques
@@ -297,9 +297,9 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     model = full_model(reducer)
     rated_torque = joint.rated_torque
 
-    def value_and_error(figure: Callable[[Play], float]) -> tuple[float, float]:
+    def value_and_error(quantity_of: Callable[[Play], float]) -> tuple[float, float]:
         """Return a quantity of the fine play, and its difference to the coarse play."""
-        return figure(fine), abs(figure(fine) - figure(coarse))
+        return quantity_of(fine), abs(quantity_of(fine) - quantity_of(coarse))
 
     direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
     yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=direction)

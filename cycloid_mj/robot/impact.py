@@ -135,9 +135,9 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         return speed, (rated_torque * math.cos(angular_frequency * time) + torque - damping_torque) / total_inertia
 
     duration = IMPACT.cycles / frequency
-    vibration = math.sqrt(reduced.stiffness(rated_torque) / total_inertia) / (2.0 * math.pi)
+    natural_frequency = math.sqrt(reduced.stiffness(rated_torque) / total_inertia) / (2.0 * math.pi)
     times = np.linspace(
-        0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, vibration / frequency))
+        0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, natural_frequency / frequency))
     )
     states = odeint(
         state_derivative,

@@ -106,21 +106,21 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
         for is_driving in (True, False)
     )
     # a compromise between errors of torque and of efficiency: large loads have more weight
-    weights, total = 1.0 / np.sqrt(loads), driving_friction + driven_friction
-    sums, differences = weights * total, weights * (driving_friction - driven_friction)
-    leading = float(np.clip(differences @ sums / (sums @ sums), -SHOE.max_leading, SHOE.max_leading))
-    by_spring, _ = nnls(
-        weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving_friction * driven_friction / total
+    weights, total_friction = 1.0 / np.sqrt(loads), driving_friction + driven_friction
+    sums, differences = weights * total_friction, weights * (driving_friction - driven_friction)
+    leading_share = float(np.clip(differences @ sums / (sums @ sums), -SHOE.max_leading, SHOE.max_leading))
+    spring_weights, _ = nnls(
+        weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving_friction * driven_friction / total_friction
     )
-    friction = max(float(by_spring.max()), np.finfo(float).tiny)
-    shares = by_spring / friction
+    friction = max(float(spring_weights.max()), np.finfo(float).tiny)
+    shares = spring_weights / friction
     deflection = SHOE.deflection * reduced.wind_up(reduced.rated_torque)
     # a contact deflects by (1 - d) F/(m k d) under a force F, and the springs' lengths by their shares of that
     contact_force = float(spring_torques[-1] @ shares)
     armature = (1.0 - SHOE.impedance) * contact_force / (SHOE.stiffness * SHOE.impedance * deflection)
     # the cone adds the coefficient times damping and speed to the reference acceleration along the axis
     creep = SHOE.lift * SHOE.stiffness * deflection / (friction * reduced.rated_speed)
-    return Shoe(shares, friction, leading, armature, creep)
+    return Shoe(shares, friction, leading_share, armature, creep)
 
 
 def lossy_joint_xml(reduced: ReducedJoint) -> str:
@@ -158,16 +158,16 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
       <geom name="{name}" type="sphere" size="{SHOE.radius}" contype="0" conaffinity="0" mass="1e-9"/>
     </body>
 """
-    head, tail = text.split("    </body>\n  </worldbody>\n")
-    head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
+    xml_head, xml_tail = text.split("    </body>\n  </worldbody>\n")
+    xml_head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
     for number, share in enumerate(shoe.shares.tolist()):
-        tendon, remaining_text = tail.split(f'<fixed name="{reducer_name(OUTPUT, number)}"')
+        tendon, remaining_text = xml_tail.split(f'<fixed name="{reducer_name(OUTPUT, number)}"')
         lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
-        tail = (
+        xml_tail = (
             f'{tendon}<fixed name="{reducer_name(OUTPUT, number)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
         )
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
-    return (head + tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)
+    return (xml_head + xml_tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)
 
 
 def lossy_scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float) -> str:

@@ -63,11 +63,11 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
     list of tuple
         Armature [kg m2] and damping [N m s/rad] of each element.
     """
-    smallest = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
+    min_armatures = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
     total_limit = sum(slip.limit for slip in reduced.slips)
     armatures = [
-        max(armature, sum(smallest) * slip.limit / total_limit)
-        for armature, slip in zip(smallest, reduced.slips, strict=True)
+        max(armature, sum(min_armatures) * slip.limit / total_limit)
+        for armature, slip in zip(min_armatures, reduced.slips, strict=True)
     ]
     return [
         (armature, math.sqrt(slip.stiffness * armature))

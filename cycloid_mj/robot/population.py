@@ -181,7 +181,7 @@ def draw_population(reducer: Reducer, samples: int, seed: int = 0, progress: Pro
         Fewer than two drives can be assembled, or the design has no static equilibrium.
     """
     varied_tables = VARIED[reducer.LAYOUT]
-    ranges = tuple(_centred_range(reducer, drive) for drive in assumed_inputs(reducer) if drive.table in varied_tables)
+    ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in varied_tables)
     draw_drive = partial(_draw_drive, reducer, ranges, seed)
     drives = Engine(kind="threads").each(draw_drive, range(samples), progress)
     assembled_drives = [drive for drive in drives if drive is not None]
@@ -213,18 +213,18 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
     then shifted so that the value is the geometric mean of its ends. Ranges of stiffness are not shifted.
     """
     table = getattr(reducer.design, input_range.table)
-    factors = {}
+    shift_factors = {}
     for key, low in input_range.low_values.items():
         high, design_value = input_range.high_values[key], getattr(table, key)
-        factors[key] = (
+        shift_factors[key] = (
             1.0
             if low <= design_value <= high or input_range.table == "stiffness"
             else design_value / math.sqrt(low * high)
         )
-    if all(factor == 1.0 for factor in factors.values()):
+    if all(shift_factor == 1.0 for shift_factor in shift_factors.values()):
         return input_range
     low_values, high_values = (
-        {key: factors[key] * value for key, value in end_values.items()}
+        {key: shift_factors[key] * value for key, value in end_values.items()}
         for end_values in (input_range.low_values, input_range.high_values)
     )
     low, high = min(low_values.values()), max(high_values.values())

@@ -388,7 +388,11 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.ratio * friction_on_crank
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a reduced joint to JSON: identified quantities, efficiency maps, and all SI values (key `joint`)."""
+        """Convert a reduced joint to JSON values: quantities by key, efficiency maps, and all SI values (key `joint`).
+
+        ``stiffness_polynomial`` has the coefficients of the wind-up curve, ``te_harmonics`` the result of
+        `Ripple.harmonics`.
+        """
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, is_driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(is_driving)

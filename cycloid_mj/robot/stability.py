@@ -218,14 +218,16 @@ def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Inte
     Only trials of this level, integrator and load (a key of `INERTIAS`) count. Starting from the shortest accurate
     step, longer steps count up to the first that is not accurate.
     """
-    matching = [trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)]
-    longest = None
-    for trial in sorted(matching, key=lambda trial: trial.timestep):
+    matching_trials = [
+        trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)
+    ]
+    longest_trial = None
+    for trial in sorted(matching_trials, key=lambda trial: trial.timestep):
         if trial.accurate:
-            longest = trial
-        elif longest is not None:
+            longest_trial = trial
+        elif longest_trial is not None:
             break
-    return longest
+    return longest_trial
 
 
 def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
@@ -285,22 +287,22 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
         Whether the vibration is stable; relative error of the mean wind-up; and relative error of the frequency against
         sqrt(k/J), with the stiffness k and total inertia J. The errors are NaN if the vibration is unstable.
     """
-    reduced, step = scene.reduced, float(scene.model.opt.timestep)
+    reduced, timestep = scene.reduced, float(scene.model.opt.timestep)
     torque, total_inertia = reduced.rated_torque, inertia + reduced.output_inertia
     angular_frequency = np.sqrt(reduced.stiffness(torque) / total_inertia)
-    steps = _count_steps(angular_frequency, step)
+    step_count = _count_steps(angular_frequency, timestep)
     wind_up, stop_angle = reduced.wind_up(torque), reduced.stops[1]
     if reduced.level == "full":
         stop_angle += reduced.ripple.errors(0.0, 1.0)[1]
     scene.hold()
     scene.data.qpos[scene.addresses.output_angle] = stop_angle + STUDY.start * wind_up
-    deviations = scene.simulate_deviation(lambda time: torque, steps)
-    if deviations is None or float(np.ptp(deviations[steps // 2 :])) > STUDY.max_vibration * wind_up:
+    deviations = scene.simulate_deviation(lambda time: torque, step_count)
+    if deviations is None or float(np.ptp(deviations[step_count // 2 :])) > STUDY.max_vibration * wind_up:
         return False, np.nan, np.nan
-    mean_wind_up, frequency = _analyse_vibration(deviations[steps // 2 :] - stop_angle, step)
+    mean_wind_up, frequency = _analyse_vibration(deviations[step_count // 2 :] - stop_angle, timestep)
     error = mean_wind_up / wind_up - 1.0
     if abs(error) > STUDY.static_rtol:
-        error = _settled_wind_up_error(scene, steps, stop_angle)
+        error = _settled_wind_up_error(scene, step_count, stop_angle)
     return True, error, frequency / angular_frequency - 1.0
 
 
@@ -327,14 +329,14 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
     If the shortest step is not accurate, those at `STUDY.finer_steps` follow until one is. `load` is the name of the
     inertia. `reduced` is the joint model of the drive.
     """
-    runs = [try_time_step(reduced, integrator, step, inertia, load) for step in STUDY.steps]
-    yield from runs
-    if runs[0].accurate:
+    trials = [try_time_step(reduced, integrator, step, inertia, load) for step in STUDY.steps]
+    yield from trials
+    if trials[0].accurate:
         return
     for finer_step in STUDY.finer_steps:
-        run = try_time_step(reduced, integrator, finer_step, inertia, load)
-        yield run
-        if run.accurate:
+        trial = try_time_step(reduced, integrator, finer_step, inertia, load)
+        yield trial
+        if trial.accurate:
             return
 
 
@@ -348,12 +350,12 @@ def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
     reduced, torque = scene.reduced, scene.reduced.rated_torque
     wind_up, output_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia
     effective_inertia = 1.0 / (1.0 / output_inertia + 1.0 / (reduced.ratio**2 * reduced.rotor_inertia))
-    steps = _count_steps(np.sqrt(reduced.stiffness(torque) / effective_inertia), float(scene.model.opt.timestep))
+    step_count = _count_steps(np.sqrt(reduced.stiffness(torque) / effective_inertia), float(scene.model.opt.timestep))
     scene.press_to_stop(torque)
     scene.data.qpos[scene.addresses.output_angle] -= (1.0 - STUDY.start) * wind_up
     scene.data.ctrl[:] = reduced.coefficient * torque
-    deviations = scene.simulate_deviation(lambda time: torque, steps)
-    return deviations is not None and float(np.ptp(deviations[steps // 2 :])) <= STUDY.max_vibration * wind_up
+    deviations = scene.simulate_deviation(lambda time: torque, step_count)
+    return deviations is not None and float(np.ptp(deviations[step_count // 2 :])) <= STUDY.max_vibration * wind_up
 
 
 def _count_steps(frequency: float, timestep: float) -> int:
@@ -371,14 +373,14 @@ def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, fl
     and load; `inertia` is the inertia of the load [kg m2]. Return whether the simulation is stable, the relative error
     of the speed, and NaN, because a rigid joint has no vibration frequency.
     """
-    reduced, step = scene.reduced, float(scene.model.opt.timestep)
+    reduced, timestep = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
     for _ in range(STUDY.min_steps):
         scene.step()
     total_inertia = inertia + reduced.reflected_inertia
     accelerating_torque = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.addresses.output_speed])
     speed = reduced.way * float(scene.data.qvel[scene.addresses.output_speed])
-    error = speed / (accelerating_torque / total_inertia * STUDY.min_steps * step) - 1.0
+    error = speed / (accelerating_torque / total_inertia * STUDY.min_steps * timestep) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 
 

@@ -135,18 +135,20 @@ def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
     spectrum. At most `max_harmonics` are selected, the strongest ones. The spectra are complex amplitudes of h
     harmonics (h,).
     """
-    relative = [np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra]
-    shares: Array = np.stack(relative).max(axis=0)
-    order = np.argsort(-shares, kind="stable")
+    relative_amplitudes = [
+        np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra
+    ]
+    shares: Array = np.stack(relative_amplitudes).max(axis=0)
+    by_strength = np.argsort(-shares, kind="stable")
     for count in range(1, RIPPLE.max_harmonics):
-        strongest = order[:count]
+        strongest = by_strength[:count]
         is_accurate = [
             np.linalg.norm(np.delete(spectrum, strongest)) <= RIPPLE.max_remainder * np.linalg.norm(spectrum)
             for spectrum in spectra
         ]
         if all(is_accurate):
             return np.sort(strongest)
-    return np.sort(order[: RIPPLE.max_harmonics])
+    return np.sort(by_strength[: RIPPLE.max_harmonics])
 
 
 def _rows(arrays: list[Array]) -> tuple[tuple[float, ...], ...]:

@@ -53,12 +53,12 @@ class TrialScene:
 
     def press_to_stop(self, torque: float) -> None:
         """Apply a torque to the output [N m], and set its angle to that of equilibrium with the springs."""
-        joint, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
+        reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
         stop_index, magnitude = int(torque > 0.0), abs(torque)
-        deviation = joint.stops[stop_index] + joint.wind_up(magnitude) * (1.0 if stop_index else -1.0)
-        if joint.level == "full":
-            deviation += joint.ripple.errors(angle, magnitude / joint.rated_torque)[stop_index]
-        self.data.qpos[self.addresses.output_angle] = deviation - joint.coefficient * angle
+        deviation = reduced.stops[stop_index] + reduced.wind_up(magnitude) * (1.0 if stop_index else -1.0)
+        if reduced.level == "full":
+            deviation += reduced.ripple.errors(angle, magnitude / reduced.rated_torque)[stop_index]
+        self.data.qpos[self.addresses.output_angle] = deviation - reduced.coefficient * angle
         self.push(torque)
 
     def step(self) -> None:
@@ -76,20 +76,22 @@ class TrialScene:
         """
         from scipy.optimize import brentq
 
-        joint, data = self.reduced, self.data
+        reduced, data = self.reduced, self.data
 
         def acceleration(deviation: float) -> float:
             data.qpos[self.addresses.output_angle] = (
-                deviation - joint.coefficient * data.qpos[self.addresses.crank_angle]
+                deviation - reduced.coefficient * data.qpos[self.addresses.crank_angle]
             )
             mujoco.mj_forward(self.model, data)
             return float(data.qacc[self.addresses.output_speed])
 
         self.push(torque)
-        bracket = joint.wind_up(torque)
-        while acceleration(joint.stops[0] - bracket) <= 0.0 or acceleration(joint.stops[1] + bracket) >= 0.0:
+        bracket = reduced.wind_up(torque)
+        while acceleration(reduced.stops[0] - bracket) <= 0.0 or acceleration(reduced.stops[1] + bracket) >= 0.0:
             bracket *= 2.0
-        return float(brentq(acceleration, joint.stops[0] - bracket, joint.stops[1] + bracket, xtol=1e-15, rtol=1e-14))
+        return float(
+            brentq(acceleration, reduced.stops[0] - bracket, reduced.stops[1] + bracket, xtol=1e-15, rtol=1e-14)
+        )
 
     def simulate_deviation(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Simulate a number of time steps under an output torque [N m] that is a function of time [s].
@@ -97,14 +99,14 @@ class TrialScene:
         It starts from the present state. Return the output's angle minus its ideal angle after each step [rad], shape
         (steps,), or None if the simulation diverges.
         """
-        joint, deviations = self.reduced, np.empty(steps)
+        reduced, deviations = self.reduced, np.empty(steps)
         # MuJoCo warns much later
-        divergence_limit = 100.0 * (joint.backlash + joint.wind_up(joint.rated_torque))
+        divergence_limit = 100.0 * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for step in range(steps):
             self.push(torque(float(self.data.time)))
             self.step()
             deviations[step] = self.length
-            if not abs(deviations[step] - joint.middle) < divergence_limit:
+            if not abs(deviations[step] - reduced.middle) < divergence_limit:
                 return None
         return deviations
 
