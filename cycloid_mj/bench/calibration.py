@@ -249,11 +249,11 @@ class Calibration(Presented):
             loop_sections = [section for section in all_sections if section.loop == loop.name]
             deviating_sections = [section for section in loop_sections if not section.is_within_model_error]
             if deviating_sections:
-                worst = max(deviating_sections, key=attrgetter("share"))
+                worst_section = max(deviating_sections, key=attrgetter("share"))
                 count_text = (
                     f"{len(deviating_sections)} of {len(loop_sections)} stretches differ by more than {MODEL_ERROR:.0%}"
                 )
-                yield f"{worst.sentence} ({count_text})"
+                yield f"{worst_section.sentence} ({count_text})"
 
     @property
     def measure_next(self) -> tuple[str, ...]:
@@ -265,7 +265,7 @@ class Calibration(Presented):
 
         The deviations are those of the fitted model by section of a loop.
         """
-        compared = (
+        comparisons = (
             ("candidate models of the loops", self.candidates),
             ("which losses explain the loops", self.variants),
         )
@@ -274,7 +274,7 @@ class Calibration(Presented):
             self._quantity_table(),
             self._loop_table(),
             self._deviation_table(),
-            *(_comparison_table(title, self.fitted.loops, fits) for title, fits in compared if fits),
+            *(_comparison_table(title, self.fitted.loops, fits) for title, fits in comparisons if fits),
         )
 
     def _parameter_table(self) -> Table:
@@ -398,7 +398,7 @@ class Calibration(Presented):
 
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
-    """Convert the estimate of a fitted parameter to JSON values.
+    """Convert the estimate of a fitted parameter to JSON values: value, unit, meaning, and whether it is identified.
 
     ``ci95`` and ``noise95`` are its intervals of 95 %, with the assumed model error and from the noise alone. ``prior``
     is None if the parameter has none. All are in the ``unit`` of the parameter.
@@ -517,26 +517,26 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     """
     model, loops, condition, trials = problem.model, problem.loops, problem.condition, problem.trials
     fits: dict[str, Fitted] = {}
-    compared: tuple[model_selection.ModelFit, ...] = ()
+    compared_fits: tuple[model_selection.ModelFit, ...] = ()
     torque_offset, offset_gain = None, math.nan
     try:
         if with_candidates:
             for key, candidate_fit in model_selection.fit_candidates(model, loops, condition, trials):
                 fits[key] = candidate_fit
-            compared = model_selection.compare_candidates(fits)
+            compared_fits = model_selection.compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
-            best = fits[model_selection.select_model(compared).key]
-            torque_offset, offset_gain = best.torque_offset, best.offset_gain
+            best_fit = fits[model_selection.select_model(compared_fits).key]
+            torque_offset, offset_gain = best_fit.torque_offset, best_fit.offset_gain
         fitted = fit_loops(model, problem.parameters, loops, condition, trials, torque_offset=torque_offset)
     except FitStopped as stop:
         partial_calibration = _build_calibration(fits.get(model_selection.DESIGN_MODEL, stop.fitted))
         notes = (*partial_calibration.notes, STOPPED)
         raise CalibrationStopped(
-            stop, replace(partial_calibration, complete=False, candidates=compared, notes=notes)
+            stop, replace(partial_calibration, complete=False, candidates=compared_fits, notes=notes)
         ) from stop
     if torque_offset is not None:
         fitted = replace(fitted, offset_gain=offset_gain)
-    return replace(_build_calibration(fitted), candidates=compared)
+    return replace(_build_calibration(fitted), candidates=compared_fits)
 
 
 def calibrated_name(design: Design) -> str:
@@ -580,13 +580,13 @@ def compare_losses(
         for parameter in fitted.parameters
         if parameter.key not in (*CONTACT_FRICTION, *WIND_UP_FRICTION)
     ]
-    frictionless = fitted.model.reducer.but(friction=NO_FRICTION).design
+    frictionless_design = fitted.model.reducer.but(friction=NO_FRICTION).design
     trials = Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra_keys, has_friction in LOSSES:
         base_model = replace(
             fitted.model,
-            reducer=Reducer(fitted.model.reducer.design if has_friction else frictionless),
+            reducer=Reducer(fitted.model.reducer.design if has_friction else frictionless_design),
             contact_friction=True,
         )
         parameters = fit_parameters(fitted.model.reducer, [*common_keys, *extra_keys], fitted.loops)
@@ -672,24 +672,24 @@ def _estimate_value(fitted: Fitted, index: int) -> Estimate:
         not at_bound and is_bounded and prior_share < LIMITS.max_prior_share and high - low < abs(value)
     )
     likeliest, half_width = float(fitted.likeliest[index]), float(fitted.uncertainty.half_widths[index])
-    noise = math.nan, math.nan
+    noise_interval = math.nan, math.nan
     if not at_bound:
-        noise = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
+        noise_interval = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
     prior_values = parameter.start, parameter.deviation, parameter.source
-    return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, is_identified, *prior_values)
+    return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise_interval, is_identified, *prior_values)
 
 
 def _percent(shares: Sequence[float]) -> str:
     return " and ".join(f"{share:.1%}" for share in shares)
 
 
-def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
+def _comparison_table(title: str, loops: Sequence[MeasuredLoop], fits: Sequence[model_selection.ModelFit]) -> Table:
     """Return a table of the fits of several models to the same loops, a row for each model.
 
     The columns are the residuals of each loop, the information criteria minus the lowest of all models, and the fitted
-    values. `title` is the heading of the table, `compared` are the fits.
+    values. `title` is the heading of the table, `fits` are the fits.
     """
-    min_bayesian, min_akaike = (min(getattr(fit, key) for fit in compared) for key in ("bayesian", "akaike"))
+    min_bayesian, min_akaike = (min(getattr(fit, key) for fit in fits) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
         (
@@ -699,7 +699,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
             fit.akaike - min_akaike,
             ", ".join(f"{key} {value:.3g}" for key, value in fit.values.items()),
         )
-        for fit in compared
+        for fit in fits
     )
     return Table(title, header, rows)
 

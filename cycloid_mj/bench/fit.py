@@ -209,10 +209,10 @@ def fit_loops(
     try:
         problem.trials.expect(problem.usual_trials(intervals))
         starts = problem.starts() if start is None else [start]
-        again = len(starts) if torque_offset is None else 0
+        repeat_count = len(starts) if torque_offset is None else 0
         for index, start_values in enumerate(starts):
             problem.trials.expect(
-                problem.expected_trials(starts=len(starts) - index, again=again, long=1, **interval_searches)
+                problem.expected_trials(starts=len(starts) - index, again=repeat_count, long=1, **interval_searches)
             )
             solutions.append(problem.minimise(start_values, SETTINGS.max_steps_from_start, "trf"))
         solutions.sort(key=itemgetter(0))
@@ -286,12 +286,8 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     """Return residuals, uncertainties and intervals of a fit to loops at fixed parameter values, without a search.
 
     `scaled_values` (v,) are those of the v parameters and offsets of the `problem`, in units of their scales. The
-    intervals are those of the linearised model and include `MODEL_ERROR`.
-
-    Raises
-    ------
-    RunError
-        The model has no static equilibrium for a loop at these values.
+    intervals are those of the linearised model and include `MODEL_ERROR`. Raises RunError if the model has no static
+    equilibrium for a loop at these values.
     """
     low, high = problem.bounds
     loop_residuals = problem.residuals_by_loop(scaled_values)
@@ -308,13 +304,17 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
         )
     # the residuals of the priors are last
     slopes = problem.slopes(scaled_values, range(len(scaled_values)), central=True)[: sum(map(len, loop_residuals))]
-    prior = MODEL_ERROR * problem.prior_weights
+    prior_slopes = MODEL_ERROR * problem.prior_weights
     at_bound = ~((scaled_values > low + PROFILE.bound_distance) & (scaled_values < high - PROFILE.bound_distance))
     slopes_by_loop = np.split(slopes, np.cumsum([len(residuals) for residuals in loop_residuals])[:-1])
-    weighted = [residuals / np.sqrt(len(residuals)) for residuals in loop_residuals]
-    free = estimate_uncertainty(slopes_by_loop, weighted, ~at_bound, prior)
-    all_free = estimate_uncertainty(slopes_by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
-    estimates = (all_free if bound else free for bound in at_bound.tolist())
+    weighted_residuals = [residuals / np.sqrt(len(residuals)) for residuals in loop_residuals]
+    uncertainty = estimate_uncertainty(slopes_by_loop, weighted_residuals, ~at_bound, prior_slopes)
+    uncertainty_unbounded = (
+        estimate_uncertainty(slopes_by_loop, weighted_residuals, np.ones_like(at_bound), prior_slopes)
+        if at_bound.any()
+        else uncertainty
+    )
+    estimates = (uncertainty_unbounded if bound else uncertainty for bound in at_bound.tolist())
     half_width = np.array(
         [
             estimate.half_widths[index] + MODEL_ERROR * estimate.inverse[index, index] ** 0.5
@@ -333,23 +333,23 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
         scaled=scaled_values,
         residuals=tuple(loop_residuals),
         slopes=slopes,
-        uncertainty=free,
+        uncertainty=uncertainty,
         at_bound=at_bound,
         ends=ends,
-        prior_share=prior**2 * np.diag(free.inverse),
+        prior_share=prior_slopes**2 * np.diag(uncertainty.inverse),
         torque_offset=problem.torque_offset,
     )
 
 
-def _deviance(residuals: Sequence[Array], independent: Sequence[float]) -> float:
+def _deviance(residuals: Sequence[Array], independent_counts: Sequence[float]) -> float:
     """Compute the deviance of a fit: twice its negative log-likelihood, without a constant.
 
     It is the sum over all loops of n times the logarithm of the mean square of the loop's residuals [1]. `residuals`
-    has the array of each loop, `independent` the number n of its independent residuals.
+    has the array of each loop, `independent_counts` the number n of its independent residuals.
     """
     return sum(
-        count * float(np.log(np.mean(loop_residuals**2)))
-        for count, loop_residuals in zip(independent, residuals, strict=True)
+        independent_count * float(np.log(np.mean(loop_residuals**2)))
+        for independent_count, loop_residuals in zip(independent_counts, residuals, strict=True)
     )
 
 
@@ -368,9 +368,9 @@ def _choose_offset(
         problem.
     """
     problem_without_offset = replace(problem, torque_offset=False)
-    steps = SETTINGS.max_steps_from_start
+    max_steps = SETTINGS.max_steps_from_start
     solutions_without = sorted(
-        (problem_without_offset.minimise(scaled_values, steps, "trf") for _, scaled_values in solutions),
+        (problem_without_offset.minimise(scaled_values, max_steps, "trf") for _, scaled_values in solutions),
         key=itemgetter(0),
     )
     residuals_with, residuals_without = (

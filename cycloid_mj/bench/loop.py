@@ -174,20 +174,20 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     numbered_lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     if not numbered_lines:
         raise UsageError(f"{path}: the file is empty, but {requirement_text}")
-    header = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
-    if header is None:
+    header_row = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
+    if header_row is None:
         first_line = ", ".join(numbered_lines[0][1].lstrip("# ").split(","))
         raise UsageError(
             f"{path}: no header line with the column names was found; the first line is {first_line[:80]!r}. Add the "
             f"header: {requirement_text}"
         )
-    keys = [key.strip() for key in numbered_lines[header][1].lstrip("# ").split(",")]
+    keys = [key.strip() for key in numbered_lines[header_row][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
         raise UsageError(
             f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
             f"{requirement_text}"
         )
-    rows = [(number, row) for number, row in numbered_lines[header + 1 :] if not row.lstrip().startswith("#")]
+    rows = [(number, row) for number, row in numbered_lines[header_row + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
         raise UsageError(f"{path}: there are no rows below the header. Add one per measured point: {requirement_text}")
     values: dict[str, list[float]] = {name: [] for name in names}
@@ -248,13 +248,13 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
         )
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
-        constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
+        column = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
         raise UsageError(
-            f"{origin}: {constant} is the same in all rows, but both the torque and the deflection must vary over a "
+            f"{origin}: {column} is the same in all rows, but both the torque and the deflection must vary over a "
             "loop. Record a full loop"
         )
-    turns, branch = _find_reversals(torque)
-    if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
+    reversals, branch_numbers = _find_reversals(torque)
+    if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch_numbers))):
         raise UsageError(
             f"{origin}: the torque reverses {branches - 1} times in {count} points; a loop needs at least "
             f"{SETTINGS.min_branch_points} points per branch. Check that the rows are in chronological order"
@@ -262,7 +262,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     _require_no_outlier(torque, TORQUE, origin)
     _require_no_outlier(deflection_deg, DEFLECTION, origin)
     _require_degrees(height, origin)
-    if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
+    if len(reversals) < 2 or len(np.unique(branch_numbers)) < 2 or min(reversals) >= 0.0 or max(reversals) <= 0.0:
         raise UsageError(
             f"{origin}: the file contains only one branch, from {torque[0]:.4g} to {torque[-1]:.4g} N m, which does "
             "not separate friction from stiffness. Record a full loop: from one torque to the opposite torque and "
@@ -270,8 +270,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
         )
     is_flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if is_flipped else 1.0)
-    points_left_out = _count_lead_points(torque, deflection, branch)
-    loop = MeasuredLoop(name, torque, deflection, turns, branch, is_flipped, points_left_out)
+    points_left_out = _count_lead_points(torque, deflection, branch_numbers)
+    loop = MeasuredLoop(name, torque, deflection, reversals, branch_numbers, is_flipped, points_left_out)
     if _mean_opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
             f"{origin}: the loop releases energy, because at the same torque the deflection is smaller during "
@@ -322,11 +322,11 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
     """
     medians = _median_filter(values)
     differences = np.abs(values - medians)
-    worst = int(np.argmax(differences))
-    if differences[worst] > np.ptp(medians):
+    worst_row = int(np.argmax(differences))
+    if differences[worst_row] > np.ptp(medians):
         raise UsageError(
-            f"{origin}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
-            f"{medians[worst]:.4g} in the rows next to it, so it is an outlier. Remove that row"
+            f"{origin}: {column} is {values[worst_row]:.4g} in row {worst_row + 1} below the header, but about "
+            f"{medians[worst_row]:.4g} in the rows next to it, so it is an outlier. Remove that row"
         )
 
 
@@ -353,16 +353,16 @@ def _median_filter(values: Array) -> Array:
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SETTINGS.median_window), axis=1))
 
 
-def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
+def _count_lead_points(torque: Array, deflection: Array, branch_numbers: Integers) -> int:
     """Return the number of points of the first branch if it only leads from rest to the loop, else 0.
 
     A branch is the points between two reversals of the torque. The first branch leads to the loop if its first torque
     is at most the share `SETTINGS.end_torque` of the largest torque, and if it starts at a distance from the later
     branches of the same direction. This distance exceeds the share `SETTINGS.lead_distance` of that between both
-    directions. `torque` [N m], `deflection` [rad] and `branch`, the number of reversals before each point, have shape
-    (n,) for n points.
+    directions. `torque` [N m], `deflection` [rad] and `branch_numbers`, the number of reversals before each point, have
+    shape (n,) for n points.
     """
-    has_same_direction, is_on_first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
+    has_same_direction, is_on_first_branch = (branch_numbers > 0) & (branch_numbers % 2 == 0), branch_numbers == 1
     if not has_same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
     start_deflection = float(np.median(deflection[: SETTINGS.median_window]))
@@ -372,7 +372,7 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
         for is_on_branch in (has_same_direction, is_on_first_branch)
     )
     return (
-        int(np.sum(branch == 0))
+        int(np.sum(branch_numbers == 0))
         if abs(start_deflection - later_deflection)
         > SETTINGS.lead_distance * abs(opposite_deflection - later_deflection)
         else 0
@@ -386,10 +386,10 @@ def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
     at `index`, so that an outlier has no effect. `torque` [N m] and its running `medians` [N m] have shape (n,).
     """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
-    outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
-    noise, step = float(np.median(np.abs(torque - medians))), float(np.median(np.abs(np.diff(torque))))
-    tolerance = SETTINGS.max_noise * noise + SETTINGS.max_steps * step
-    return float(np.clip(outermost, medians[index] - tolerance, medians[index] + tolerance))
+    extreme_torque = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
+    noise, median_step = float(np.median(np.abs(torque - medians))), float(np.median(np.abs(np.diff(torque))))
+    tolerance = SETTINGS.max_noise * noise + SETTINGS.max_steps * median_step
+    return float(np.clip(extreme_torque, medians[index] - tolerance, medians[index] + tolerance))
 
 
 def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:

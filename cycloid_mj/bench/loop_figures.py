@@ -279,11 +279,14 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
     """
     if positive_line is None or negative_line is None or math.isnan(coulomb.value):
         return NO_FIGURE
-    (upper, upper_variance), (lower, lower_variance) = positive_line.at(coulomb.value), negative_line.at(-coulomb.value)
+    (upper_angle, upper_variance), (lower_angle, lower_variance) = (
+        positive_line.at(coulomb.value),
+        negative_line.at(-coulomb.value),
+    )
     quantile = _quantile(min(positive_line.freedom, negative_line.freedom))
     coulomb_part = (positive_line.slope + negative_line.slope) * 0.5 * (coulomb.high - coulomb.low)
     half_width = math.hypot(quantile * (upper_variance + lower_variance) ** 0.5, coulomb_part)
-    return LoopFigure.about(upper - lower, half_width)
+    return LoopFigure.about(upper_angle - lower_angle, half_width)
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
@@ -340,7 +343,7 @@ def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
     order = np.argsort(x)
     upper = int(np.searchsorted(x[order], level))
     lower_value, upper_value = y[order[upper - 1]], y[order[upper]]
-    return float(np.interp(level, x[order], y[order])), float(upper_value - lower_value) ** 2 / 12.0, math.inf
+    return (float(np.interp(level, x[order], y[order])), float(upper_value - lower_value) ** 2 / 12.0, math.inf)
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:

@@ -64,13 +64,13 @@ def model_branches(model: Model, condition: LoopCondition, loop: MeasuredLoop, t
     minus `torque_offset` [N m]. It starts from rest; two branches that lead from rest to the loop are computed and
     omitted. `condition` has the locked shaft and the crank angle of the measurement.
     """
-    ends = [end - torque_offset for end in loop.turns]
+    reversals = [reversal - torque_offset for reversal in loop.turns]
     if model.contact_friction:
-        return _branches_with_contact_friction(model, condition, ends, SETTINGS.max_rotation * loop.height)
+        return _branches_with_contact_friction(model, condition, reversals, SETTINGS.max_rotation * loop.height)
     curve = solve_locked_curve(model.reducer, condition.max_torque, condition.crank)
     # two branches lead to the loop: from rest to its second end, and back to its first
     load = load_friction(model.losses.load, model.reducer.design.springs.friction_travel)
-    return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends], load)[2:]
+    return locked_branches(curve, slip_elements(model.reducer), [0.0, reversals[1], *reversals], load)[2:]
 
 
 def _branches_with_contact_friction(

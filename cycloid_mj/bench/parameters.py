@@ -206,13 +206,13 @@ def _rv_parameters(reducer: RvReducer, _loops: Sequence[MeasuredLoop]) -> tuple[
     The play represents all clearances that differ from those of the design, because a loop shows only their sum. The
     stiffness is a factor.
     """
-    clearance, kinds = reducer.design.clearance, _tooth_pairs(reducer)
+    clearance, tooth_kinds = reducer.design.clearance, _tooth_pairs(reducer)
     start = MICROMETRE.from_si(getattr(clearance, reducer.design.tooth_pair) + reducer.design.pin_play)
-    stiffness = reducer.cranks.needle_stiffness, reducer.cranks.taper_stiffness
+    bearing_stiffness = reducer.cranks.needle_stiffness, reducer.cranks.taper_stiffness
 
     def set_bearing_stiffness(model: Model, value: float) -> Model:
         """Return a model whose crank bearings have the stiffness of the design times a factor."""
-        cranks = {"needle_stiffness": value * stiffness[0], "taper_stiffness": value * stiffness[1]}
+        cranks = {"needle_stiffness": value * bearing_stiffness[0], "taper_stiffness": value * bearing_stiffness[1]}
         return replace(model, reducer=reducer_of(model.reducer.design.but(cranks=cranks)))
 
     return (
@@ -224,7 +224,7 @@ def _rv_parameters(reducer: RvReducer, _loops: Sequence[MeasuredLoop]) -> tuple[
             max(0.3 * start, 0.1),
             1e-3,
             BOUNDS.max_play_um,
-            _play_setter(kinds),
+            _play_setter(tooth_kinds),
         ),
         Parameter(
             "bearing_stiffness",
@@ -301,13 +301,13 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
             for item in SHIFTING
             if item in zones and {"teeth": tooth_pair}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]
-        scale, apply = max(0.3 * to_micrometres(start), 0.1), _play_setter(kinds)
-        parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, apply)
+        scale, set_play = max(0.3 * to_micrometres(start), 0.1), _play_setter(kinds)
+        parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, set_play)
         if not tolerances:
             return parameter
-        squares = sum(zones[item].standard_deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
+        mean_square = sum(zones[item].standard_deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
         source = f"tolerance: {', '.join(tolerances)}"
-        return replace(parameter, deviation=to_micrometres(math.sqrt(squares)), source=source)
+        return replace(parameter, deviation=to_micrometres(math.sqrt(mean_square)), source=source)
 
     return (
         make_play(
@@ -506,8 +506,8 @@ def _set_structure_stiffness(model: Model, value: float) -> Model:
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
     housing_compliance = 1.0 / value - compliance["carrier"] - compliance["shaft"]
-    housing = stiffness["housing"] * compliance["housing"] / housing_compliance
-    return _with_spring(replace(model, reducer=reducer), "housing", housing)
+    housing_stiffness = stiffness["housing"] * compliance["housing"] / housing_compliance
+    return _with_spring(replace(model, reducer=reducer), "housing", housing_stiffness)
 
 
 def _max_structure_stiffness(reducer: Reducer) -> float:
@@ -551,12 +551,8 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     """Return a number of the design file, by its key ``table.key``, as a parameter of a fit.
 
-    It has the unit and the bounds of the file. Its scale in the search is a fifth of the design's value.
-
-    Raises
-    ------
-    UsageError
-        There is no such key, or it is no real number.
+    It has the unit and the bounds of the file. Its scale in the search is a fifth of the design's value. Raises
+    UsageError if there is no such key, or it is no real number.
     """
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)

@@ -187,9 +187,13 @@ class FitProblem:
         model, residuals are `SETTINGS.failed_residual`.
         """
         residuals = []
-        for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
-            failed = np.full(len(loop.torque) - loop.points_left_out, SETTINGS.failed_residual)
-            residuals.append(failed if branches is None else branch_distances(loop, branches, torque, deflection))
+        for loop, branches, (torque_offset, deflection_offset) in self._modelled_loops(scaled):
+            failed_residuals = np.full(len(loop.torque) - loop.points_left_out, SETTINGS.failed_residual)
+            residuals.append(
+                failed_residuals
+                if branches is None
+                else branch_distances(loop, branches, torque_offset, deflection_offset)
+            )
         return residuals
 
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
@@ -198,11 +202,13 @@ class FitProblem:
         The curves are torque and rotation of the model along each branch between two reversals; None if the model has
         no static equilibrium. `scaled` are v parameters and offsets in units of their scales, shape (v,).
         """
-        count = len(self.parameters)
-        values = tuple(scaled[:count].tolist())
+        parameter_count = len(self.parameters)
+        values = tuple(scaled[:parameter_count].tolist())
         for index, loop in enumerate(self.loops):
-            torque, deflection = (offset_scales(loop) * scaled[count + 2 * index : count + 2 * index + 2]).tolist()
-            yield loop, self._cached_branches(values, index, torque), (torque, deflection)
+            torque_offset, deflection_offset = (
+                offset_scales(loop) * scaled[parameter_count + 2 * index : parameter_count + 2 * index + 2]
+            ).tolist()
+            yield loop, self._cached_branches(values, index, torque_offset), (torque_offset, deflection_offset)
 
     def residuals(self, scaled: Array) -> Array:
         """Compute the residuals [1] of all loops' points, then those of the priors, shape (points + priors,).
@@ -267,7 +273,7 @@ class FitProblem:
             Shape (r, len(indices)).
         """
         low, high = limits or self.bounds
-        compute, columns = residuals or self.residuals, []
+        compute_residuals, columns = residuals or self.residuals, []
         for index in indices:
             step_ends = np.stack([scaled, scaled])
             step_ends[1, index] += SETTINGS.difference_step
@@ -276,7 +282,7 @@ class FitProblem:
                 step_ends[:, index] = scaled[index] - SETTINGS.difference_step, scaled[index]
             step_ends[:, index] = np.clip(step_ends[:, index], low[index], high[index])
             width = step_ends[1, index] - step_ends[0, index]
-            change = compute(step_ends[1]) - compute(step_ends[0])
+            change = compute_residuals(step_ends[1]) - compute_residuals(step_ends[0])
             columns.append(change / width if width else np.zeros_like(change))
         return np.stack(columns, axis=1)
 
@@ -416,12 +422,12 @@ class FitProblem:
         return insert_free(solution.x)
 
 
-def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function from values at the indices `free` to a copy of `start` with these values inserted."""
+def _make_filler(start: Array, free_indices: Sequence[int] | Integers) -> Callable[[Array], Array]:
+    """Return a function from values at the indices `free_indices` to a copy of `start` with these values inserted."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()
-        scaled_values[free] = values
+        scaled_values[free_indices] = values
         return scaled_values
 
     return fill

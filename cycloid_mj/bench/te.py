@@ -252,23 +252,25 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     model_curve = compute_model_error(reducer, torque)
     zero_angle = _fit_zero(model_curve, measured, turns)
     model = _interpolate_error(model_curve, measured.crank + zero_angle, turns)
-    order = _resolved_orders(reducer, measured)
-    if len(measured.crank) < 2 * len(order) + 1:
+    orders = _resolved_orders(reducer, measured)
+    if len(measured.crank) < 2 * len(orders) + 1:
         raise UsageError(
-            f"{measured.name}: {len(measured.crank)} points are too few to resolve {len(order)} orders; at least "
-            f"{2 * len(order) + 1} points are needed. Record more points"
+            f"{measured.name}: {len(measured.crank)} points are too few to resolve {len(orders)} orders; at least "
+            f"{2 * len(orders) + 1} points are needed. Record more points"
         )
-    harmonics = np.exp(1j * np.outer(measured.crank, order))
+    harmonics = np.exp(1j * np.outer(measured.crank, orders))
     design_matrix = np.concatenate([np.ones((len(harmonics), 1)), harmonics.real, harmonics.imag], axis=1)
     coefficients = np.linalg.lstsq(design_matrix, np.stack([measured.error, model], axis=1), rcond=None)[0]
-    amplitude = coefficients[1 : len(order) + 1] - 1j * coefficients[len(order) + 1 :]
+    amplitude = coefficients[1 : len(orders) + 1] - 1j * coefficients[len(orders) + 1 :]
     possible_causes = causes(reducer)
-    names = tuple(
+    cause_names = tuple(
         ", ".join(cause.name for cause in possible_causes if cause.has(float(compared_order))) or "none"
-        for compared_order in order
+        for compared_order in orders
     )
     name, model = reducer.design.name, model - model.mean()
-    return BenchComparison(name, torque, zero_angle, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
+    return BenchComparison(
+        name, torque, zero_angle, measured, model, orders, amplitude[:, 0], amplitude[:, 1], cause_names
+    )
 
 
 def compute_model_error(reducer: Reducer, torque: float) -> Array:
@@ -280,13 +282,13 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
     turns = _crank_turns(reducer)
     count = TE.poses_per_period * reducer.design.ring.teeth * turns
     crank = 2.0 * np.pi * turns * np.arange(count) / count
-    weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    weightless_reducer = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     if isinstance(reducer, RvReducer):
         # a crank turn at a time, which bounds the memory
-        blocks = [transmission_error(weightless, angles, torque)[:, 1] for angles in np.split(crank, turns)]
+        blocks = [transmission_error(weightless_reducer, angles, torque)[:, 1] for angles in np.split(crank, turns)]
         error = np.concatenate(blocks)
     else:
-        error = transmission_error(weightless, crank, torque)[:, 1]
+        error = transmission_error(weightless_reducer, crank, torque)[:, 1]
     return np.asarray(reducer.member.sense * (error - error.mean()))
 
 
@@ -298,23 +300,19 @@ def _crank_turns(reducer: Reducer) -> int:
 def _convert_to_cranks(reducer: Reducer, measured: MeasuredError) -> MeasuredError:
     """Convert a measured transmission error of an RV reducer from the angle of the sun to that of its cranks.
 
-    That of another reducer is returned unchanged.
-
-    Raises
-    ------
-    UsageError
-        The measurement covers less than a turn of the cranks.
+    That of another reducer is returned unchanged. Raises UsageError if the measurement covers less than a turn of the
+    cranks.
     """
     if not isinstance(reducer, RvReducer):
         return measured
-    converted = replace(measured, crank=reducer.member.crank_angle(measured.crank))
-    if converted.turns < 1.0 - 2.0 / len(measured.crank):
+    converted_error = replace(measured, crank=reducer.member.crank_angle(measured.crank))
+    if converted_error.turns < 1.0 - 2.0 / len(measured.crank):
         min_angle_deg = abs(float(reducer.member.driven_angle(360.0)))
         raise UsageError(
             f"{measured.name}: {CRANK} covers {360.0 * measured.turns:.4g} deg of the sun, but a turn of the cranks "
             f"takes {min_angle_deg:.4g} deg. Record at least one turn of the cranks"
         )
-    return converted
+    return converted_error
 
 
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
@@ -342,41 +340,44 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     return np.sort(np.concatenate([runout_orders, integer_orders, multiples[is_distinct & (multiples < max_order)]]))
 
 
-def _fit_zero(ideal: Array, measured: MeasuredError, turns: int) -> float:
+def _fit_zero(model_error: Array, measured: MeasuredError, turns: int) -> float:
     """Return the angle [rad] to add to measured crank angles for which the model is nearest to the measurement.
 
-    `ideal` is the model's error [rad], shape (n,), at n equally spaced crank angles over a turn of the output, which is
-    `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined by a
-    parabola. The smallest of equally good angles is returned.
+    `model_error` is the model's error [rad], shape (n,), at n equally spaced crank angles over a turn of the output,
+    which is `turns` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined
+    by a parabola. The smallest of equally good angles is returned.
     """
-    count, turn = len(ideal), 2.0 * np.pi * turns
-    width = turn / count
+    count, full_turn = len(model_error), 2.0 * np.pi * turns
+    width = full_turn / count
     # the measured curve on the model's angles, then all shifts at once
-    bins = np.floor(np.mod(measured.crank, turn) / width + 0.5).astype(int) % count
+    bins = np.floor(np.mod(measured.crank, full_turn) / width + 0.5).astype(int) % count
     error = measured.error - measured.error.mean()
     binned_sums, counts = np.zeros(count), np.zeros(count)
     np.add.at(binned_sums, bins, error)
     np.add.at(counts, bins, 1.0)
-    model_spectrum, count_spectrum = np.fft.rfft(ideal), np.conj(np.fft.rfft(counts))
+    model_spectrum, count_spectrum = np.fft.rfft(model_error), np.conj(np.fft.rfft(counts))
     cross_correlation = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * model_spectrum, count)
-    model_power = np.fft.irfft(count_spectrum * np.fft.rfft(ideal**2), count)
+    model_power = np.fft.irfft(count_spectrum * np.fft.rfft(model_error**2), count)
     model_sum = np.fft.irfft(count_spectrum * model_spectrum, count)
-    residual = (
+    squared_residual = (
         model_power - 2.0 * cross_correlation - model_sum**2 / counts.sum()
     )  # about the mean of the model at the measured angles
-    index = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
-    neighbours = [residual[(index + shift) % count] for shift in (-1, 0, 1)]
+    index = int(np.argmax(squared_residual <= squared_residual.min() + TE.zero_rtol * np.ptp(squared_residual)))
+    neighbours = [squared_residual[(index + shift) % count] for shift in (-1, 0, 1)]
     curvature = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
     return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * width)
 
 
-def _interpolate_error(ideal: Array, crank: Array, turns: int) -> Array:
+def _interpolate_error(model_error: Array, crank: Array, turns: int) -> Array:
     """Interpolate the model's error [rad] at n crank angles [rad], shape (n,), by periodic cubic splines.
 
-    `ideal` is the error [rad] at equally spaced crank angles over a turn of the output, `turns` turns of the crank.
+    `model_error` is the error [rad] at equally spaced crank angles over a turn of the output, `turns` turns of the
+    crank.
     """
     from scipy.interpolate import CubicSpline
 
-    turn = 2.0 * np.pi * turns
-    knots = np.linspace(0.0, turn, len(ideal) + 1)
-    return np.asarray(CubicSpline(knots, np.append(ideal, ideal[0]), bc_type="periodic")(np.mod(crank, turn)))
+    full_turn = 2.0 * np.pi * turns
+    knots = np.linspace(0.0, full_turn, len(model_error) + 1)
+    return np.asarray(
+        CubicSpline(knots, np.append(model_error, model_error[0]), bc_type="periodic")(np.mod(crank, full_turn))
+    )

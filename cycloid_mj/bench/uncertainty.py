@@ -112,10 +112,10 @@ def estimate_uncertainty(
         information += np.diag(prior**2)
     inverse = np.zeros_like(information)
     free_block = np.ix_(is_free, is_free)
-    values, vectors = np.linalg.eigh(information[free_block])
-    min_eigenvalue = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
-    null_vectors = vectors[:, values <= min_eigenvalue]
-    inverse[free_block] = (vectors / np.maximum(values, min_eigenvalue)) @ vectors.T
+    eigenvalues, eigenvectors = np.linalg.eigh(information[free_block])
+    min_eigenvalue = 1e-12 * max(float(eigenvalues.max(initial=0.0)), 1e-300)
+    null_vectors = eigenvectors[:, eigenvalues <= min_eigenvalue]
+    inverse[free_block] = (eigenvectors / np.maximum(eigenvalues, min_eigenvalue)) @ eigenvectors.T
     covariance, influence, counts = np.zeros_like(information), [], []
     for loop_residuals, loop_slopes in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(loop_slopes @ inverse * loop_slopes, axis=1), INTERVAL.max_leverage)

@@ -123,11 +123,13 @@ def state_rows(layout: str) -> list[ValidationRow]:
     unknowns = springs.slope.shape[2]
     pose, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
     springs_state = state(springs, 0, load, pose)
-    energy, force = reference.energy(pose) - load @ pose, load + reference.generalised_force(pose)
-    energies = np.array([1e3 * springs_state.energy]), np.array([1e3 * energy])
+    reference_energy, reference_force = (reference.energy(pose) - load @ pose, load + reference.generalised_force(pose))
+    energies = np.array([1e3 * springs_state.energy]), np.array([1e3 * reference_energy])
     return [
         deviation_row(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
-        deviation_row(f"forces on displaced parts, {layout}", springs_state.residual, force, "N", SOURCE, 0.02),
+        deviation_row(
+            f"forces on displaced parts, {layout}", springs_state.residual, reference_force, "N", SOURCE, 0.02
+        ),
     ]
 
 
@@ -183,8 +185,8 @@ def sample_rows() -> list[ValidationRow]:
     disc_arcs, output_arcs = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]
     rotations = [value for arcs in (disc_arcs, output_arcs) for value in (arcs.mean(), np.ptp(arcs))]
     tooth_count = 2 * design.ring.teeth
-    peaks = [force_array[:, rows].max() for rows in (slice(tooth_count), slice(tooth_count, -2), slice(-2, None))]
-    loaded_share = np.sum(force_array[:, :tooth_count] > 0.01 * peaks[0]) / angle_count
+    peak_forces = [force_array[:, rows].max() for rows in (slice(tooth_count), slice(tooth_count, -2), slice(-2, None))]
+    loaded_share = np.sum(force_array[:, :tooth_count] > 0.01 * peak_forces[0]) / angle_count
     urad_per_metre = 1e6 / design.output.pin_circle_radius
     rotation_names = ("gear_mean", "gear_range", "output_mean", "output_range")
     sample = {name: getattr(figures, name) for name in (*rotation_names, "tooth", "output_pin", "cam", "carrying")}
@@ -196,8 +198,8 @@ def sample_rows() -> list[ValidationRow]:
             )
         ),
         *(
-            deviation_row(f"{name} force of a sample", sample[name], np.array([peak]), "N", SOURCE, 0.1)
-            for name, peak in zip(("tooth", "output_pin", "cam"), peaks, strict=True)
+            deviation_row(f"{name} force of a sample", sample[name], np.array([peak_force]), "N", SOURCE, 0.1)
+            for name, peak_force in zip(("tooth", "output_pin", "cam"), peak_forces, strict=True)
         ),
         deviation_row("teeth that carry in a sample", sample["carrying"], np.array([loaded_share]), "", SOURCE, 1e-3),
     ]
@@ -271,17 +273,17 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     return deviations
 
 
-def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionElements, path: Array) -> Iterator[Array]:
+def _reference_forces(springs: DisplacedSprings, friction_elements: FrictionElements, path: Array) -> Iterator[Array]:
     """Yield the forces of contact springs and friction on the u unknowns [N], (u,), at each pose of a path from rest.
 
-    Contacts and cams are the `reference` springs, whose gaps follow from the exact curves. Their material adds
+    Contacts and cams are `springs`, whose gaps follow from the exact curves. Their material adds
     hysteresis along the normal, and their surfaces add friction along the tangent. Seals have constant friction.
     Hysteresis and friction are springs that slip at the limits of `friction_elements`. `path` (m, u) are poses z [m] as
     in ``reducer.gaps``, in which rotations are arc lengths; a generalised force on a rotation is therefore a torque
     divided by the radius of the circle of output pins.
     """
-    element_count, discs = friction_elements.stiffness.size, reference.design.gear.discs
-    normal_count = reference.stiffness.size + discs
+    element_count, discs = friction_elements.stiffness.size, springs.design.gear.discs
+    normal_count = springs.stiffness.size + discs
     previous_pose, friction_force, hysteresis_force, previous_depth = (
         np.zeros(path.shape[1]),
         np.zeros(element_count),
@@ -290,10 +292,10 @@ def _reference_forces(reference: DisplacedSprings, friction_elements: FrictionEl
     )
     for pose in path:
         slip = friction_elements.slip.copy()
-        for disc, (x, y) in enumerate(cam_offsets(Reducer(reference.design), reference.crank, previous_pose)):
+        for disc, (x, y) in enumerate(cam_offsets(Reducer(springs.design), springs.crank, previous_pose)):
             # a disc slides across its cam at right angles to its offset from the centre of the cam
             slip[normal_count - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
-        (gaps, slopes), spring_force = reference.contacts(pose), reference.forces(pose)
+        (gaps, slopes), spring_force = springs.contacts(pose), springs.forces(pose)
         depth = np.maximum(-gaps, 0.0)
         hysteresis_force = slip_force(
             hysteresis_force,

@@ -44,9 +44,9 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
     design = design_of_kind(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     reducer = Reducer(design)
     run = _ideal_run(reducer, rpm, 60.0 / (rpm * design.ring.teeth))
-    simulated_force, expected = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
+    simulated_force, expected_force = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
     return deviation_row(
-        "load of the cam, slow and ideal", simulated_force, expected, "N", "ring + output pins, closed form", 0.5
+        "load of the cam, slow and ideal", simulated_force, expected_force, "N", "ring + output pins, closed form", 0.5
     )
 
 
@@ -89,14 +89,14 @@ def _rated_rows() -> list[ValidationRow]:
     disc_force = body_force(reducer, crank, run["crank_speed"])
     balancing_force = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - disc_force
     # The vibration of the disc has zero mean in the rotating frame.
-    mean_cam, mean_balancing_force = (
+    mean_cam_force, mean_balancing_force = (
         np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam_force, balancing_force)
     )
     ideal_force = statics_load(reducer, crank, disc_force)
     return [
         deviation_row(
             "load of the cam, rated, free pins",
-            mean_cam,
+            mean_cam_force,
             mean_balancing_force,
             "N",
             "m (g - a), ring, output, logged",

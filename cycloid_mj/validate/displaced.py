@@ -58,7 +58,7 @@ def in_ring_frame(
         output pins.
     """
     design = reducer.design
-    ring, carrier = float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle))
+    ring, carrier = (float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle)))
     disc_angles = carrier + rotations
     ring_turn, carrier_turn = reducer.member.ring_and_carrier(output_turn)
     ring, carrier = ring + float(ring_turn), carrier + float(carrier_turn)
@@ -104,15 +104,15 @@ def _tooth_contacts(
         Gaps [m], shape (N,), and gradients [1], shape (N, u).
     """
     gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_displacement + pin_shift
-    nearest = pin_gaps(gear, pose, pins, design_flanks(reducer))
+    pin_centres = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_displacement + pin_shift
+    nearest_points = pin_gaps(gear, pose, pin_centres, design_flanks(reducer))
     offset = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
-    slopes = np.zeros((nearest.distance.size, z.size))
-    slopes[:, 3 * disc : 3 * disc + 2] = -nearest.normals
-    slopes[:, 3 * disc + 2] = (
-        -_moment(nearest.places - pose.centre, nearest.normals) / reducer.design.output.pin_circle_radius
+    gradients = np.zeros((nearest_points.distance.size, z.size))
+    gradients[:, 3 * disc : 3 * disc + 2] = -nearest_points.normals
+    gradients[:, 3 * disc + 2] = (
+        -_moment(nearest_points.places - pose.centre, nearest_points.normals) / reducer.design.output.pin_circle_radius
     )
-    return nearest.distance + offset, slopes
+    return nearest_points.distance + offset, gradients
 
 
 def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
@@ -134,17 +134,17 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     output, ideal_angle = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     disc_angle, output_angle = (ideal_angle + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
-    holes, pins = (
+    hole_centres, pin_centres = (
         rotate(ideal_positions + reducer.deviations.hole_displacement[disc], disc_angle),
         rotate(ideal_positions, output_angle),
     )
-    centre_distances = pins - holes - pose_of(reducer, crank, z, disc).centre
+    centre_distances = pin_centres - hole_centres - pose_of(reducer, crank, z, disc).centre
     distance = np.linalg.norm(centre_distances, axis=1)
-    normals, slopes = centre_distances / distance[:, np.newaxis], np.zeros((output.pins, z.size))
-    slopes[:, 3 * disc : 3 * disc + 2] = normals
-    slopes[:, 3 * disc + 2] = _moment(holes, normals) / output.pin_circle_radius
-    slopes[:, -1] = -_moment(pins, normals) / output.pin_circle_radius
-    return output.hole_radius + reducer.design.clearance.output - output.pin_radius - distance, slopes
+    normals, gradients = centre_distances / distance[:, np.newaxis], np.zeros((output.pins, z.size))
+    gradients[:, 3 * disc : 3 * disc + 2] = normals
+    gradients[:, 3 * disc + 2] = _moment(hole_centres, normals) / output.pin_circle_radius
+    gradients[:, -1] = -_moment(pin_centres, normals) / output.pin_circle_radius
+    return output.hole_radius + reducer.design.clearance.output - output.pin_radius - distance, gradients
 
 
 def _moment(arms: Array, forces: Array) -> Array:
@@ -223,14 +223,14 @@ class DisplacedSprings:
         bending.
         """
         discs = self.design.gear.discs
-        force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
+        forces = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
         if self.bending.any():
             pins = self.design.output.pins
             first_row = self.stiffness.size - discs * pins
             for pin in range(pins):
                 rows = first_row + pin + pins * np.arange(discs)
-                force[rows] = _pin_forces(gaps[rows], np.diag(1.0 / self.stiffness[rows]) + self.bending)
-        return force
+                forces[rows] = _pin_forces(gaps[rows], np.diag(1.0 / self.stiffness[rows]) + self.bending)
+        return forces
 
     def energy(self, z: Array) -> float:
         """Compute the energy of contacts, cams and bent pins [J]: half the sum of force times penetration."""
@@ -280,21 +280,17 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
     """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,) each.
 
     The forces solve the linear complementarity problem with the `compliance` (D, D) [m/N]: a closed contact has a force
-    >= 0, an open contact has a gap >= 0. All combinations of closed contacts are tried.
-
-    Raises
-    ------
-    RunError
-        There is no solution.
+    >= 0, an open contact has a gap >= 0. All combinations of closed contacts are tried. Raises RunError if there is no
+    solution.
     """
     discs = gaps.size
     for closed_bits in range(2**discs):
         is_closed: Mask = np.array([bool(closed_bits >> disc & 1) for disc in range(discs)])
-        force = np.zeros(discs)
-        force[is_closed] = np.linalg.solve(compliance[np.ix_(is_closed, is_closed)], -gaps[is_closed])
-        bent_gaps = gaps + compliance @ force
-        if np.all(force >= 0.0) and np.all(bent_gaps[~is_closed] >= 0.0):
-            return force
+        forces = np.zeros(discs)
+        forces[is_closed] = np.linalg.solve(compliance[np.ix_(is_closed, is_closed)], -gaps[is_closed])
+        bent_gaps = gaps + compliance @ forces
+        if np.all(forces >= 0.0) and np.all(bent_gaps[~is_closed] >= 0.0):
+            return forces
     raise RunError(
         "cannot compute the forces of the discs on a bending output pin: the pin's compliance matrix is not positive "
         "definite. Check output.pin_radius_mm, output.core_radius_mm, gear.face_width_mm and gear.disc_gap_mm"

@@ -282,21 +282,21 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
     `z` [m] are the displacements of disc, output and moving pins; rotations are multiplied by the output pins' radius.
     If `uniform`, all contacts have the stiffness of a pin on a flat; otherwise it depends on the local curvature.
     """
-    nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
-    count, normals = nearest.distance.size, nearest.normals
+    nearest_points, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
+    count, normals = nearest_points.distance.size, nearest_points.normals
     gradient = np.zeros((count, z.size))
     gradient[:, :2] = -normals
     gradient[:, 2] = (
-        -np.sum(normals * _quarter_turn(nearest.places - pose.centre), axis=1) / design.output.pin_circle_radius
+        -np.sum(normals * _quarter_turn(nearest_points.places - pose.centre), axis=1) / design.output.pin_circle_radius
     )
     if locked.has_moving_pins:
         gradient[:, 4:] = (np.eye(count)[:, :, np.newaxis] * normals[:, np.newaxis, :]).reshape(count, -1)
-    clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[nearest.owner]
+    clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[nearest_points.owner]
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
-        stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], nearest, pose, locked.flanks)
-    return PairSprings(nearest.distance + clearance, stiffness, gradient, -normals)
+        stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], nearest_points, pose, locked.flanks)
+    return PairSprings(nearest_points.distance + clearance, stiffness, gradient, -normals)
 
 
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
@@ -377,19 +377,19 @@ def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
-    holes, pins = (
+    hole_centres, pin_centres = (
         rotate(ideal_positions + locked.deviations.hole_displacement[0], pose.angle),
         rotate(ideal_positions, locked.angle(z[3])),
     )
-    centre_distances = pins - pose.centre - holes
+    centre_distances = pin_centres - pose.centre - hole_centres
     distance = np.linalg.norm(centre_distances, axis=1)
     normals = centre_distances / distance[:, np.newaxis]
     gradient = np.zeros((output.pins, z.size))
     gradient[:, :2] = normals
-    gradient[:, 2] = np.sum(normals * _quarter_turn(holes), axis=1) / output.pin_circle_radius
-    gradient[:, 3] = -np.sum(normals * _quarter_turn(pins), axis=1) / output.pin_circle_radius
-    play = output.hole_radius + locked.design.clearance.output - output.pin_radius
-    return PairSprings(play - distance, np.full(output.pins, locked.stiffness["output"]), gradient, normals)
+    gradient[:, 2] = np.sum(normals * _quarter_turn(hole_centres), axis=1) / output.pin_circle_radius
+    gradient[:, 3] = -np.sum(normals * _quarter_turn(pin_centres), axis=1) / output.pin_circle_radius
+    clearance = output.hole_radius + locked.design.clearance.output - output.pin_radius
+    return PairSprings(clearance - distance, np.full(output.pins, locked.stiffness["output"]), gradient, normals)
 
 
 def _quarter_turn(vectors: Array) -> Array:

@@ -135,11 +135,11 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
     """
     if not flanks.rotation:
         return _waved_distance(flanks, points)
-    families = [_rotated_flank_distance(flanks, points, side) for side in (1, -1)]
-    is_first = (families[0][0] <= families[1][0])[:, np.newaxis]
+    sides = [_rotated_flank_distance(flanks, points, side) for side in (1, -1)]
+    is_first = (sides[0][0] <= sides[1][0])[:, np.newaxis]
     distance, normals, t = (
         np.where(is_first if values.ndim == 2 else is_first[:, 0], values, other_values)
-        for values, other_values in zip(*families, strict=True)
+        for values, other_values in zip(*sides, strict=True)
     )
     return distance, normals, t
 
@@ -251,11 +251,11 @@ def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks 
     the disc, by default the ideal flanks of `gear`.
     """
     flanks = flanks or _ideal(gear)
-    arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
+    arc_points = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
     arc_directions = unit(profile.pin_angles(gear))
-    sine = arcs.normals[:, 0] * arc_directions[:, 1] - arcs.normals[:, 1] * arc_directions[:, 0]
+    sine = arc_points.normals[:, 0] * arc_directions[:, 1] - arc_points.normals[:, 1] * arc_directions[:, 0]
     is_on_arc = np.abs(sine) <= np.sin(envelope.largest_alpha(gear))
-    return _concatenate(_select(arcs, is_on_arc), _root_minima(gear, pose, roots, flanks))
+    return _concatenate(_select(arc_points, is_on_arc), _root_minima(gear, pose, roots, flanks))
 
 
 def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:

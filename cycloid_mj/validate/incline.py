@@ -75,7 +75,7 @@ def rows(quick: bool) -> list[ValidationRow]:
         simulate_descent(contact_parameters, small_angle, False),
         simulate_descent(contact_parameters, large_angle, False),
     )
-    rolling = simulate_descent(contact_parameters, math.atan(2.0 * contact_parameters.friction), True)
+    cylinder = simulate_descent(contact_parameters, math.atan(2.0 * contact_parameters.friction), True)
     gravity_along = INCLINE.gravity * math.sin(math.atan(2.0 * contact_parameters.friction))
     creep_pair = (
         1e6 * sticking.speed,
@@ -86,14 +86,19 @@ def rows(quick: bool) -> list[ValidationRow]:
         INCLINE.gravity * (math.sin(large_angle) - contact_parameters.friction * math.cos(large_angle)),
     )
     slip_pair, rolling_acceleration = (
-        (1e6 * rolling.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / contact_parameters.creep),
+        (1e6 * cylinder.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / contact_parameters.creep),
         2.0 * gravity_along / 3.0,
     )
     return [
         relative("creep of a block below the friction angle", *creep_pair, "um/s", "m g sin/creep", 5e-6),
         relative("acceleration of a block above it", *acceleration_pair, "m/s2", "g (sin - mu cos)", 1e-6),
         relative(
-            "acceleration of a rolling cylinder", rolling.acceleration, rolling_acceleration, "m/s2", "2/3 g sin", 5e-5
+            "acceleration of a rolling cylinder",
+            cylinder.acceleration,
+            rolling_acceleration,
+            "m/s2",
+            "2/3 g sin",
+            5e-5,
         ),
         relative("slip of the rolling cylinder", *slip_pair, "um/s", "m g sin/(3 creep)", 2.5e-3),
     ]
@@ -152,7 +157,7 @@ def _compile_model(pair: str, angle: float, is_cylinder: bool) -> Any:
 
     The body is a cylinder, which can rotate, if `is_cylinder`, else a block.
     """
-    text = _BODY.format(
+    xml = _BODY.format(
         timestep=INCLINE.timestep,
         along=INCLINE.gravity * math.sin(angle),
         down=-INCLINE.gravity * math.cos(angle),
@@ -163,7 +168,7 @@ def _compile_model(pair: str, angle: float, is_cylinder: bool) -> Any:
         turn=_TURN if is_cylinder else "",
         pair=pair,
     )
-    return mujoco.MjModel.from_xml_string(text)
+    return mujoco.MjModel.from_xml_string(xml)
 
 
 def _words(values: tuple[float, ...]) -> str:

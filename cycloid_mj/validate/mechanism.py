@@ -139,7 +139,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
     seat_gap = equilibrium.seat_gaps(reducer, np.tile(PIN_SHIFT, (pin_oversize.size, 1)))[0]
     seat_gap -= pin_oversize if design.ring.has_sockets else 0.0
     cam_gaps = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, pose), axis=1)
-    depths = np.minimum(
+    exact_depths = np.minimum(
         np.concatenate(
             [exact_gap[:tooth_count], *([seat_gap] if has_moving_pins else []), cam_gaps, exact_gap[tooth_count:]]
         ),
@@ -147,7 +147,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
     )
     return [
         deviation_row(
-            f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3
+            f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * exact_depths, "um", "exact curves", 1e-3
         )
     ]
 

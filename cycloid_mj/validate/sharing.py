@@ -111,8 +111,10 @@ def _compare_ideal_forces(
     """
     design = _at_slow_speed(Reducer(design_of_kind(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, SHARING.stiff_cam, separate_lines)
-    expected = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation_row(quantity, run.forces(design.design.tooth_pair), expected, "N", source, SHARING.ideal, note)
+    expected_forces = np.stack([reference(design, crank) for crank in run["crank_angle"]])
+    return deviation_row(
+        quantity, run.forces(design.design.tooth_pair), expected_forces, "N", source, SHARING.ideal, note
+    )
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
@@ -176,22 +178,25 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
     `name` is the name of the case. `cam_stiffness` [N/m] replaces the stiffness of the cam unless it is None. With
     `quick` there are fewer samples, and the run is shorter.
     """
-    slow_drive = _at_slow_speed(reducer, 200.0 if quick else 100.0)
-    run = settled_run(slow_drive, cam_stiffness, False)
-    stiffness = {kind: contact_law.stiffness for kind, contact_law in build(slow_drive.design).laws.items()}
+    slow_reducer = _at_slow_speed(reducer, 200.0 if quick else 100.0)
+    run = settled_run(slow_reducer, cam_stiffness, False)
+    stiffness = {kind: contact_law.stiffness for kind, contact_law in build(slow_reducer.design).laws.items()}
     stiffness["cam"] = cam_stiffness or stiffness["cam"]
-    samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
+    sample_indices = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
     equilibria: list[equilibrium.Equilibrium] = []
-    for crank in run["crank_angle"][samples]:
+    for crank in run["crank_angle"][sample_indices]:
         equilibria.append(
-            equilibrium.solve(slow_drive, stiffness, float(crank), equilibria[-1] if equilibria else None)
+            equilibrium.solve(slow_reducer, stiffness, float(crank), equilibria[-1] if equilibria else None)
         )
     tooth_forces, expected_forces = (
-        run.forces(slow_drive.design.tooth_pair)[samples],
+        run.forces(slow_reducer.design.tooth_pair)[sample_indices],
         np.stack([solution.ring_forces for solution in equilibria]),
     )
-    cam_load, expected_cam = run.forces("cam")[samples, 0], np.stack([solution.cam_force for solution in equilibria])
-    rotation = (run["gear_angle"] + run["crank_angle"] / slow_drive.design.lobes)[samples]
+    cam_force, expected_cam = (
+        run.forces("cam")[sample_indices, 0],
+        np.stack([solution.cam_force for solution in equilibria]),
+    )
+    rotation = (run["gear_angle"] + run["crank_angle"] / slow_reducer.design.lobes)[sample_indices]
     expected_rotation = np.array([solution.gear_turn for solution in equilibria])
     source = "static solution by scipy"
     return [
@@ -199,7 +204,7 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
         deviation_row(
             f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn
         ),
-        deviation_row(f"load of the cam, {name}", cam_load, expected_cam, "N", source, SHARING.cam),
+        deviation_row(f"load of the cam, {name}", cam_force, expected_cam, "N", source, SHARING.cam),
     ]
 
 

@@ -88,11 +88,11 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
     """
     load_change = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load_change)))
-    figures, finer = (
+    figures, finer_figures = (
         _run_quantities(kind, 6, load_change, f"settings.timestep_us={factor * step!r}") for factor in (1.0, 0.5)
     )
     return _compare_quantities(
-        kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
+        kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer_figures, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
     )
 
 
@@ -132,9 +132,9 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
         The run with the shortest step failed.
     """
     shortest_step = min(figures_by_step)
-    reference = figures_by_step[shortest_step]
-    if isinstance(reference, RunError):
-        raise reference
+    reference_figures = figures_by_step[shortest_step]
+    if isinstance(reference_figures, RunError):
+        raise reference_figures
     rows = []
     for step, figures in figures_by_step.items():
         if step == shortest_step:
@@ -145,7 +145,7 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
             rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
             continue
         bounds = MOVING_BOUNDS if _has_moving_pins(kind) else BOUNDS if step >= automatic_step else HALF_STEP_BOUNDS
-        step_rows = _compare_quantities(kind, f"{step:g} us", figures, reference, source, bounds)
+        step_rows = _compare_quantities(kind, f"{step:g} us", figures, reference_figures, source, bounds)
         if step <= automatic_step:
             rows += step_rows
         else:

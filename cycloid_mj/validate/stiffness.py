@@ -49,7 +49,12 @@ def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _share_patches(
-    reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
+    reducer: Reducer,
+    flat_stiffness: float,
+    nearest_points: NearestPoints,
+    pose: GearPose,
+    flanks: Flanks,
+    stiffness: Array,
 ) -> Array:
     """Return the stiffness of n contact lines [N/m], (n,), reduced for lines that form one contact area (patch).
 
@@ -61,25 +66,27 @@ def _share_patches(
     ----------
     flat_stiffness
         Stiffness of a pin on a flat [N/m].
-    nearest, pose, flanks
+    nearest_points, pose, flanks
         Nearest points of disc and ring, pose of the disc, and its flanks.
     stiffness
         Stiffness of each line on its own [N/m], shape (n,).
     """
     gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat_stiffness
     min_phase, stiffness = gear.best_phase, stiffness.copy()
-    arc_row = {int(lobe): row for row, lobe in enumerate(nearest.owner) if np.isnan(nearest.B[row])}
-    for row in np.flatnonzero(~np.isnan(nearest.B) & (nearest.distance < gear.pin_radius - flanks.offset)):
-        arc = arc_row.get(int(nearest.owner[row]))
-        if arc is None:
+    arc_indices = {int(lobe): row for row, lobe in enumerate(nearest_points.owner) if np.isnan(nearest_points.B[row])}
+    for row in np.flatnonzero(
+        ~np.isnan(nearest_points.B) & (nearest_points.distance < gear.pin_radius - flanks.offset)
+    ):
+        arc_index = arc_indices.get(int(nearest_points.owner[row]))
+        if arc_index is None:
             continue
-        is_same_lobe = nearest.B[row] <= np.pi
-        root = nearest.owner[row] if is_same_lobe else (nearest.owner[row] + 1) % gear.ring_teeth
-        mid_phase = np.array([(nearest.B[row] + (min_phase if is_same_lobe else 2 * np.pi - min_phase)) / 2])
-        mid_gap = flank_distance(flanks, pose.to_gear(offset_root(gear, int(root), mid_phase)))[0][0]
-        gap_rise = mid_gap - max(nearest.distance[row], nearest.distance[arc])
+        is_same_lobe = nearest_points.B[row] <= np.pi
+        root_index = nearest_points.owner[row] if is_same_lobe else (nearest_points.owner[row] + 1) % gear.ring_teeth
+        mid_phase = np.array([(nearest_points.B[row] + (min_phase if is_same_lobe else 2 * np.pi - min_phase)) / 2])
+        mid_gap = flank_distance(flanks, pose.to_gear(offset_root(gear, int(root_index), mid_phase)))[0][0]
+        gap_rise = mid_gap - max(nearest_points.distance[row], nearest_points.distance[arc_index])
         separation = float(np.clip(gap_rise / deflection, 0.0, 1.0))
         share = (1 + separation) / 2
-        stiffness[row] = share * (stiffness[arc] + separation * (stiffness[row] - stiffness[arc]))
-        stiffness[arc] *= share
+        stiffness[row] = share * (stiffness[arc_index] + separation * (stiffness[row] - stiffness[arc_index]))
+        stiffness[arc_index] *= share
     return stiffness

@@ -110,9 +110,9 @@ def select_parts(only: Sequence[str] = (), other_parts: Sequence[ValidationPart]
     UsageError
         A name is not that of a step.
     """
-    unknown = [name for name in only if name not in STEP_NAMES]
-    if unknown:
-        raise UsageError(f"--only {unknown[0]}: unknown validation step. Choose from {', '.join(STEP_NAMES)}")
+    unknown_names = [name for name in only if name not in STEP_NAMES]
+    if unknown_names:
+        raise UsageError(f"--only {unknown_names[0]}: unknown validation step. Choose from {', '.join(STEP_NAMES)}")
     parts = sorted((*PARTS, *other_parts), key=lambda part: STEP_NAMES.index(part.rung))
     return tuple(part for part in parts if not only or part.rung in only)
 
@@ -130,13 +130,13 @@ def run_parts(
     tuple
         Index of the part in `parts`, and its rows.
     """
-    order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
-    tasks = [(parts[index], quick) for index in order]
+    part_order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
+    tasks = [(parts[index], quick) for index in part_order]
     # a single part runs in this process
     for part_index, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run_part, tasks):
         for text in messages:
             warnings.warn(text, CycloidWarning, stacklevel=2)
-        yield order[part_index], rows
+        yield part_order[part_index], rows
 
 
 def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:

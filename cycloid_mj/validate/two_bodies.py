@@ -164,7 +164,7 @@ def two_body_model(contact_parameters: ContactParameters, timestep: float, gravi
     `contact_parameters` are the law of the contact; `timestep` is in [s].
     """
     parameters = solver_parameters(contact_parameters, 1.0 / TWO_BODIES.mass)
-    text = _XML.format(
+    xml = _XML.format(
         timestep=timestep,
         gravity=gravity,
         mass=TWO_BODIES.mass,
@@ -173,7 +173,7 @@ def two_body_model(contact_parameters: ContactParameters, timestep: float, gravi
         solref=" ".join(map(repr, parameters.solref)),
         solimp=" ".join(map(repr, parameters.solimp)),
     )
-    return mujoco.MjModel.from_xml_string(text)
+    return mujoco.MjModel.from_xml_string(xml)
 
 
 def _secant_rows(stiffness: float) -> list[ValidationRow]:
@@ -181,29 +181,31 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
 
     These rows have no bound: they show the range of the secant stiffness.
     """
-    drive = RATED
+    rated_reducer = RATED
     working_force, length, radius = (
-        drive.contacts["pin_gear"].force,
-        drive.design.gear.face_width,
-        drive.design.ring.pin_radius,
+        rated_reducer.contacts["pin_gear"].force,
+        rated_reducer.design.gear.face_width,
+        rated_reducer.design.ring.pin_radius,
     )
-    modulus = ideal_loads.contact_modulus(drive.design.material.youngs_modulus, drive.design.material.poisson)
+    modulus = ideal_loads.contact_modulus(
+        rated_reducer.design.material.youngs_modulus, rated_reducer.design.material.poisson
+    )
 
-    def hertz(force: float) -> float:
+    def hertz_stiffness(force: float) -> float:
         return float(ideal_loads.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))
 
     palmgren_stiffness = float(ideal_loads.palmgren_stiffness(working_force, length))
     secant_note = "the model uses the secant stiffness at the working force of ideal load sharing"
 
-    def row(force: float, reference: float, source: str, note: str) -> ValidationRow:
+    def secant_row(force: float, reference: float, source: str, note: str) -> ValidationRow:
         return relative(
             f"stiffness used, at {force:g} N", 1e-6 * stiffness, 1e-6 * reference, "N/um", source, None, note
         )
 
     return [
-        row(0.2 * working_force, hertz(0.2 * working_force), "Johnson 1985, 5.6", secant_note),
-        row(1.5 * working_force, hertz(1.5 * working_force), "Johnson 1985, 5.6", secant_note),
-        row(
+        secant_row(0.2 * working_force, hertz_stiffness(0.2 * working_force), "Johnson 1985, 5.6", secant_note),
+        secant_row(1.5 * working_force, hertz_stiffness(1.5 * working_force), "Johnson 1985, 5.6", secant_note),
+        secant_row(
             working_force,
             palmgren_stiffness,
             "Palmgren",

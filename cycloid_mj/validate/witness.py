@@ -85,11 +85,11 @@ def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
         "rms gear speed error",
     )
     comparisons = (relative, relative, relative, absolute, relative)
-    pairs = zip(figures(reducer, simulate(reducer.design)), planar_figures(reducer), strict=True)
+    value_pairs = zip(figures(reducer, simulate(reducer.design)), planar_figures(reducer), strict=True)
     return [
         compare(f"{name}, {case}", value, reference, unit, "planar solver", bound)
         for (value, reference), name, unit, bound, compare in zip(
-            pairs, quantities, units, WITNESS.bounds, comparisons, strict=True
+            value_pairs, quantities, units, WITNESS.bounds, comparisons, strict=True
         )
     ]
 
