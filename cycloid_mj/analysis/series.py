@@ -319,12 +319,8 @@ def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     """Cut a run before its first invalid sample, which has a value that is not finite or exceeds `LARGEST`.
 
     A failed run may end in such samples. All columns are checked, also those that the analysis does not need. The note
-    of the shortened run states the time of the first omitted sample.
-
-    Raises
-    ------
-    LogError
-        One of the columns `column_names`, which the analysis needs, is missing.
+    of the shortened run states the time of the first omitted sample. Raises LogError if one of the columns
+    `column_names`, which the analysis needs, is missing.
     """
     missing = [name for name in column_names if name not in run.columns]
     if missing:
@@ -345,10 +341,7 @@ def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
 def _check_point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
     """Return the point q as a read-only array (2,) [m], by default the centre of hole 1, or of crank bore 1.
 
-    Raises
-    ------
-    UsageError
-        `q` is not two finite numbers.
+    Raises UsageError if `q` is not two finite numbers.
     """
     point = np.array([0.0, reducer.lever] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():

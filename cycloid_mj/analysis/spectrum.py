@@ -116,29 +116,33 @@ def periodic_orders(
         The steps are not even, or do not fit in a cycle, or there is no full cycle.
     """
     period, increment = 2.0 * np.pi / cycles_per_turn, float(crank_angle[-1] - crank_angle[0]) / (len(crank_angle) - 1)
-    cycles = int((len(crank_angle) * increment) / period + SPECTRUM.step_rtol)
-    points = round(cycles * period / increment)
-    uneven = np.abs(np.diff(crank_angle) - increment).max() > SPECTRUM.step_rtol * increment
-    if cycles < 1 or uneven or abs(points * increment - cycles * period) > SPECTRUM.step_rtol * period:
+    cycle_count = int((len(crank_angle) * increment) / period + SPECTRUM.step_rtol)
+    point_count = round(cycle_count * period / increment)
+    is_uneven = np.abs(np.diff(crank_angle) - increment).max() > SPECTRUM.step_rtol * increment
+    if (
+        cycle_count < 1
+        or is_uneven
+        or abs(point_count * increment - cycle_count * period) > SPECTRUM.step_rtol * period
+    ):
         problem = f"have steps of {np.degrees(increment):.6g} deg, which do not divide full cycles"
-        if uneven:
+        if is_uneven:
             problem = "are not equally spaced"
-        elif cycles < 1:
+        elif cycle_count < 1:
             problem = f"cover only {np.degrees(len(crank_angle) * increment):.6g} deg"
         raise UsageError(
             "the spectrum needs equally spaced crank angles whose step divides full cycles of "
             f"{np.degrees(period):.6g} deg, but the {len(crank_angle)} angles {problem}: sample the signal again"
         )
-    amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
-    order = cycles_per_turn * np.arange(amplitude.size) / cycles
-    nyquist_order = 0.5 * cycles_per_turn * points / cycles
-    selected = (order > 0.0) & (order <= max_order) & (order < nyquist_order)
+    amplitude = 2.0 / point_count * np.abs(np.fft.rfft(values[:point_count]))
+    order = cycles_per_turn * np.arange(amplitude.size) / cycle_count
+    nyquist_order = 0.5 * cycles_per_turn * point_count / cycle_count
+    is_selected = (order > 0.0) & (order <= max_order) & (order < nyquist_order)
     return Orders(
         cycles_per_turn,
-        order[selected],
-        amplitude[selected],
-        (cycles_per_turn / cycles, min(max_order, nyquist_order)),
-        cycles,
+        order[is_selected],
+        amplitude[is_selected],
+        (cycles_per_turn / cycle_count, min(max_order, nyquist_order)),
+        cycle_count,
     )
 
 
@@ -272,7 +276,7 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
         0.0, new_nyquist, 1 + 2 ** (2 * half_length).bit_length()
     )  # the grid of firwin2 and points between
     gain = 1.0 / np.sinc(0.5 * frequency) if means else np.ones(frequency.size)
-    taps = firwin2(
+    filter_taps = firwin2(
         2 * half_length + 1,
         [*frequency, new_nyquist, 1.0],
         [*gain, 0.0, 0.0],
@@ -282,7 +286,7 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
     padded = np.pad(values, margins, mode="reflect", reflect_type="odd")
     start_index = 2 * half_length // factor
     return np.asarray(
-        upfirdn(taps, padded, down=factor, axis=0)[start_index : start_index + math.ceil(len(values) / factor)]
+        upfirdn(filter_taps, padded, down=factor, axis=0)[start_index : start_index + math.ceil(len(values) / factor)]
     )
 
 

@@ -110,10 +110,10 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
     """
     swept_turns = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
     # a turn of n samples ends one sample after its last
-    turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + WINDOW.period_tolerance)
+    turn_count = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + WINDOW.period_tolerance)
     # samples may fall on the ends of a turn, which the servo of the drive misses by about 1e-8 of a turn
-    starts = np.searchsorted(swept_turns, np.arange(turns + 1) - WINDOW.period_tolerance / (2 * np.pi))
-    return [slice(int(first_sample), int(end_sample)) for first_sample, end_sample in pairwise(starts)] or [
+    start_samples = np.searchsorted(swept_turns, np.arange(turn_count + 1) - WINDOW.period_tolerance / (2 * np.pi))
+    return [slice(int(first_sample), int(end_sample)) for first_sample, end_sample in pairwise(start_samples)] or [
         slice(0, swept_turns.size)
     ]
 

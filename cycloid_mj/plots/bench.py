@@ -79,10 +79,10 @@ def comparison_figure(result: BenchComparison) -> Figure:
     """
     figure = style.create_figure(4.4)
     error_axes, order_axes = figure.subplots(2, 1)
-    crank = result.measured.crank / DEGREE
+    crank_degrees = result.measured.crank / DEGREE
     error = result.measured.error - result.measured.error.mean()
-    error_axes.plot(crank, error / ARCSECOND, **style.THEORY)
-    error_axes.plot(crank, result.model / ARCSECOND, color=style.VERMILION, linewidth=0.9)
+    error_axes.plot(crank_degrees, error / ARCSECOND, **style.THEORY)
+    error_axes.plot(crank_degrees, result.model / ARCSECOND, color=style.VERMILION, linewidth=0.9)
     error_axes.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]")
     style.legend_above(error_axes, ("measured", style.THEORY), ("model", {"color": style.VERMILION, "linewidth": 0.9}))
     width = 0.35

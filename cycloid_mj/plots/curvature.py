@@ -38,27 +38,27 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     touches a valley of the disc, at 180 deg the tip of a lobe.
     """
     figure = create_figure(4.4)
-    top, bottom = figure.subplots(2, 1, sharex=True)
+    curvature_axes, pressure_axes = figure.subplots(2, 1, sharex=True)
     for index, design in enumerate(designs):
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
         line_style = {"color": COLORS[index % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - index / len(designs))}
-        _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, line_style)
-        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, reducer_of(design)), line_style)
-    top.set_title("Relative normal curvature of the contact lines")
-    top.set_ylabel("curvature [1/mm]")
+        _draw_flanks(curvature_axes, lines, 1e-3 * lines.relative_curvature, line_style)
+        _draw_flanks(pressure_axes, lines, 1e-6 * _pressure(lines, reducer_of(design)), line_style)
+    curvature_axes.set_title("Relative normal curvature of the contact lines")
+    curvature_axes.set_ylabel("curvature [1/mm]")
     force_text = ", ".join(
         f"{force:.4g}" for force in dict.fromkeys(_working_force(reducer_of(design)) for design in designs)
     )
-    bottom.set_title(f"Hertz pressure of a single contact line under {force_text} N")
-    bottom.set_ylabel("pressure [MPa]")
-    for panel in (top, bottom):
+    pressure_axes.set_title(f"Hertz pressure of a single contact line under {force_text} N")
+    pressure_axes.set_ylabel("pressure [MPa]")
+    for panel in (curvature_axes, pressure_axes):
         panel.set_ylim(bottom=0.0)
         crank_axis(panel, np.array([0.0, 360.0]))
         panel.axvline(180.0, color=GREY, linewidth=0.6)
         panel.xaxis.set_major_locator(MultipleLocator(30))
-    top.set_xlabel("")
-    bottom.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of a lobe of the disc")
+    curvature_axes.set_xlabel("")
+    pressure_axes.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of a lobe of the disc")
     design_entries: list[tuple[str, dict[str, Any]]] = [
         (design.name, {"color": COLORS[design_index % len(COLORS)]}) for design_index, design in enumerate(designs)
     ]

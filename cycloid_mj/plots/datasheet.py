@@ -98,13 +98,13 @@ def _operation_page(sheet: Datasheet) -> Figure:
     for heading in [heading for heading in sheet.groups if heading in OPERATION]:
         top = _draw_table(figure, heading, sheet.groups[heading], top)
     _draw_heading(figure, "Assumptions", top)
-    line = top - 0.019
+    line_y = top - 0.019
     for note in sheet.notes:
-        for number, part in enumerate(textwrap.wrap(note, LAYOUT.note_width, break_on_hyphens=False)):
-            figure.text(LAYOUT.left, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
-            figure.text(LAYOUT.left + 0.014, line, part, fontsize=6.4, color=INK, va="top")
-            line -= 0.0115
-        line -= 0.004
+        for number, text_line in enumerate(textwrap.wrap(note, LAYOUT.note_width, break_on_hyphens=False)):
+            figure.text(LAYOUT.left, line_y, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
+            figure.text(LAYOUT.left + 0.014, line_y, text_line, fontsize=6.4, color=INK, va="top")
+            line_y -= 0.0115
+        line_y -= 0.004
     return figure
 
 
@@ -167,17 +167,17 @@ def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], to
     height, from its bottom.
     """
     _draw_heading(figure, heading, top)
-    name, unit, condition = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
-    line = top - 0.0185
+    name_x, unit_x, condition_x = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
+    line_y = top - 0.0185
     for quantity in quantities:
         text_style: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
-        figure.text(name, line, quantity.name, **text_style)
-        figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **text_style)
-        figure.text(unit, line, format_unit(quantity.unit), **text_style)
-        figure.text(condition, line, _shorten(quantity.note), **{**text_style, "fontsize": 6.2, "color": SOFT})
-        line -= LAYOUT.row
-        _draw_rule(figure, line + 0.5 * LAYOUT.row, RULE, 0.4)
-    return line - 0.012
+        figure.text(name_x, line_y, quantity.name, **text_style)
+        figure.text(unit_x - 0.012, line_y, format_value(quantity), weight="bold", ha="right", **text_style)
+        figure.text(unit_x, line_y, format_unit(quantity.unit), **text_style)
+        figure.text(condition_x, line_y, _shorten(quantity.note), **{**text_style, "fontsize": 6.2, "color": SOFT})
+        line_y -= LAYOUT.row
+        _draw_rule(figure, line_y + 0.5 * LAYOUT.row, RULE, 0.4)
+    return line_y - 0.012
 
 
 def _shorten(text: str) -> str:

@@ -56,27 +56,29 @@ def drawing_figure(drawing: PartDrawing) -> Figure:
     front view is seen along the axis and has its own scale.
     """
     figure = Figure(figsize=PAGE)
-    section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
+    section_axes, front_axes = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
     for left, right, bottom, top in drawing.section:
         corner = MILLIMETRES * left, MILLIMETRES * bottom
         width, height = MILLIMETRES * (right - left), MILLIMETRES * (top - bottom)
-        section.add_patch(
+        section_axes.add_patch(
             Rectangle(corner, width, height, facecolor="none", edgecolor="black", hatch="////", linewidth=0.5)
         )
     for outline in drawing.front:
-        front.add_patch(Polygon(MILLIMETRES * outline, closed=True, facecolor="none", edgecolor="black", linewidth=0.4))
+        front_axes.add_patch(
+            Polygon(MILLIMETRES * outline, closed=True, facecolor="none", edgecolor="black", linewidth=0.4)
+        )
     for start, end, dimension in dimension_lines(drawing):
-        _draw_dimension(section, start, end, dimension)
-    for axes in (section, front):
+        _draw_dimension(section_axes, start, end, dimension)
+    for axes in (section_axes, front_axes):
         axes.set_aspect("equal")
         axes.axis("off")
         axes.autoscale_view()
     min_x, max_x, bottom, top = sheet_ends(drawing)
-    section.set_xlim(min_x, max_x)
-    section.set_ylim(bottom, top)
-    front.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
-    front.axvline(0.0, color="grey", linewidth=0.3, linestyle="-.")
-    section.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    section_axes.set_xlim(min_x, max_x)
+    section_axes.set_ylim(bottom, top)
+    front_axes.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    front_axes.axvline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    section_axes.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
     figure.text(0.03, 0.25, "\n".join(drawing.notes), va="top", fontsize=7.5)
     figure.text(
         0.97, 0.04, "\n".join((*drawing.title, "dimensions in mm, ISO 128, first angle")), ha="right", fontsize=9.0

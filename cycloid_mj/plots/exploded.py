@@ -72,9 +72,9 @@ def exploded_figure(reducer: Reducer, casing: Casing) -> Figure:
             largest_radius = max(largest_radius, _draw_section(exploded_axes, component, prisms[component.part], shift))
         start += max(end_heights) - min(end_heights) + gap
         mid_height = MILLIMETRES * (shift + 0.5 * (min(end_heights) + max(end_heights)))
-        text = family.replace("_", " ") + (f" x{len(members)}" if len(members) > 1 else "")
+        label = family.replace("_", " ") + (f" x{len(members)}" if len(members) > 1 else "")
         exploded_axes.annotate(
-            f"{position + 1}  {text}",
+            f"{position + 1}  {label}",
             (mid_height, MILLIMETRES * largest_radius),
             (mid_height, 1.12 * MILLIMETRES * casing.outer),
             rotation=60,

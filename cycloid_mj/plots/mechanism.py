@@ -176,15 +176,17 @@ def _draw_forces(axes: Axes, reducer: Reducer, contacts: ContactForces) -> None:
     has_force = contacts.size[0] > 0.0
     if not has_force.any():
         return
-    largest, discs = float(contacts.size.max()), np.array(contacts.discs)
-    scale = largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
+    largest_force, discs = float(contacts.size.max()), np.array(contacts.discs)
+    scale = largest_force / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
     for disc in range(reducer.design.gear.discs):
         is_drawn, colour = has_force & (discs == disc), DISC_COLOURS[disc]
         points, forces = 1e3 * contacts.point[0, is_drawn].T, contacts.force[0, is_drawn].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
-    power = 10.0 ** math.floor(math.log10(largest))
-    reference = power * max(factor for factor in (1.0, 2.0, 5.0) if factor * power <= largest)
-    axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=DISC_COLOURS[disc])
+    power_of_ten = 10.0 ** math.floor(math.log10(largest_force))
+    reference_force = power_of_ten * max(factor for factor in (1.0, 2.0, 5.0) if factor * power_of_ten <= largest_force)
+    axes.quiverkey(
+        arrows, 0.1, 0.05, reference_force, f"{reference_force:g} N", labelpos="N", labelcolor=DISC_COLOURS[disc]
+    )
 
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:

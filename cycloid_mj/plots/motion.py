@@ -23,11 +23,11 @@ def input_figure(motion: Series) -> Figure:
 
     `motion` are the time series of the run.
     """
-    figure, top, bottom = _draw_speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
-    top.axhline(0.0, color=style.BLACK, linewidth=0.5)
-    top.margins(y=0.08)
-    top.set_title("Crank speed")
-    bottom.set_xlabel("time [s]")
+    figure, speed_axes, error_axes = _draw_speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
+    speed_axes.axhline(0.0, color=style.BLACK, linewidth=0.5)
+    speed_axes.margins(y=0.08)
+    speed_axes.set_title("Crank speed")
+    error_axes.set_xlabel("time [s]")
     figure.align_ylabels()
     return figure
 
@@ -39,14 +39,14 @@ def gear_speed_figure(motion: Series) -> Figure:
     `motion` are the time series of the run.
     """
     degrees = style.turn_degrees(motion)
-    figure, top, bottom = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
+    figure, speed_axes, error_axes = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.select(motion.one_turn)
     mean_speed = float(np.mean(speed.theory))
     largest_deviation = max(float(np.abs(values - mean_speed).max()) for values in (speed.theory, speed.simulated))
     half_span = max(SPEED_SPAN * abs(mean_speed), SPAN_MARGIN * largest_deviation, MIN_SPAN)
-    top.set_ylim(mean_speed - half_span, mean_speed + half_span)
-    top.set_title("Speed of the cycloid disc")
-    style.crank_axis(bottom, degrees)
+    speed_axes.set_ylim(mean_speed - half_span, mean_speed + half_span)
+    speed_axes.set_title("Speed of the cycloid disc")
+    style.crank_axis(error_axes, degrees)
     figure.align_ylabels()
     return figure
 
@@ -71,19 +71,19 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
         The figure, the axes of the speed, and the axes of the difference.
     """
     figure = style.create_figure(3.6)
-    top, bottom = figure.subplots(2, 1, sharex=True, **layout)
+    speed_axes, error_axes = figure.subplots(2, 1, sharex=True, **layout)
     speed, error = SIGNALS[key], SIGNALS[f"{key}_error"]
     if speed.theory:
-        top.plot(x, speed.theory(motion)[rows], **style.THEORY)
-    top.plot(x, speed.simulated(motion)[rows], **style.SIMULATED)
+        speed_axes.plot(x, speed.theory(motion)[rows], **style.THEORY)
+    speed_axes.plot(x, speed.simulated(motion)[rows], **style.SIMULATED)
     difference = error.simulated(motion)[rows]
-    bottom.plot(x, difference, **style.ERROR)
-    style.centre_on_zero(bottom, difference)
-    style.add_degree_axis(top)
-    top.set_ylabel(speed.label)
-    bottom.set_ylabel(error.label)
-    style.legend_above(top, *style.BOTH)
-    return figure, top, bottom
+    error_axes.plot(x, difference, **style.ERROR)
+    style.centre_on_zero(error_axes, difference)
+    style.add_degree_axis(speed_axes)
+    speed_axes.set_ylabel(speed.label)
+    error_axes.set_ylabel(error.label)
+    style.legend_above(speed_axes, *style.BOTH)
+    return figure, speed_axes, error_axes
 
 
 @style.with_style

@@ -40,8 +40,8 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied_ranges) // COLUMNS)
     figure = style.create_figure(3.0 + 1.9 * rows)
-    grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[3.0, *([1.9] * rows)])
-    main_axes = figure.add_subplot(grid[0, :])
+    panel_grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[3.0, *([1.9] * rows)])
+    main_axes = figure.add_subplot(panel_grid[0, :])
     columns = optimum.frame.columns
     if len(objectives) > 1:
         x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
@@ -56,7 +56,7 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     has_infeasible = len(optimum.feasible) < np.isfinite(y).sum()
     style.legend_above(main_axes, *(marker for marker in MARKERS.items() if has_infeasible or marker[0] != INFEASIBLE))
     for number, key_range in enumerate(varied_ranges):
-        axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
+        axes = figure.add_subplot(panel_grid[1 + number // COLUMNS, number % COLUMNS])
         _scatter_points(
             axes,
             optimum,

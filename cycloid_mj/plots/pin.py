@@ -65,13 +65,13 @@ def _reachable_limit(reducer: Reducer, clearance: float, max_distance: float) ->
     """
     design = reducer.design
     half_angle = socket_half_angle(design) if design.ring.has_sockets else np.pi
-    limit = clearance * unit(np.linspace(0.0, half_angle, 100))
+    limit_points = clearance * unit(np.linspace(0.0, half_angle, 100))
     if half_angle < np.pi:
-        radius = 1e6 * design.ring.pin_radius
-        angles_of_rolling = half_angle - np.linspace(0.0, 3.0 * (max_distance + clearance) / radius, 100)
-        rolling_path = (radius + clearance) * unit([half_angle]) - radius * unit(angles_of_rolling)
-        limit = np.concatenate([limit, rolling_path[np.minimum.accumulate(rolling_path[:, 0] > 0.0)]])
-    return np.concatenate([(limit * [-1.0, 1.0])[::-1], limit]).T
+        pin_radius = 1e6 * design.ring.pin_radius
+        angles_of_rolling = half_angle - np.linspace(0.0, 3.0 * (max_distance + clearance) / pin_radius, 100)
+        rolling_path = (pin_radius + clearance) * unit([half_angle]) - pin_radius * unit(angles_of_rolling)
+        limit_points = np.concatenate([limit_points, rolling_path[np.minimum.accumulate(rolling_path[:, 0] > 0.0)]])
+    return np.concatenate([(limit_points * [-1.0, 1.0])[::-1], limit_points]).T
 
 
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:

@@ -21,11 +21,11 @@ def path_figure(motion: Series) -> Figure:
     figure = style.create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
     degrees, position = style.turn_degrees(motion), motion.q_position.select(motion.one_turn)
-    worst = int(np.argmax(position.error_size))
+    worst_sample = int(np.argmax(position.error_size))
     _draw_path(axes["p"], position, motion.q)
-    _draw_detail(axes["n"], position, worst)
-    _connect_detail(axes["p"], axes["n"], 1e3 * position.theory[worst])
-    _draw_error(axes["e"], degrees, position, worst)
+    _draw_detail(axes["n"], position, worst_sample)
+    _connect_detail(axes["p"], axes["n"], 1e3 * position.theory[worst_sample])
+    _draw_error(axes["e"], degrees, position, worst_sample)
     return figure
 
 
@@ -37,24 +37,27 @@ def velocity_figure(motion: Series) -> Figure:
     the run.
     """
     figure = style.create_figure(4.2)
-    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
+    velocity_axes, error_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
     degrees, velocity = style.turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
     x, y = (Compared(velocity.simulated[:, axis], velocity.theory[:, axis]) for axis in range(2))
     components = (("$v_x$", x, style.BLUE), ("$v_y$", y, style.ORANGE), ("$|v|$", velocity.size, style.GREEN))
     for _, component, color in components:
-        top.plot(degrees, 1e3 * component.theory, color=_LIGHT[color], linewidth=3.2)
-        top.plot(degrees, 1e3 * component.simulated, color=color, linewidth=0.9)
-        bottom.plot(degrees, 1e3 * component.error, color=color, linewidth=0.8)
-    top.set_ylabel("velocity of q [mm/s]")
-    top.set_title("Velocity of q")
+        velocity_axes.plot(degrees, 1e3 * component.theory, color=_LIGHT[color], linewidth=3.2)
+        velocity_axes.plot(degrees, 1e3 * component.simulated, color=color, linewidth=0.9)
+        error_axes.plot(degrees, 1e3 * component.error, color=color, linewidth=0.8)
+    velocity_axes.set_ylabel("velocity of q [mm/s]")
+    velocity_axes.set_title("Velocity of q")
     entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in components]
     closed_form_style = {"color": "#C9C9C9", "linewidth": 3.2}
     style.legend_above(
-        top, *entries, ("closed form", closed_form_style), ("simulation", {"color": style.BLACK, "linewidth": 0.9})
+        velocity_axes,
+        *entries,
+        ("closed form", closed_form_style),
+        ("simulation", {"color": style.BLACK, "linewidth": 0.9}),
     )
-    style.centre_on_zero(bottom, *(1e3 * component.error for _, component, _ in components))
-    bottom.set_ylabel("error [mm/s]")
-    style.crank_axis(bottom, degrees)
+    style.centre_on_zero(error_axes, *(1e3 * component.error for _, component, _ in components))
+    error_axes.set_ylabel("error [mm/s]")
+    style.crank_axis(error_axes, degrees)
     figure.align_ylabels()
     return figure
 
@@ -74,16 +77,17 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
     axes.legend(handles=style.legend_handles(*style.BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
 
 
-def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw the simulated and the closed-form path of a point, in um relative to the closed form at the sample `worst`.
+def _draw_detail(axes: Axes, position: Compared, sample: int) -> None:
+    """Draw the simulated and the closed-form path of a point, in um relative to the closed form at `sample`.
 
-    `position` has both paths in m, and `worst` is a sample's index. Lines connect the two points of each sample.
+    `position` has both paths in m, and `sample` is the index of the centre of the drawing. Lines connect the two points
+    of each sample.
     """
-    origin = position.theory[worst]
+    origin = position.theory[sample]
     closed_form_path, simulated_path = (1e6 * (path - origin).T for path in (position.theory, position.simulated))
     sample_distances = np.linalg.norm(np.diff(closed_form_path.T, axis=0), axis=1)
-    spacing = float(sample_distances[max(0, worst - 1) : worst + 1].mean()) if sample_distances.size else 1.0
-    half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * spacing, 1e-3)
+    spacing = float(sample_distances[max(0, sample - 1) : sample + 1].mean()) if sample_distances.size else 1.0
+    half_span = max(2.5e6 * float(position.error_size[sample]), 1.3 * spacing, 1e-3)
     axes.plot(*closed_form_path, marker="o", markersize=5, **style.THEORY)
     axes.plot(*simulated_path, marker="o", markersize=2.5, **style.SIMULATED)
     is_inside = np.abs(closed_form_path).max(axis=0) < 3 * half_span
@@ -114,8 +118,8 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
         ).set_in_layout(False)
 
 
-def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw the path error (x, y and magnitude) [um] against the crank angle [deg], and mark the sample `worst`.
+def _draw_error(axes: Axes, degrees: Array, position: Compared, sample: int) -> None:
+    """Draw the path error (x, y and magnitude) [um] against the crank angle [deg], and mark one sample.
 
     Parameters
     ----------
@@ -123,15 +127,20 @@ def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> N
         The n crank angles [deg], shape (n,).
     position
         Simulated and closed-form path [m].
-    worst
+    sample
         Index of the marked sample.
     """
-    error, size = 1e6 * position.error, 1e6 * position.error_size
+    error, error_size = 1e6 * position.error, 1e6 * position.error_size
     axes.plot(degrees, error[:, 0], color=style.BLUE, linewidth=0.8)
     axes.plot(degrees, error[:, 1], color=style.ORANGE, linewidth=0.8)
-    axes.plot(degrees, size, **style.ERROR)
+    axes.plot(degrees, error_size, **style.ERROR)
     axes.plot(
-        degrees[worst], size[worst], marker="o", markersize=7, markerfacecolor="none", markeredgecolor=style.VERMILION
+        degrees[sample],
+        error_size[sample],
+        marker="o",
+        markersize=7,
+        markerfacecolor="none",
+        markeredgecolor=style.VERMILION,
     )
     axes.axhline(0.0, color=style.BLACK, linewidth=0.5)
     axes.margins(y=0.12)

@@ -290,11 +290,11 @@ def _rotation_dot(reducer: Reducer) -> tuple[float, float]:
     The dot is on +y, between a hole or crank bore and a valley of the teeth.
     """
     ring, output, gear = reducer.design.ring, reducer.design.output, reducer.design.gear
-    valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
+    valley_radius = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
     if isinstance(reducer, RvReducer):
-        edge = reducer.crank_radius + reducer.bore_radius
-        return 0.5 * (valley + edge), 0.2 * (valley - edge)
-    return 0.5 * (valley + output.pin_circle_radius + output.hole_radius), 0.2 * output.pin_radius
+        hole_edge_radius = reducer.crank_radius + reducer.bore_radius
+        return 0.5 * (valley_radius + hole_edge_radius), 0.2 * (valley_radius - hole_edge_radius)
+    return 0.5 * (valley_radius + output.pin_circle_radius + output.hole_radius), 0.2 * output.pin_radius
 
 
 def _draw_socket(axes: Axes, radius: float, half_angle: float) -> Any:
@@ -323,7 +323,7 @@ def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
 
     The largest force of all frames has an arrow of `MAX_ARROW` times the housing's radius.
     """
-    largest = max(float(forces.size.max(initial=0.0)), 1e-9)
+    largest_force = max(float(forces.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
         *(1e3 * forces.point[0]).T,
         *forces.force[0].T,
@@ -331,7 +331,7 @@ def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
         pivot="tip",
         angles="xy",
         scale_units="xy",
-        scale=largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius),
+        scale=largest_force / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius),
         units="width",
         width=0.005,
         minlength=0.1,
@@ -373,15 +373,15 @@ def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) ->
     axes = figure.add_axes((0.095, 0.06, 0.88, 0.125))
     numbers = np.arange(1, len(ring.names) + 1)
     bars = axes.bar(numbers, ring.size[0], width=0.8, color=VERMILION)
-    top = max(float(ring.size.max()), 1e-9)
-    line = None
+    max_force = max(float(ring.size.max()), 1e-9)
+    ideal_line = None
     if ideal is not None and ideal.any():
-        line = axes.stairs(ideal[0], np.arange(numbers.size + 1) + 0.5, color=BLACK, linewidth=1.0, baseline=None)
-        line.set_label("closed form, no clearance, no friction")
+        ideal_line = axes.stairs(ideal[0], np.arange(numbers.size + 1) + 0.5, color=BLACK, linewidth=1.0, baseline=None)
+        ideal_line.set_label("closed form, no clearance, no friction")
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), borderaxespad=0.0)
-        top = max(top, float(ideal.max()))
+        max_force = max(max_force, float(ideal.max()))
     contact_name = "pin" if ring.kinds[0] == "pin_gear" else "lobe of the internal gear"
-    axes.set(xlim=(0.4, numbers.size + 0.6), ylim=(0.0, 1.08 * top), ylabel="force [N]")
+    axes.set(xlim=(0.4, numbers.size + 0.6), ylim=(0.0, 1.08 * max_force), ylabel="force [N]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel(f"{contact_name} (1 on +y, clockwise)", labelpad=1.0)
-    return bars, line
+    return bars, ideal_line

@@ -56,22 +56,22 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         if part in findings_of_design
     ]
     figure = create_figure(4.0)
-    top, bottom = figure.subplots(2, 1, sharex=True)
+    bulk_axes, contact_axes = figure.subplots(2, 1, sharex=True)
     for index, findings_of_design, maxima in studies:
         degrees, line_style = np.degrees(maxima.angle), _line_style(index)
-        top.plot(degrees, maxima.bulk / MEGAPASCAL, **line_style)
+        bulk_axes.plot(degrees, maxima.bulk / MEGAPASCAL, **line_style)
         peak = maxima.bulk_peak
-        top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
-        bottom.plot(degrees, maxima.contact / MEGAPASCAL, **line_style)
+        bulk_axes.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
+        contact_axes.plot(degrees, maxima.contact / MEGAPASCAL, **line_style)
         if published_limit := findings_of_design.published_limit(part):
-            top.axhline(published_limit / MEGAPASCAL, color=_color(index), **RANGE)
-    top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
-    bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
-    for panel in (top, bottom):
+            bulk_axes.axhline(published_limit / MEGAPASCAL, color=_color(index), **RANGE)
+    bulk_axes.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
+    contact_axes.set_title("Largest stress below a contact (von Mises, by Hertz)")
+    for panel in (bulk_axes, contact_axes):
         panel.set_ylabel("[MPa]")
         panel.set_ylim(0.0, 1.05 * panel.get_ylim()[1])
         crank_axis(panel, np.concatenate([np.degrees(maxima.angle) for _, _, maxima in studies]))
-    top.set_xlabel("")
+    bulk_axes.set_xlabel("")
     entries: Entries = [
         (f"{findings_of_design.design}, {findings_of_design.load:g} N m", {"color": _color(index)})
         for index, findings_of_design, _ in studies
@@ -97,10 +97,10 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
     """
     figure, panels = _create_panels(list(maps), f"{condition}: von Mises stress")
     for axes, (part, stress) in zip(panels, maps.items(), strict=False):
-        top = float(stress.von_mises[stress.bulk].max()) / MEGAPASCAL
-        image = _draw_map(axes, stress, stress.von_mises / MEGAPASCAL, top)
+        max_stress = float(stress.von_mises[stress.bulk].max()) / MEGAPASCAL
+        image = _draw_map(axes, stress, stress.von_mises / MEGAPASCAL, max_stress)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
-        axes.set_title(f"{TITLES[part]} at {np.degrees(stress.angle):.0f} deg:\nat most {top:.3g} MPa in bulk")
+        axes.set_title(f"{TITLES[part]} at {np.degrees(stress.angle):.0f} deg:\nat most {max_stress:.3g} MPa in bulk")
     return figure
 
 
@@ -135,10 +135,10 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     markers = dict(zip(TITLES, "osspPXD^v", strict=True))
     for index, findings_of_design in enumerate(findings):
         for maxima in findings_of_design.parts:
-            largest = maxima.refinement.stress.max(axis=1)
+            largest_stress = maxima.refinement.stress.max(axis=1)
             axes.plot(
                 maxima.refinement.unknowns,
-                100 * (largest / largest[-1] - 1.0),
+                100 * (largest_stress / largest_stress[-1] - 1.0),
                 marker=markers[maxima.part],
                 markersize=4.0,
                 **_line_style(index),
@@ -201,13 +201,19 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
     return figure, panels
 
 
-def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
+def _draw_map(axes: Axes, stress: StressMap, values: Array, max_value: float) -> Any:
     """Draw n nodal values (n,) of a part as colours on the mesh of `stress`, and return the drawn triangles.
 
     Values are interpolated linearly between nodes. A solid part is drawn in its view (`VIEWS`), visible faces only. The
-    colour scale ends at the value `top`.
+    colour scale ends at the value `max_value`.
     """
-    map_style: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
+    map_style: dict[str, Any] = {
+        "cmap": COLOUR_MAP,
+        "vmin": 0.0,
+        "vmax": max_value,
+        "shading": "gouraud",
+        "rasterized": True,
+    }
     if stress.points.shape[1] == 2:
         triangulation = _triangulate(stress.points / MILLIMETRE, stress.cells)
         return axes.tripcolor(triangulation, values, **map_style)
@@ -224,8 +230,8 @@ def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
     points, cells = grid.points, grid.cells
     line_style: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
-        ends = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [0, 2]]]), axis=1)
-        lines = points[np.unique(ends, axis=0)] / MILLIMETRE
+        edge_nodes = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [0, 2]]]), axis=1)
+        lines = points[np.unique(edge_nodes, axis=0)] / MILLIMETRE
         axes.add_collection(LineCollection(list(lines), colors=EDGE, **line_style))
     else:
         projected_points, faces, _ = _project_surface(points, cells, grid.part)
@@ -277,8 +283,8 @@ def _project_surface(points: Array, cells: Integers, part: str) -> tuple[Array, 
     outward_signs = np.sign(np.sum(face_normals * (corners.mean(axis=1) - points[opposite_corner]), axis=1))
     is_visible = outward_signs * (face_normals @ view_direction) > 0.0
     depth = corners.mean(axis=1) @ view_direction
-    order = np.flatnonzero(is_visible)[np.argsort(depth[is_visible])]
-    return points @ np.stack([right_axis, up_axis], axis=1) / MILLIMETRE, faces[order], depth[order]
+    far_to_near = np.flatnonzero(is_visible)[np.argsort(depth[is_visible])]
+    return points @ np.stack([right_axis, up_axis], axis=1) / MILLIMETRE, faces[far_to_near], depth[far_to_near]
 
 
 def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
@@ -296,5 +302,5 @@ def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])
     _, first_index, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
-    outer = faces[first_index[count == 1]]
-    return outer[:, :6], outer[:, 6]
+    outer_faces = faces[first_index[count == 1]]
+    return outer_faces[:, :6], outer_faces[:, 6]

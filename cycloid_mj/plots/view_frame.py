@@ -61,8 +61,8 @@ class ViewFrame:
         self._write_title(0.0, title)
         size_text = f"pins Ø{2 * MILLIMETRES * ring.pin_radius:.4g}" if ring.kind == "pin" else "lobes"
         ring_text = f"{ring.teeth} {size_text}\non Ø{2 * MILLIMETRES * ring.pin_circle_radius:.5g}"
-        pin = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
-        for label_point, label, side in ((pin, ring_text, -1.0), (point, text, 1.0)):
+        ring_point = ring.pin_circle_radius * np.array([math.cos(RING_LABEL_ANGLE), math.sin(RING_LABEL_ANGLE)])
+        for label_point, label, side in ((ring_point, ring_text, -1.0), (point, text, 1.0)):
             text_position = (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + LINE_SPACING))
             draw_leader(
                 axes, (MILLIMETRES * float(label_point[0]), MILLIMETRES * float(label_point[1])), text_position, label

@@ -102,11 +102,11 @@ def _draw_dimensions(frame: ViewFrame, reducer: Reducer) -> None:
     housing are on the right.
     """
     mm, outer, (left, right) = MILLIMETRES, frame.outer, frame.ends
-    disc, shaft = body_solids(reducer)[OUTPUT].prisms[0], MILLIMETRES * reducer.design.shaft.radius
-    disc_radius = mm * float(np.linalg.norm(disc.outline, axis=1).max())
+    output_disc, shaft = body_solids(reducer)[OUTPUT].prisms[0], MILLIMETRES * reducer.design.shaft.radius
+    disc_radius = mm * float(np.linalg.norm(output_disc.outline, axis=1).max())
     frame.draw_length((-frame.half_width, frame.half_width), 1, (-outer, -outer))
-    frame.draw_length((mm * disc.z0, mm * disc.z1), 2, (-disc_radius, -disc_radius))
+    frame.draw_length((mm * output_disc.z0, mm * output_disc.z1), 2, (-disc_radius, -disc_radius))
     frame.draw_length((left - frame.shift, right - frame.shift), 3, (-shaft, -disc_radius))
     level = left - LINE_SPACING * outer
     draw_dimension(frame.axes, (-shaft, shaft), level, (left, left), f"Ø{2 * shaft:.4g}", upright=True)
-    frame.draw_outer_diameters(disc_radius, mm * disc.z1)
+    frame.draw_outer_diameters(disc_radius, mm * output_disc.z1)

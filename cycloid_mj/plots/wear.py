@@ -26,10 +26,10 @@ def wear_figure(result: WearLife) -> Figure:
     _draw_lost_motion(panels[0], result)
     panels[0].set(xlabel="time [h]", ylabel="lost motion [arcmin]", xlim=(0.0, result.hours), ylim=(0.0, None))
     panels[0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
-    end = result.courses["typical"].hours[-1]
+    last_hour = result.courses["typical"].hours[-1]
     for axes, item in zip(panels[1:], unevenly_worn, strict=True):
         axes.plot(1e3 * item.surface.coordinates, 1e6 * item.depth, color=BLUE, linewidth=0.9)
-        axes.set_title(f"{item.surface.name}: depth of wear after {end:.4g} h, typical")
+        axes.set_title(f"{item.surface.name}: depth of wear after {last_hour:.4g} h, typical")
         axes.set(xlabel="along the section [mm]", ylabel="depth [um]", ylim=(0.0, None))
     return figure
 

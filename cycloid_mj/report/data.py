@@ -94,22 +94,22 @@ def _theory_key(key: str) -> str:
     return f"{key}_theory"
 
 
-def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
+def _run_data(reviewed_run: Reviewed, run_count: int) -> dict[str, Any]:
     """Return the data of a run as JSON values: curves, paths, mechanism and spectrum.
 
-    `item` is the analysed run. `runs` is the number of runs on the page: curves are decimated so that all runs together
-    have at most `CHARTS.max_values` values. ``time`` [s] counts from the first sample, which is at the time ``start``
-    [s] of the run. ``spans`` has the first and last time [s] of the evaluated part (``hold``), of one crank turn
-    (``turn``), and of the run (``all``).
+    `reviewed_run` is the analysed run. `run_count` is the number of runs on the page: curves are decimated so that all
+    runs together have at most `CHARTS.max_values` values. ``time`` [s] counts from the first sample, which is at the
+    time ``start`` [s] of the run. ``spans`` has the first and last time [s] of the evaluated part (``hold``), of one
+    crank turn (``turn``), and of the run (``all``).
     """
-    motion, signals = item.motion, curves(item.motion)
-    max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
+    motion, signals = reviewed_run.motion, curves(reviewed_run.motion)
+    max_samples = min(CHARTS.max_samples, CHARTS.max_values // (run_count * len(signals)))
     time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
     evaluated_times, turn_times = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
-        "name": item.name,
-        "colour": item.colour,
+        "name": reviewed_run.name,
+        "colour": reviewed_run.colour,
         "start": float(time[0]),
         "time": encode_array(time - time[0]),
         "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
@@ -119,8 +119,8 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
             "turn": _first_and_last(turn_times),
             "all": _first_and_last(motion.time),
         },
-        "mechanism": None if isinstance(motion.reducer, RvReducer) else mechanism(motion.reducer, item.shown),
-        "spectrum": spectrum_data(item),
+        "mechanism": None if isinstance(motion.reducer, RvReducer) else mechanism(motion.reducer, reviewed_run.shown),
+        "spectrum": spectrum_data(reviewed_run),
     }
 
 

@@ -37,13 +37,13 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     count = time.size
     if count <= max_samples:
         return time, values
-    width = -(-count // max(1, max_samples // 2))
-    spans = -(-count // width)
+    span_length = -(-count // max(1, max_samples // 2))
+    span_count = -(-count // span_length)
     # the last span is padded with its last sample, which changes no extreme
-    rows = np.minimum(np.arange(spans * width), count - 1).reshape(spans, width)
-    extreme_values = np.empty((2 * spans, values.shape[1]))
+    rows = np.minimum(np.arange(span_count * span_length), count - 1).reshape(span_count, span_length)
+    extreme_values = np.empty((2 * span_count, values.shape[1]))
     for column, samples in enumerate(values.T):  # column by column: a copy of all would be as large as the run
         block = samples[rows]
         extreme_indices = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
         extreme_values[:, column] = np.take_along_axis(block, extreme_indices, axis=1).ravel()
-    return time[rows[:, [0, width // 2]]].ravel(), extreme_values
+    return time[rows[:, [0, span_length // 2]]].ravel(), extreme_values

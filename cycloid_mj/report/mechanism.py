@@ -40,10 +40,10 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
         Reducer(view_from_ring(reducer.design)),
         view_columns_from_ring(reducer, samples.columns),
     )
-    widest = widest_gap(ring_reducer, measure_gaps(ring_reducer, ring_columns))
+    max_gap = widest_gap(ring_reducer, measure_gaps(ring_reducer, ring_columns))
     return _outlines_json(reducer) | {
-        "usual": fitting_magnification(ring_reducer, widest, MAGNIFICATIONS),
-        "widest": MILLIMETRES * widest,
+        "usual": fitting_magnification(ring_reducer, max_gap, MAGNIFICATIONS),
+        "widest": MILLIMETRES * max_gap,
         "frames": _frames_json(ring_reducer, ring_columns, samples.time),
     }
 
@@ -60,7 +60,7 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
     ring, output, gear = design.ring, design.output, design.gear
     housing_hole = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].holes[0]
     max_magnification = largest_magnification(reducer)
-    shape = {
+    outlines = {
         "kind": ring.kind,
         "free": ring.has_sockets,
         "teeth": ring.teeth,
@@ -95,8 +95,8 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
     }
     if ring.kind != "pin":
         outline = sample_ring_by_sagitta(reducer.tooth_profile, SCREEN_CHORD_ERROR)
-        shape |= {"ring": encode_array(MILLIMETRES * outline.points), "ringNormals": encode_array(outline.normals)}
-    return shape
+        outlines |= {"ring": encode_array(MILLIMETRES * outline.points), "ringNormals": encode_array(outline.normals)}
+    return outlines
 
 
 def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:

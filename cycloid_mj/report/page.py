@@ -73,27 +73,27 @@ def _failed_checks(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]
             yield item.name, checks
 
 
-def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
+def _main_values(reviewed_run: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield the main results of a run as pairs of name and text with unit.
 
     They are efficiency, transmission and speed errors of output and disc, largest contact force, number of contacts,
     and backlash and stiffness in static equilibrium. The last two are omitted if there is no equilibrium. The text of
-    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed. `item` is the
-    analysed run.
+    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed. `reviewed_run`
+    is the analysed run.
     """
-    findings = item.findings
+    findings = reviewed_run.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"
     yield "efficiency", no_value_text if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"
     for part, error, speed in (
         ("output", findings.transmission_error, findings.output_speed),
-        (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
+        (reviewed_run.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
     ):
         yield f"{part}: transmission error, peak to peak", f"{_format_number(error.peak_to_peak_arcsec)} arcsec"
         yield f"{part}: rms speed error", f"{_format_number(1e3 * speed.rms_error_rad_s)} mrad/s"
     yield "largest contact force", f"{_format_number(findings.contact_summary.peak_force_n, 4)} N"
     yield "mean number of contacts", f"{findings.contact_summary.mean_active:.3g}"
     with suppress(CycloidError):  # no static equilibrium: the checks among the warnings report it
-        yield from _static_values(item.motion.reducer)
+        yield from _static_values(reviewed_run.motion.reducer)
 
 
 def _static_values(reducer: Reducer) -> Iterator[tuple[str, str]]:

@@ -37,10 +37,10 @@ def frames(motion: Series) -> Integers:
 
 
 def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
-    """Evaluate runs by the names of their logs.
+    """Return the evaluation of each run: its series, findings, short name and colour.
 
-    `q` is a point of the disc [m], by default the centre of its hole 1, and `settle` the time after the speed ramp [s]
-    that is not evaluated; see `analysis.series`, also for errors.
+    `runs` are the runs by the names of their logs. `q` is a point of the disc [m], by default the centre of its hole 1,
+    and `settle` the time after the speed ramp [s] that is not evaluated; see `analysis.series`, also for errors.
     """
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])

@@ -99,12 +99,12 @@ def provenance(item: Reviewed) -> TextTable:
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
 
 
-def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
+def _setup_rows(reviewed_run: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield the rows of a run's setup as pairs of name and text with units: design, drive, load, time, ...
 
-    The row "accuracy at this time step" is omitted if the run does not state it. `item` is the analysed run.
+    The row "accuracy at this time step" is omitted if the run does not state it. `reviewed_run` is the analysed run.
     """
-    design, run = item.motion.design, item.motion.run
+    design, run = reviewed_run.motion.design, reviewed_run.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"
     yield "ratio", f"{design.reduction}:1, output: {design.output.member}"
@@ -121,19 +121,19 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
         _format_by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm",
     )
     yield "friction coefficients", _format_by_pair({kind: design.friction_of(kind) for kind in kinds})
-    yield f"{item.motion.reducer.INPUT} speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
+    yield f"{reviewed_run.motion.reducer.INPUT} speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
-    x, y = item.findings.q_path.q_mm
-    disc_text = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
+    x, y = reviewed_run.findings.q_path.q_mm
+    disc_text = f" of {reviewed_run.motion.gear_words}" if design.gear.discs > 1 else ""
     yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{disc_text}"
     span = float(run.time[-1] - run.time[0])
-    turns = abs(DEGREE.from_si(float(np.ptp(item.motion.crank_angle[[0, -1]])))) / 360
+    turns = abs(DEGREE.from_si(float(np.ptp(reviewed_run.motion.crank_angle[[0, -1]])))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
-    steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
-    yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"
-    if item.findings.timestep_for:
-        yield "accuracy at this time step", item.findings.timestep_for
-    window = item.findings.window
+    steps = f", {reviewed_run.findings.steps:,} steps" if reviewed_run.findings.steps else ""
+    yield "time step", f"{MICROSECOND.from_si(reviewed_run.findings.timestep_s):g} µs{steps}"
+    if reviewed_run.findings.timestep_for:
+        yield "accuracy at this time step", reviewed_run.findings.timestep_for
+    window = reviewed_run.findings.window
     evaluated_text = (
         f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
     )
