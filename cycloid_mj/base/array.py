@@ -26,7 +26,7 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Round all elements of the array `values` to the same decimals: the largest has `DIGITS` significant digits."""
+    """Return the array `values` with all elements rounded to the same decimals; the largest has `DIGITS` digits."""
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:

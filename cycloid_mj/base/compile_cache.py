@@ -38,15 +38,15 @@ def cache_folder() -> Path | None:
     The folder is created if needed. It is in ``NUMBA_CACHE_DIR`` if that is set, else next to the sources or in the
     home folder. Folders of earlier versions of the sources are removed, except for the latest two.
     """
-    name = f"kernels-{_digest_of_sources()}"
+    folder_name = f"kernels-{_digest_of_sources()}"
     for folder in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:
         with suppress(OSError, RuntimeError):  # a user may have no home folder
             parent = Path(folder).expanduser()
-            if not (parent / name).exists():
-                (parent / name).mkdir(parents=True, exist_ok=True)
+            if not (parent / folder_name).exists():
+                (parent / folder_name).mkdir(parents=True, exist_ok=True)
                 _remove_old_folders(parent)
-            with TemporaryFile(dir=parent / name):
-                return parent / name
+            with TemporaryFile(dir=parent / folder_name):
+                return parent / folder_name
     return None
 
 
@@ -72,7 +72,10 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             config.CACHE_DIR = previous_folder
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the cached machine code for a signature and a `target`, the compiler's context; None if unusable."""
+        """Return the cached machine code for a numba `signature`; None if there is none, or if the cache is damaged.
+
+        A damaged cache is emptied, with a message. `target` is the compiler's context.
+        """
         _import_array_functions()
         try:
             return super().load_overload(signature, target)

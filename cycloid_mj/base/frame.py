@@ -157,19 +157,19 @@ def write_parquet(
         The file cannot be written. Errors of DuckDB, or its absence, are of the type `error`.
     """
     duckdb = _duckdb("Parquet", "write CSV", error)
-    pairs = {"units": dict(frame.units), **metadata}
-    entries = ", ".join(f"{key}: {_quote(json.dumps(value))}" for key, value in pairs.items())
-    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{entries}}}"
+    all_metadata = {"units": dict(frame.units), **metadata}
+    metadata_text = ", ".join(f"{key}: {_quote(json.dumps(value))}" for key, value in all_metadata.items())
+    copy_options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{metadata_text}}}"
     with atomic_file(path) as temporary_path, duckdb.connect() as database, TemporaryDirectory() as temporary_folder:
         database.register("frame", dict(frame.columns))
         # DuckDB takes names in UTF-8 alone
-        target = temporary_path if str(temporary_path).isprintable() else Path(temporary_folder) / "frame.parquet"
+        parquet_path = temporary_path if str(temporary_path).isprintable() else Path(temporary_folder) / "frame.parquet"
         try:
-            database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(target))} ({options})")
+            database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(parquet_path))} ({copy_options})")
         except duckdb.Error as problem:
             raise error(f"cannot write {path}: {problem}; choose another file") from problem
-        if target != temporary_path:
-            shutil.copyfile(target, temporary_path)
+        if parquet_path != temporary_path:
+            shutil.copyfile(parquet_path, temporary_path)
 
 
 def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = CycloidError) -> ModuleType:

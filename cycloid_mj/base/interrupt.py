@@ -57,15 +57,15 @@ def preserve_handlers() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
-    system = ctypes.CDLL(None)
-    saved_handlers = {number: ctypes.create_string_buffer(SIGACTION_SIZE) for number in STOPPING}
-    for number, saved_handler in saved_handlers.items():
-        system.sigaction(number, None, saved_handler)
+    libc = ctypes.CDLL(None)
+    saved_handlers = {signal_number: ctypes.create_string_buffer(SIGACTION_SIZE) for signal_number in STOPPING}
+    for signal_number, saved_handler in saved_handlers.items():
+        libc.sigaction(signal_number, None, saved_handler)
     try:
         yield
     finally:
-        for number, saved_handler in saved_handlers.items():
-            system.sigaction(number, saved_handler, None)
+        for signal_number, saved_handler in saved_handlers.items():
+            libc.sigaction(signal_number, saved_handler, None)
 
 
 @contextmanager
@@ -77,18 +77,20 @@ def defer_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    signals: list[int] = []
+    deferred_signals: list[int] = []
     previous_handlers: dict[int, Any] = {}
     try:
-        for number in STOPPING:
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                previous_handlers[number] = signal.signal(number, lambda number, _: signals.append(number))
+        for signal_number in STOPPING:
+            if signal.getsignal(signal_number) not in (signal.SIG_IGN, None):
+                previous_handlers[signal_number] = signal.signal(
+                    signal_number, lambda signal_number, _: deferred_signals.append(signal_number)
+                )
         yield
     finally:
-        for number, handler in previous_handlers.items():
-            signal.signal(number, handler)
-        if signals:
-            signal.raise_signal(signals[0])
+        for signal_number, handler in previous_handlers.items():
+            signal.signal(signal_number, handler)
+        if deferred_signals:
+            signal.raise_signal(deferred_signals[0])
 
 
 @contextmanager
@@ -107,8 +109,8 @@ def check_interrupt() -> None:
     The request is the event of `interrupt_on_event`. Threads test it instead of being interrupted from outside, because
     an exception that another thread raises in them at an arbitrary line could leave a lock acquired forever.
     """
-    event = _to_stop.get()
-    if event is not None and event.is_set():
+    stop_event = _to_stop.get()
+    if stop_event is not None and stop_event.is_set():
         raise KeyboardInterrupt
 
 

@@ -165,10 +165,10 @@ def require_replaceable(path: Path) -> None:
     command = _command.get()
     if command is None or not path.is_file():
         return
-    if (source := command.read.get(_identity(path))) is not None:
-        source_text = "itself" if source == path else f"{source}, which is the same file"
+    if (input_path := command.read.get(_identity(path))) is not None:
+        input_text = "itself" if input_path == path else f"{input_path}, which is the same file"
         raise TakenError(
-            f"cannot write {path} over {source_text}, because this command reads that file: choose another file name"
+            f"cannot write {path} over {input_text}, because this command reads that file: choose another file name"
         )
     resolved_path = _real_path(path)
     if command.replaceable.isdisjoint((resolved_path, *resolved_path.parents)):

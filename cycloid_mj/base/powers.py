@@ -78,7 +78,7 @@ class Powers:
 
 
 def mean_powers(run: Run) -> Powers:
-    """Compute the mean powers of a run [W]: through the shafts, losses by kind, and stored power.
+    """Compute the mean powers of a run [W]: through the shafts, losses by kind of mating pair, and stored power.
 
     Powers that were not logged count as 0. For an RV reducer, `Powers.crank` is the power of the sun.
     """

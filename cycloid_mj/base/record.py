@@ -89,7 +89,7 @@ class Run(Presented):
     source: str = ""
 
     def __post_init__(self) -> None:
-        """Lock all arrays and mappings of a run, and check times, columns, units and topics."""
+        """Make arrays and mappings read-only; raise LogError for invalid times, columns, units or topics."""
         columns = {name: _lock_array(values) for name, values in self.columns.items()}
         object.__setattr__(self, "time", _lock_array(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
@@ -193,7 +193,7 @@ class Run(Presented):
                 f"{', '.join(logged_kinds) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs "
                 "all contact forces"
             )
-        names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
+        names = [column(pair, force_stem) for pair in pairs for force_stem in (FORCE_X, FORCE_Y)]
         return self.block(names).reshape(len(self), len(pairs), 2)
 
     def usable(self) -> "Run":
@@ -212,7 +212,8 @@ class Run(Presented):
     def select(self, rows: Mask | slice) -> "Run":
         """Return a run with only some of its samples.
 
-        `rows` is a mask of the n samples, shape (n,), or a slice with a positive step.
+        `rows` is a mask of the n samples, shape (n,), or a slice with a positive step. Raise LogError for another
+        array.
         """
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(
@@ -252,9 +253,9 @@ def _check_time(time: Array) -> None:
             f"array of times: sample {sample} (counting from 0) is {time[sample]} s, but all times must be finite. "
             "Correct or remove this sample"
         )
-    backward = np.flatnonzero(np.diff(time) <= 0.0)
-    if backward.size:
-        previous_sample = int(backward[0])
+    backward_steps = np.flatnonzero(np.diff(time) <= 0.0)
+    if backward_steps.size:
+        previous_sample = int(backward_steps[0])
         raise LogError(
             f"the times of the run do not increase at sample {previous_sample + 1}: {time[previous_sample]!s} s is "
             f"followed by {time[previous_sample + 1]!s} s. Times must be strictly increasing; sort the samples and "
@@ -287,10 +288,10 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     """
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed_columns = [name for names in names_by_topic.values() for name in names]
-    if unknown := [name for name in listed_columns if name not in columns]:
+    if unknown_columns := [name for name in listed_columns if name not in columns]:
         raise LogError(
-            f"the argument `topics` lists {unknown[0]!r}, but the log has no such column. Remove it or correct its "
-            f"name; {_nearest_columns(unknown[0], list(columns))}"
+            f"the argument `topics` lists {unknown_columns[0]!r}, but the log has no such column. Remove it or correct "
+            f"its name; {_nearest_columns(unknown_columns[0], list(columns))}"
         )
     if len(set(listed_columns)) < len(listed_columns):
         repeated_column = next(name for name in listed_columns if listed_columns.count(name) > 1)

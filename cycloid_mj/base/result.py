@@ -25,9 +25,9 @@ def to_json_values(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_json_values(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {key: to_json_values(item) for key, item in value.items()}
+        return {key: to_json_values(element) for key, element in value.items()}
     if isinstance(value, (list, tuple)):
-        return [to_json_values(item) for item in value]
+        return [to_json_values(element) for element in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -69,10 +69,10 @@ class Quantity:
     causes: tuple[tuple[str, float], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """Convert a quantity to JSON values: name, value, unit, error, reference, source, note, and interval if any.
+        """Convert a quantity to JSON values, without its key.
 
-        The error is the numerical error of the value, the reference its closed form, and the source that of the
-        reference. The key is not included.
+        ``value`` and its closed form, ``reference``, are in ``unit``, as is ``numerical_error``. ``source`` is that of
+        the reference; ``name`` and ``note`` are texts. An interval adds the keys of `interval_json`.
         """
         return {
             "name": self.name,
@@ -94,10 +94,10 @@ class Quantity:
         return f"{self.low:.4g} to {self.high:.4g} (5 to 95 %), mostly from {inputs}"
 
     def interval_json(self) -> dict[str, Any]:
-        """Convert the interval of a quantity to JSON values: both ends, and the uncertain inputs that cause most of it.
+        """Convert the interval of a quantity to JSON values: its ends ``low`` and ``high``, and its ``causes``.
 
-        ``causes`` has at most two of these inputs, each with its share of the variance. The dict is empty if there is
-        no interval.
+        ``causes`` are the (at most two) uncertain inputs that cause most of the interval, each with ``input``, its
+        name, and ``share_of_variance``. The dict is empty if there is no interval.
         """
         if self.low is None:
             return {}
@@ -184,7 +184,7 @@ class Curve(Presented):
         return f"{self.panel}: {self.name}, {len(self.x)} points; {self.x_label}, {self.y_label}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the curve to JSON values: its names, the labels of its axes with units, and its points."""
+        """Convert the curve to JSON values: ``panel``, ``name``, ``x_label``, ``y_label``, points ``x``, ``y``."""
         x, y = self.x.tolist(), self.y.tolist()
         return {
             "panel": self.panel,
@@ -449,6 +449,6 @@ class Claim:
             "p": self.p,
             "decided_by": self.decided_by,
             "removals": [removal.as_json() for removal in self.removals],
-            "ranges_searched": [item.as_json() for item in self.searched],
+            "ranges_searched": [searched_range.as_json() for searched_range in self.searched],
             "at_rated_load": None if self.rated is None else self.rated.as_json(),
         }

@@ -41,8 +41,8 @@ class ContactLines:
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
     """Compute every contact line of disc and ring at several crank angles [rad], for parts without clearance.
 
-    The result has a row for each line, with its crank angle, tooth, position and relative curvature. `gear` is the
-    profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
+    The result has a row for each line, with its crank angle (counter-clockwise), tooth, position and relative
+    curvature. `gear` is the profile of the disc. `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
 
     Raises
     ------
@@ -77,17 +77,17 @@ def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> 
     `kind` is the kind of the ring. For ring pins the list has a single entry; for an internal gear it has the lines on
     arcs, then the lines on the flanks Sigma between them.
     """
-    arcs = envelope.arc_contacts(gear, crank_angle)
+    arc_contacts = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":
-        return [_collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
-    roots = envelope.sigma_contacts(gear, crank_angle)
-    phase = roots.B
+        return [_collect_lines(crank_angle, arc_contacts, arc_contacts.lobe, np.full(arc_contacts.lobe.shape, "pin"))]
+    flank_contacts = envelope.sigma_contacts(gear, crank_angle)
+    phase = flank_contacts.B
     is_past_lobe = phase > np.pi
     # that half of the root counter-clockwise of a lobe is the flank Sigma(2) of the lobe on its other side
-    tooth = np.mod(roots.lobe - is_past_lobe, gear.ring_teeth)
+    tooth = np.mod(flank_contacts.lobe - is_past_lobe, gear.ring_teeth)
     return [
-        _collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "arc")),
-        _collect_lines(crank_angle, roots, tooth, np.where(is_past_lobe, "sigma2", "sigma1")),
+        _collect_lines(crank_angle, arc_contacts, arc_contacts.lobe, np.full(arc_contacts.lobe.shape, "arc")),
+        _collect_lines(crank_angle, flank_contacts, tooth, np.where(is_past_lobe, "sigma2", "sigma1")),
     ]
 
 

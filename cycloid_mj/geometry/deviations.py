@@ -92,16 +92,16 @@ def deviations(design: Design) -> Deviations:
     waves[: len(measured_parts.waves)] += measured_parts.waves
     return Deviations(
         pin_displacement=np.stack(
-            [_errors_of_parts(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1
+            [_errors_of_parts(design, key, pin_deviation, pin_count) for key in ("pin_x", "pin_y")], axis=1
         )
         + measured_parts.pin_displacement,
         pin_radius=_errors_of_parts(design, "pin_dr", radius_deviation, pin_count) + measured_parts.pin_radius,
         hole_displacement=np.stack(
-            [_errors_by_disc(design, axis, hole_deviation, hole_count) for axis in ("hole_x", "hole_y")], axis=2
+            [_errors_by_disc(design, key, hole_deviation, hole_count) for key in ("hole_x", "hole_y")], axis=2
         ),
         disc_radius=_errors_by_disc(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
         cam_displacement=np.stack(
-            [_errors_by_disc(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1
+            [_errors_by_disc(design, key, cam_deviation, 1)[:, 0] for key in ("cam_x", "cam_y")], axis=1
         ),
         eccentricity=errors.eccentricity,
         waves=waves,
@@ -129,9 +129,9 @@ def _errors_by_disc(design: Design, name: str, standard_deviation: float, count:
     They are listed in the design or drawn at random. `name` is the list in ``design.errors``; `standard_deviation` [m]
     applies to drawn errors.
     """
-    listed = getattr(design.errors, name)
-    if listed:
-        return np.reshape(listed, (design.gear.discs, count))
+    listed_errors = getattr(design.errors, name)
+    if listed_errors:
+        return np.reshape(listed_errors, (design.gear.discs, count))
     return np.stack([_draw_errors(design, name, standard_deviation, count, disc) for disc in range(design.gear.discs)])
 
 

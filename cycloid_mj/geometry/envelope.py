@@ -239,12 +239,12 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
         The gear is undercut, or `chord_error` is below 1e-12 m.
     """
     B, alpha, rho = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
-    chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
-    half_lengths = np.concatenate(
-        [np.linspace(0, rho * alpha, chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length]
+    arc_chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
+    half_lobe_lengths = np.concatenate(
+        [np.linspace(0, rho * alpha, arc_chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length]
     )
-    half_lengths[-1] = perimeter(gear) / gear.ring_teeth / 2
-    signed_lengths = np.concatenate([half_lengths, -half_lengths[-2:0:-1]])
+    half_lobe_lengths[-1] = perimeter(gear) / gear.ring_teeth / 2
+    signed_lengths = np.concatenate([half_lobe_lengths, -half_lobe_lengths[-2:0:-1]])
     lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed_lengths < 0)
     return _ring_points(gear, lobe.ravel(), np.tile(signed_lengths, gear.ring_teeth))
 
@@ -321,8 +321,8 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
         )
         contacts.append((lobe, B))
     lobe, B = (np.concatenate(column) for column in zip(*contacts, strict=True))
-    order = np.lexsort((B, lobe))
-    lobe, B = lobe[order], B[order]
+    sort_order = np.lexsort((B, lobe))
+    lobe, B = lobe[sort_order], B[sort_order]
     contact_flank = Sigma(gear, B)
     angle = zeta[lobe] + contact_flank.normal_angle
     t = angle - crank_angle / gear.lobes + contact_flank.alpha

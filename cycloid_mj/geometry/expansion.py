@@ -61,12 +61,12 @@ def warm_clearances(design: Design) -> dict[str, float]:
     disc_strain, crank_strain, carrier_strain = (strain(design, part) for part in ("gear", "shaft", "output"))
     mesh_clearance = getattr(clearance, design.tooth_pair)
     flank_radius = ring.pin_radius + mesh_clearance + design.modification.equidistant
-    warm = {design.tooth_pair: mesh_clearance + flank_radius * disc_strain - ring.pin_radius * pin_strain}
+    clearance_by_pair = {design.tooth_pair: mesh_clearance + flank_radius * disc_strain - ring.pin_radius * pin_strain}
     if ring.has_sockets:
-        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin_strain
+        clearance_by_pair["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin_strain
     if design.cranks is not None:
-        return warm
-    return warm | {
+        return clearance_by_pair
+    return clearance_by_pair | {
         "cam": clearance.cam + (gear.bore_radius + clearance.cam) * disc_strain - gear.bore_radius * crank_strain,
         "output": clearance.output
         + (output.hole_radius + clearance.output - gear.eccentricity) * disc_strain
@@ -137,12 +137,12 @@ def _expand_rv(design: Design) -> Design:
         design.planet.sun_teeth + design.planet.planet_teeth
     )
     crank_axes = crank_circle_radius * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
-    outward = np.broadcast_to((disc_strain - strain(design, "output")) * crank_axes, (*shape, 2)).reshape(-1, 2)
+    bore_shift = np.broadcast_to((disc_strain - strain(design, "output")) * crank_axes, (*shape, 2)).reshape(-1, 2)
 
     def add_to_errors(errors_of_parts: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
         """Add a change [m] to a list of errors [m] of all eccentrics; an empty list counts as zeros."""
-        size = shape[0] * shape[1]
-        return tuple((np.array(errors_of_parts or (0.0,) * size) + change).tolist())
+        eccentrics = shape[0] * shape[1]
+        return tuple((np.array(errors_of_parts or (0.0,) * eccentrics) + change).tolist())
 
     return design.but(
         modification={
@@ -156,8 +156,8 @@ def _expand_rv(design: Design) -> Design:
         },
         crank_errors={
             "eccentric_radial": add_to_errors(errors.eccentric_radial, eccentricity * (crank_strain - disc_strain)),
-            "bore_x": add_to_errors(errors.bore_x, outward[:, 0]),
-            "bore_y": add_to_errors(errors.bore_y, outward[:, 1]),
+            "bore_x": add_to_errors(errors.bore_x, bore_shift[:, 0]),
+            "bore_y": add_to_errors(errors.bore_y, bore_shift[:, 1]),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
@@ -187,10 +187,10 @@ def warm_material(design: Design, part: str) -> Material:
 
 
 def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
-    """Return the position errors of the holes with all holes moved outwards [m], as "hole_x" and "hole_y".
+    """Return the position errors [m] of all holes, disc by disc, with the holes moved outwards: "hole_x" and "hole_y".
 
-    `expansion` [m] is the growth of the radius of the circle of holes relative to the circle of output pins; if it is
-    0, the result is empty.
+    The result has these keys of the design's table ``errors``. `expansion` [m] is the growth of the radius of the
+    circle of holes relative to the circle of output pins; if it is 0, the result is empty.
     """
     if expansion == 0.0:
         return {}
@@ -200,8 +200,8 @@ def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple
     from cycloid_mj.geometry.profile import unit
 
     angles = 2.0 * math.pi * np.arange(design.output.pins) / design.output.pins
-    positions = deviations(design).hole_displacement + expansion * unit(angles)
-    return {f"hole_{axis}": tuple(positions[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
+    displacements = deviations(design).hole_displacement + expansion * unit(angles)
+    return {f"hole_{axis}": tuple(displacements[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
 
 
 def _describe_jam(design: Design, pair: str, warm_clearance: float) -> str:

@@ -122,9 +122,9 @@ def ideal_output_forces(
     """
     torque, theta = np.broadcast_arrays(torque, crank_angle)
     pin_angle = theta * gear.ring_teeth / gear.lobes + phase
-    clockwise = 2 * np.pi * np.arange(pins) / pins + pin_angle[..., np.newaxis]
+    angle_from_eccentric = 2 * np.pi * np.arange(pins) / pins + pin_angle[..., np.newaxis]
     # The pins transmit the load itself, which the ring balances: the sign is opposite to that in `share_load`.
-    return share_load(-pin_circle_radius * np.sin(clockwise), -torque)
+    return share_load(-pin_circle_radius * np.sin(angle_from_eccentric), -torque)
 
 
 def cam_force(
@@ -146,9 +146,9 @@ def cam_force(
         Force on the gear's centre [N], shape (..., 2): the weight minus mass times acceleration.
     """
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
-    radial = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
+    radial_force = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
     outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
-    resultant = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
+    resultant = radial_force[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
     return resultant - np.asarray(body_force, float)
 
 

@@ -142,8 +142,9 @@ class InvoluteGear:
     def fillet(self, corner: npt.ArrayLike) -> Array:
         """Compute n points (n, 2) [m] of the fillet of a tooth, which the corner of the rack cuts.
 
-        `corner` (n,) [m] is the position of the corner's centre along the rack, from the pitch point: 0 at the root
-        circle, `last_corner` at the involute. The contact normal of rack and gear passes through the pitch point.
+        The +y axis is the middle of the tooth space. `corner` (n,) [m] is the position of the corner's centre along the
+        rack, from 0 (its point on the root circle) to `last_corner` (on the involute). The contact normal of rack and
+        gear passes through the pitch point.
         """
         position = np.asarray(corner, dtype=np.float64)
         depth, radius = self.corner_depth, self.reference_radius
@@ -159,9 +160,9 @@ class InvoluteGear:
         return _rotate(self.corner_depth / distance, s / distance, angle)
 
     def fillet_length(self, corner: npt.ArrayLike) -> Array:
-        """Compute the arc length [m] of the fillet of a tooth from the root circle.
+        """Compute the arc length [m] of the fillet of a tooth from the root circle to n points (n,).
 
-        `corner` [m] are positions of the centre of the rack's corner along the rack, from the pitch point.
+        `corner` (n,) [m] are the positions of the rack's corner that cuts these points, as in `fillet`.
         """
         position = np.asarray(corner, dtype=np.float64)
         depth, radius = self.corner_depth, self.reference_radius
@@ -238,13 +239,13 @@ def gear_pair(
     shift = SHIFT_STEP * math.ceil(least_shift(teeth[0], pressure_angle) / SHIFT_STEP)
     shifts = shift, shift_sum(sum(teeth), module, pressure_angle, centre_distance) - shift
     clear_distance = centre_distance - TIP_CLEARANCE * module
-    blanks = [
-        InvoluteGear(count, module, pressure_angle, gear_shift, 0.0, backlash / 2.0)
-        for count, gear_shift in zip(teeth, shifts, strict=True)
+    gears_without_tips = [
+        InvoluteGear(tooth_count, module, pressure_angle, gear_shift, 0.0, backlash / 2.0)
+        for tooth_count, gear_shift in zip(teeth, shifts, strict=True)
     ]
     pinion, mate = (
-        replace(blank, tip_radius=clear_distance - mate.root_radius)
-        for blank, mate in zip(blanks, reversed(blanks), strict=True)
+        replace(gear_without_tips, tip_radius=clear_distance - mate.root_radius)
+        for gear_without_tips, mate in zip(gears_without_tips, reversed(gears_without_tips), strict=True)
     )
     return pinion, mate
 
@@ -256,9 +257,9 @@ def span_measurement(gear: InvoluteGear) -> tuple[int, float]:
     `gear` has the teeth of the wheel.
     """
     angle = gear.pressure_angle
-    count = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)
-    terms = (count - 0.5) * math.pi + gear.teeth * involute(angle) + 2.0 * gear.shift * math.tan(angle)
-    return count, math.cos(angle) * (gear.module * terms - gear.thinning)
+    span_teeth = max(round(gear.teeth * angle / math.pi + 0.5 + 2.0 * gear.shift * math.tan(angle) / math.pi), 1)
+    terms = (span_teeth - 0.5) * math.pi + gear.teeth * involute(angle) + 2.0 * gear.shift * math.tan(angle)
+    return span_teeth, math.cos(angle) * (gear.module * terms - gear.thinning)
 
 
 @dataclass(frozen=True)

@@ -83,12 +83,12 @@ class MeasuredProfile:
     def words(self) -> str:
         """Return a sentence on a measured profile: number of points, mean, highest order of waves, rms of the rest."""
         waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
-        mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
-        text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
+        mean, rest_rms = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
+        summary = f"{self.points} points, mean {mean:g} um, {waves}, {rest_rms:g} um rms left out"
         if self.alignment is None:
-            return text
+            return summary
         alignment, rotation = self.alignment, math.degrees(self.alignment.rotation) * 3600.0
-        return f"{text}; aligned by {1e6 * alignment.x:.4g} um, {1e6 * alignment.y:.4g} um and {rotation:.4g} arcsec"
+        return f"{summary}; aligned by {1e6 * alignment.x:.4g} um, {1e6 * alignment.y:.4g} um and {rotation:.4g} arcsec"
 
 
 @dataclass(frozen=True)
@@ -212,12 +212,12 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     from scipy.spatial import cKDTree
 
     t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes, endpoint=False)
-    nearest = cKDTree(profile.outline(gear, t, offset))
+    outline_tree = cKDTree(profile.outline(gear, t, offset))
     centre, rotation = _initial_alignment(gear, points)
     for _ in range(FIT.steps):
         local_points = rotate(points - centre, rotation)
-        foot = _foot_points(gear, offset, local_points, t[nearest.query(local_points)[1]])
-        normals, foot_points = profile.normals(gear, foot), profile.outline(gear, foot, offset)
+        foot_t = _foot_points(gear, offset, local_points, t[outline_tree.query(local_points)[1]])
+        normals, foot_points = profile.normals(gear, foot_t), profile.outline(gear, foot_t, offset)
         deviation = np.sum((local_points - foot_points) * normals, axis=1)
         # a counter-clockwise rotation of the points moves them by (-y, x)
         rotation_arm = np.sum(np.stack([-local_points[:, 1], local_points[:, 0]], axis=1) * normals, axis=1)
@@ -227,7 +227,7 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
         centre, rotation = centre + correction[:2], rotation + correction[2] / radius_scale
         if np.abs(correction[:3]).max() < FIT.step_size:
             break
-    return foot, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
+    return foot_t, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
 
 
 def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
@@ -241,21 +241,21 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
     """
     from scipy.linalg import lstsq
 
-    order = np.argsort(t, kind="stable")
-    gaps = np.diff(t[order], append=t[order[0]] + 2.0 * np.pi)
+    sort_order = np.argsort(t, kind="stable")
+    gaps = np.diff(t[sort_order], append=t[sort_order[0]] + 2.0 * np.pi)
     weights = np.empty(t.size)
-    weights[order] = (gaps + np.roll(gaps, 1)) / (4.0 * np.pi)
+    weights[sort_order] = (gaps + np.roll(gaps, 1)) / (4.0 * np.pi)
     orders = np.arange(1, min(max_order, math.ceil(np.pi / gaps.max() * (1.0 - ROUNDING)) - 1) + 1)
     phases, sqrt_weights = np.outer(t, orders), np.sqrt(weights)
     basis = np.concatenate([np.ones((t.size, 1)), np.cos(phases), np.sin(phases)], axis=1)
-    solution = lstsq(sqrt_weights[:, np.newaxis] * basis, sqrt_weights * deviation, lapack_driver="gelsy")[0]
-    cosines, sines = np.split(solution[1:], 2)
+    coefficients = lstsq(sqrt_weights[:, np.newaxis] * basis, sqrt_weights * deviation, lapack_driver="gelsy")[0]
+    cosines, sines = np.split(coefficients[1:], 2)
     tail_power = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
     orders_in_use = int(np.sum(tail_power > FIT.tail**2))
     is_used = np.concatenate([[True], orders <= orders_in_use, orders <= orders_in_use])
-    left_out = math.sqrt(weights @ (deviation - basis[:, is_used] @ solution[is_used]) ** 2)
+    rest_rms = math.sqrt(weights @ (deviation - basis[:, is_used] @ coefficients[is_used]) ** 2)
     waves = -np.stack([cosines, sines], axis=1)[:orders_in_use]
-    return MeasuredProfile(float(solution[0]), waves, t.size, left_out, alignment)
+    return MeasuredProfile(float(coefficients[0]), waves, t.size, rest_rms, alignment)
 
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
@@ -276,8 +276,8 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
     x, y = (points - centre).T
     radius, polar = np.hypot(x, y), np.arctan2(x, y)
     # the valleys, of the smallest radius, are at whole pitches
-    lobes = np.sum((radius.mean() - radius) * np.exp(1j * gear.lobes * polar))
-    return centre, float(np.angle(lobes)) / gear.lobes
+    lobe_harmonic = np.sum((radius.mean() - radius) * np.exp(1j * gear.lobes * polar))
+    return centre, float(np.angle(lobe_harmonic)) / gear.lobes
 
 
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:

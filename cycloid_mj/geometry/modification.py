@@ -87,16 +87,16 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
             f"modification.rotation_arcsec = {np.degrees(rotation) * 3600:.6g} is too large, because at {limit:.6g} "
             f"arcsec the lobes vanish. Reduce it to less than {limit:.6g}"
         )
-    middles = np.array([half_pitch, 0.0])
+    centre_line_t = np.array([half_pitch, 0.0])
     t = profile.solve_monotone(
         lambda t: _Polar(gear, t, offset).angle,
         lambda t: _Polar(gear, t, offset).rate,
-        middles - rotation,
-        middles - half_pitch,
-        middles,
+        centre_line_t - rotation,
+        centre_line_t - half_pitch,
+        centre_line_t,
     )
-    radius, difference = _Polar(gear, t, offset).radius, middles - t
-    return FlankEnds(float(difference[0]), float(radius[0]), float(difference[1]), float(radius[1]))
+    radius, t_differences = _Polar(gear, t, offset).radius, centre_line_t - t
+    return FlankEnds(float(t_differences[0]), float(radius[0]), float(t_differences[1]), float(radius[1]))
 
 
 def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
@@ -121,10 +121,10 @@ def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, 
     )
     start_t, end_t = -flank_end.valley, half_pitch - flank_end.tip
     inflection = float(np.clip(profile.inflection_phase(gear) / gear.lobes, start_t, end_t))
-    concave = profile.sagitta_nodes(flank, start_t, inflection, chord_error)
-    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, inflection, end_t, chord_error)])
-    polar = _Polar(gear, t, offset)
-    radius, angle = polar.radius, polar.angle + rotation
+    concave_t = profile.sagitta_nodes(flank, start_t, inflection, chord_error)
+    t = np.concatenate([concave_t[:-1], profile.sagitta_nodes(flank, inflection, end_t, chord_error)])
+    polar_points = _Polar(gear, t, offset)
+    radius, angle = polar_points.radius, polar_points.angle + rotation
     angle[0], angle[-1] = 0.0, half_pitch
     lobe_angle = np.concatenate([angle, 2 * half_pitch - angle[-2:0:-1]])
     angles = 2 * half_pitch * np.arange(gear.lobes)[:, np.newaxis] + lobe_angle

@@ -328,8 +328,8 @@ def undercut_radius(gear: CycloidGear) -> float:
     stationary_cosine = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
     B = np.arccos(np.array([1.0, -1.0, stationary_cosine] if abs(stationary_cosine) < 1 else [1.0, -1.0]))
     numerator = _curvature_bracket(gear, B)
-    convex = numerator > 0
-    return float(np.min(pitch_distance(gear, B[convex]) ** 3 / numerator[convex]))
+    is_convex = numerator > 0
+    return float(np.min(pitch_distance(gear, B[is_convex]) ** 3 / numerator[is_convex]))
 
 
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
@@ -363,14 +363,14 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
         )
     lobe, remainder = np.divmod(np.arange(points) * gear.lobes, points)
     lobe_angle = 2 * np.pi / gear.lobes
-    within_lobe = solve_monotone(
+    t_in_lobe = solve_monotone(
         lambda t: arc_length(gear, t, offset),
         lambda t: arc_rate(gear, t, offset),
         length(gear, offset) / gear.lobes * (remainder / points),
         0.0,
         lobe_angle,
     )
-    return _outline_at(gear, lobe_angle * lobe + within_lobe, offset)
+    return _outline_at(gear, lobe_angle * lobe + t_in_lobe, offset)
 
 
 @lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
@@ -477,9 +477,9 @@ def solve_monotone(
     for _ in range(CURVE.max_iterations):
         residual, slope = sign * (function(x) - target), sign * derivative(x)
         low, high = np.where(residual <= 0, x, low), np.where(residual >= 0, x, high)
-        newton = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
-        is_halved = np.abs(newton - x) <= np.abs(increment) / 2
-        next_x = np.where((low <= newton) & (newton <= high) & is_halved, newton, (low + high) / 2)
+        newton_x = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
+        is_halved = np.abs(newton_x - x) <= np.abs(increment) / 2
+        next_x = np.where((low <= newton_x) & (newton_x <= high) & is_halved, newton_x, (low + high) / 2)
         if rtol:  # elements that have converged stay: rounding errors would bisect their brackets again
             next_x = np.where(np.abs(increment) <= tolerance, x, next_x)
         x, increment = next_x, next_x - x

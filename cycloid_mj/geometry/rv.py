@@ -65,18 +65,19 @@ class RvKinematics:
     def orders(self) -> dict[str, Fraction]:
         """Return the orders of periodic errors, in cycles per turn of the output, by the source of the error.
 
-        "crank against the ring" counts turns of the crank relative to the ring, "crank against the carrier" relative to
-        the carrier; likewise for the sun. "planet mesh" and "pin mesh" count pairs of teeth that pass each other.
+        The keys "crank against the ring" and "crank against the carrier", and likewise those of the sun, count turns of
+        this shaft relative to ring or carrier. "planet mesh" and "pin mesh" count pairs of teeth that pass each other.
+        "output" has the order 1.
         """
-        ring, bearing = abs(self.crank_per_carrier), self.bearing_turns
+        turns_against_ring, turns_against_carrier = abs(self.crank_per_carrier), self.bearing_turns
         return {
             "output": Fraction(1),
             "sun against the ring": self.to_carrier,
             "sun against the carrier": self.to_carrier - 1,
-            "crank against the ring": ring,
-            "crank against the carrier": bearing,
-            "planet mesh": bearing * self.planet_teeth,
-            "pin mesh": ring * self.pins,
+            "crank against the ring": turns_against_ring,
+            "crank against the carrier": turns_against_carrier,
+            "planet mesh": turns_against_carrier * self.planet_teeth,
+            "pin mesh": turns_against_ring * self.pins,
         }
 
 
@@ -173,10 +174,10 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
     contact ratios of the tips, epsilon_alpha is their sum, and mu is the friction coefficient; the pressure angle is in
     [rad].
     """
-    ratio = planet_teeth / sun_teeth
+    gear_ratio = planet_teeth / sun_teeth
     tip_contact_ratios = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
-    shape = 1.0 - sum(tip_contact_ratios) + sum(ratio_of_tip**2 for ratio_of_tip in tip_contact_ratios)
-    return math.pi * (ratio + 1.0) / (sun_teeth * ratio) * shape
+    contact_factor = 1.0 - sum(tip_contact_ratios) + sum(ratio_of_tip**2 for ratio_of_tip in tip_contact_ratios)
+    return math.pi * (gear_ratio + 1.0) / (sun_teeth * gear_ratio) * contact_factor
 
 
 def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> tuple[float, float]:
@@ -190,9 +191,9 @@ def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float
         Ratios of sun and planet [1].
     """
 
-    def of_tip(teeth: int) -> float:
+    def tip_contact_ratio(teeth: int) -> float:
         """Compute the contact ratio of the tip of a gear with some `teeth` [1]."""
         tip_angle = math.acos(teeth * math.cos(pressure_angle) / (teeth + 2.0))
         return teeth * (math.tan(tip_angle) - math.tan(pressure_angle)) / (2.0 * math.pi)
 
-    return of_tip(sun_teeth), of_tip(planet_teeth)
+    return tip_contact_ratio(sun_teeth), tip_contact_ratio(planet_teeth)

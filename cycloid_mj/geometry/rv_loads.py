@@ -132,8 +132,8 @@ def _crank_forces(
     """
     crank_centres, eccentrics = stage.crank_positions(crank_angles), stage.eccentrics(crank_angles)
     (count, discs, _), cranks = disc_force.shape, stage.cranks
-    rows = 3 * discs + (cranks - 1) * floating_sun
-    matrix, right_side = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
+    equations = 3 * discs + (cranks - 1) * floating_sun
+    matrix, right_side = np.zeros((count, equations, discs, cranks, 2)), np.zeros((count, equations))
     for disc in range(discs):
         matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
         matrix[:, 3 * disc + 2, disc] = quarter_turned(crank_centres) / stage.radius
@@ -142,7 +142,7 @@ def _crank_forces(
     for row, other_crank in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
         matrix[:, row, :, 0] = quarter_turned(eccentrics)
         matrix[:, row, :, other_crank] = -quarter_turned(eccentrics)
-    flat_matrix = matrix.reshape(count, rows, -1)
+    flat_matrix = matrix.reshape(count, equations, -1)
     return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(count, discs, cranks, 2)
 
 

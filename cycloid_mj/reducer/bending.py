@@ -24,13 +24,13 @@ def pin_flexibility(reducer: "Reducer") -> Array:
     1). If the pin has a roller, only the core bends. The matrix is zero for ``structure = "rigid"``.
     """
     design = reducer.design
-    planes, gear = np.array(design.gear.disc_planes), design.gear
+    disc_planes, gear = np.array(design.gear.disc_planes), design.gear
     if design.structure == "rigid":
-        return np.zeros((planes.size, planes.size))
+        return np.zeros((disc_planes.size, disc_planes.size))
     material, radius = design.material_of("output"), design.output.root_radius
-    arms = gear.stack_width / 2.0 + AXIAL_GAP - planes
-    length = gear.stack_width + 2.0 * AXIAL_GAP
-    return beam_flexibility(material, radius, arms, length if design.output.support == "both_ends" else None)
+    root_distances = gear.stack_width / 2.0 + AXIAL_GAP - disc_planes
+    span = gear.stack_width + 2.0 * AXIAL_GAP
+    return beam_flexibility(material, radius, root_distances, span if design.output.support == "both_ends" else None)
 
 
 def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
@@ -44,8 +44,8 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
 
     def cantilever(positions: Array, other_positions: Array) -> Array:
         """Return the deflections at positions per force at other positions [m/N], without the far support."""
-        smaller, larger = np.minimum.outer(positions, other_positions), np.maximum.outer(positions, other_positions)
-        return np.asarray(smaller**2 * (3.0 * larger - smaller) / (6.0 * bending) + smaller / shearing)
+        near, far = np.minimum.outer(positions, other_positions), np.maximum.outer(positions, other_positions)
+        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
 
     flexibility = cantilever(arms, arms)
     if length is None:

@@ -285,16 +285,16 @@ def _mechanism_bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     They are the fixed member, crank, discs, output and moving pins. `errors` displace the ring pins. If the ring is the
     output, its pins move relative to it.
     """
-    axis, gear = np.zeros(2), tooth_profile(design)
+    origin, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
     carrier = names.HOUSING if output_body == names.HOUSING else ""
-    yield Body(fixed_body, fixed_body, (), axis, axis)
-    yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
+    yield Body(fixed_body, fixed_body, (), origin, origin)
+    yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), origin, origin)
     for disc, phase in enumerate(phases(design)):
         name, centre = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
         yield Body(name, name, names.planar_joints(name), centre, centre, design.gear.disc_planes[disc])
-    yield Body(output_body, output_body, (names.OUTPUT_JOINT,), axis, axis)
+    yield Body(output_body, output_body, (names.OUTPUT_JOINT,), origin, origin)
     yield from pin_bodies(design, errors, carrier)
 
 
@@ -388,13 +388,13 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
 
     `disc` is the index of the disc. The clearance is included in the radius of the bore.
     """
-    gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
+    disc_name, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
     phase, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
     return Mating(
         "cam",
         (cam,),
-        surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        surfaces_on_circle((bore,), disc_name, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
         surfaces_on_circle(
             (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_displacement[disc], np.array([-phase]), disc=disc
         ),
@@ -409,9 +409,9 @@ def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) 
     """
     output = design.output
     hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
-    radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
+    radius, disc_name = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
     holes = surfaces_on_circle(
-        hole_names, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_displacement[disc], disc=disc
+        hole_names, disc_name, Role.OUTER, output.pin_circle_radius, radius, errors.hole_displacement[disc], disc=disc
     )
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 

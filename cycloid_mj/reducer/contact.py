@@ -125,15 +125,15 @@ class Contact:
         """
         design = self._reducer.design
         stated_force: float = getattr(design.working_force, self.kind)
-        force = design.contact.working_force
+        common_force = design.contact.working_force
         if stated_force:
             return stated_force
-        if not force:
+        if not common_force:
             return self._ideal_force(self._reducer.contacts.working_load / design.gear.discs)
         if self.kind != "cam":
-            return force
+            return common_force
         is_rolling = design.gear.bearing == "rolling"
-        return force * (design.contact.cam_rollers / STRIBECK if is_rolling else design.ring.teeth / 4.0)
+        return common_force * (design.contact.cam_rollers / STRIBECK if is_rolling else design.ring.teeth / 4.0)
 
     @property
     def source(self) -> Source:
@@ -249,14 +249,14 @@ class Contact:
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
             return 1.0 / self._reducer.contacts.roller_radius + 1.0 / design.gear.bore_radius
-        ring, output, play = design.ring, design.output, design.clearance
-        inner, outer = {
-            "cam": (design.gear.bore_radius, design.gear.bore_radius + play.cam),
-            "pin_socket": (ring.pin_radius, ring.pin_radius + play.pin_socket),
-            "pin_sleeve": (ring.sleeve_bore_radius - play.pin_sleeve, ring.sleeve_bore_radius),
-            "output": (output.pin_radius, output.hole_radius + play.output),
+        ring, output, clearance = design.ring, design.output, design.clearance
+        inner_radius, outer_radius = {
+            "cam": (design.gear.bore_radius, design.gear.bore_radius + clearance.cam),
+            "pin_socket": (ring.pin_radius, ring.pin_radius + clearance.pin_socket),
+            "pin_sleeve": (ring.sleeve_bore_radius - clearance.pin_sleeve, ring.sleeve_bore_radius),
+            "output": (output.pin_radius, output.hole_radius + clearance.output),
         }[self.kind]
-        return 1.0 / inner - 1.0 / outer
+        return 1.0 / inner_radius - 1.0 / outer_radius
 
     @property
     def line_share(self) -> float:
@@ -402,14 +402,14 @@ class Contact:
 
     @property
     def _force_key(self) -> str:
-        """Design key that determines the working force."""
+        """Return the keys of the design file that determine the working force, as a phrase for messages."""
         if self.source == "given":
             stated_force = getattr(self._reducer.design.working_force, self.kind)
             return f"working_force.{self.kind}_n" if stated_force else "contact.working_force_n"
-        load = f"{self._reducer.contacts.working_load:.4g} N m"
+        load_text = f"{self._reducer.contacts.working_load:.4g} N m"
         if self.source == "working load":
-            return f"the load of {load} (--load-nm, or contact.working_load_nm of the design)"
-        return f"load.torque_nm (a working load of {load})"
+            return f"the load of {load_text} (--load-nm, or contact.working_load_nm of the design)"
+        return f"load.torque_nm (a working load of {load_text})"
 
 
 class Contacts:
@@ -543,8 +543,8 @@ def tooth_stiffness(reducer: "Reducer", curvature: Array) -> Array:
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
-    total = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
-    return np.asarray(total / reducer.design.ring.halves)
+    series_stiffness = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
+    return np.asarray(series_stiffness / reducer.design.ring.halves)
 
 
 @lru_cache(maxsize=64)
@@ -554,7 +554,7 @@ def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
     `gear` is the profile of the disc, `pins` and `radius` [m] are the number of output pins and the radius of their
     circle.
     """
-    crank = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
-    ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
-    output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)
-    return float(np.mean(np.linalg.norm(ideal_loads.cam_force(ring, output, crank), axis=1)))
+    crank_angles = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
+    ring_loads = ideal_loads.ideal_load_sharing(gear, 1.0, crank_angles)
+    pin_forces = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank_angles)
+    return float(np.mean(np.linalg.norm(ideal_loads.cam_force(ring_loads, pin_forces, crank_angles), axis=1)))

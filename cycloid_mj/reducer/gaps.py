@@ -181,9 +181,9 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     design = reducer.design
     gear, errors, modification = reducer.tooth_profile, reducer.deviations, design.modification
     inward_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
-    radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
-    preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * quarter_turned(radial)
-    displacement = errors.pin_displacement[lines.lobe] + preload_offset - modification.pin_circle * radial
+    outward_direction = profile.unit(profile.pin_angles(gear)[lines.lobe])
+    preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * quarter_turned(outward_direction)
+    displacement = errors.pin_displacement[lines.lobe] + preload_offset - modification.pin_circle * outward_direction
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = modification.rotation * np.sign(arm)
@@ -191,10 +191,10 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     sliding_arm = np.sum(tangent * quarter_turned(lines.points - centre), axis=-1)
     centre_arm = sliding_arm - gear.pin_radius
     curvature_before, middle_curvature, curvature_after = (
-        profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP)
+        profile.curvature(gear, lines.t + t_increment, 0.0) for t_increment in (-_STEP, 0.0, _STEP)
     )
     curvature_rate = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
-    worn = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
+    wear_depth = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe + half_index * design.ring.teeth,
@@ -204,7 +204,7 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         distance=flank_rotation * arm
         - np.sum(displacement * inward_normal, axis=-1)
         + profile_error(errors.waves, lines.t)
-        + worn,
+        + wear_depth,
         slope=_gradient_by_pose(reducer, disc, inward_normal, arm, np.zeros(arm.shape)),
         shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
         shift_slope=_gradient_by_pose(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
@@ -235,14 +235,14 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         np.sum(arm_vector * -quarter_turned(push_direction), axis=-1),
         np.sum(arm_vector * push_direction, axis=-1),
     )
-    worn = reducer.worn.of_output(np.arctan2(normal_arm, tangent_arm)) if reducer.worn else 0.0
+    wear_depth = reducer.worn.of_output(np.arctan2(normal_arm, tangent_arm)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
         clearance=np.full(normal_arm.shape, reducer.output_clearance),
         play=np.zeros(normal_arm.shape),
-        distance=np.sum(hole_displacement * push_direction, axis=-1) + worn,
+        distance=np.sum(hole_displacement * push_direction, axis=-1) + wear_depth,
         slope=_gradient_by_pose(reducer, disc, push_direction, normal_arm, -normal_arm),
         shift=-np.sum(hole_displacement * tangent, axis=-1),
         shift_slope=_gradient_by_pose(reducer, disc, -tangent, -tangent_arm, tangent_arm),

@@ -91,12 +91,12 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     """
     design = reducer.design
     radius, disc_poses = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
-    rotations, carrier_angle = disc_poses[:, 2] / radius, float(pose[-1]) / radius
+    disc_rotations, carrier_angle = disc_poses[:, 2] / radius, float(pose[-1]) / radius
     output = reducer.member.sense * reducer.share * carrier_angle
     ring_angle, _ = reducer.member.ring_and_carrier(output)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
-    rotations = rotations + ring_angle * design.ring.teeth / design.lobes
-    return Fit(min_gap, disc_poses[:, :2], rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
+    disc_rotations = disc_rotations + ring_angle * design.ring.teeth / design.lobes
+    return Fit(min_gap, disc_poses[:, :2], disc_rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
@@ -183,14 +183,14 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csc_array
 
-    design, count = reducer.design, unknowns(reducer)
+    design, unknown_count = reducer.design, unknowns(reducer)
     angles = reducer.member.against_ring(cranks).tolist()
-    limits = [
+    limits_by_angle = [
         _linear_limits(reducer, gaps(reducer, angle), cam_displacements(reducer, angle), sides) for angle in angles
     ]
-    slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
-    widths = np.concatenate([widths for _, widths in limits for _ in range(2)])
-    objective = np.zeros((len(cranks), 2, count))
+    slope: Any = block_diag([csc_array(-slope) for slope, _ in limits_by_angle for _ in range(2)], format="csc")
+    widths = np.concatenate([widths for _, widths in limits_by_angle for _ in range(2)])
+    objective = np.zeros((len(cranks), 2, unknown_count))
     objective[:, :, -1] = 1.0, -1.0
     # presolving takes longer than solving with the redundant limits
     solution = linprog(objective.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
@@ -235,11 +235,11 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
-    for disc, cam in enumerate(cams):
+    for disc, cam_displacement in enumerate(cams):
         slope = np.zeros((sides, unknowns(reducer)))
         slope[:, 3 * disc : 3 * disc + 2] = -directions
         slopes.append(slope)
-        widths.append(reducer.design.clearance.cam + directions @ cam)
+        widths.append(reducer.design.clearance.cam + directions @ cam_displacement)
     return np.concatenate(slopes), np.concatenate(widths)
 
 
@@ -262,8 +262,8 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.mate_count, 2))
     teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
-    gap = teeth.width + teeth.slope @ pose
-    outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
-    smallest_gaps = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
-    shifts = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
-    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, shifts, 0.0)[smallest_gaps])
+    tooth_gap = teeth.width + teeth.slope @ pose
+    normals = -teeth.slope[:, :-1].reshape(len(tooth_gap), -1, 3)[np.arange(len(tooth_gap)), teeth.disc, :2]
+    smallest_index = np.lexsort((tooth_gap, teeth.owner))[:: design.gear.discs]
+    shifts = ((teeth.play - tooth_gap) / 2.0)[:, np.newaxis] * normals
+    return np.asarray(np.where(tooth_gap[:, np.newaxis] < 0.0, shifts, 0.0)[smallest_index])

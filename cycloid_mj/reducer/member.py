@@ -121,13 +121,13 @@ def view_from_ring(design: Design) -> Design:
     """
     if not design.output.turns_ring:
         return design
-    share = 1.0 - 1.0 / design.ratio
+    speed_share = 1.0 - 1.0 / design.ratio
     return design.model_copy(
         update={
             "output": design.output.model_copy(update={"member": "carrier"}),
-            "drive": design.drive.model_copy(update={"speed": design.drive.speed * share}),
-            "load": design.load.model_copy(update={"torque": design.load.torque * share}),
-            "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * share}),
+            "drive": design.drive.model_copy(update={"speed": design.drive.speed * speed_share}),
+            "load": design.load.model_copy(update={"torque": design.load.torque * speed_share}),
+            "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * speed_share}),
         }
     )
 
@@ -146,9 +146,9 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
         Columns of a run by name, shape (n,), in SI units. ``output_angle`` is required; a missing ``output_speed``
         counts as 0.
     """
-    converted = dict(columns)
+    ring_data = dict(columns)
     if not reducer.member.turns_ring:
-        return converted
+        return ring_data
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
     input_angle, input_speed, input_torque = (
         names.column(reducer.INPUT, quantity) for quantity in ("angle", "speed", "torque")
@@ -160,23 +160,23 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
         input_speed: speed,
     }
     sun_x, sun_y, _ = names.planar_joints(names.SUN)
-    _turn_back(converted, sun_x, sun_y, angle)
-    for gear in reducer.gears:
-        x, y, rotation, vx, vy, angular_speed = (*names.planar_joints(gear), *names.planar_speeds(gear))
+    _turn_back(ring_data, sun_x, sun_y, angle)
+    for disc_name in reducer.gears:
+        x, y, rotation, vx, vy, angular_speed = (*names.planar_joints(disc_name), *names.planar_speeds(disc_name))
         frame_motions |= {rotation: angle, angular_speed: speed}
-        _turn_back(converted, x, y, angle)
-        _turn_back(converted, vx, vy, angle)
-        if vx in converted:
-            converted[vx], converted[vy] = converted[vx] + speed * converted[y], converted[vy] - speed * converted[x]
+        _turn_back(ring_data, x, y, angle)
+        _turn_back(ring_data, vx, vy, angle)
+        if vx in ring_data:
+            ring_data[vx], ring_data[vy] = ring_data[vx] + speed * ring_data[y], ring_data[vy] - speed * ring_data[x]
     for name in columns:
         if name.endswith(names.FORCE_X):
-            _turn_back(converted, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
-    converted |= {
-        name: converted[name] - frame_motion for name, frame_motion in frame_motions.items() if name in converted
+            _turn_back(ring_data, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    ring_data |= {
+        name: ring_data[name] - frame_motion for name, frame_motion in frame_motions.items() if name in ring_data
     }
-    if {"load_torque", input_torque} <= converted.keys():
-        converted["load_torque"] = -(columns["load_torque"] + columns[input_torque])
-    return converted
+    if {"load_torque", input_torque} <= ring_data.keys():
+        ring_data["load_torque"] = -(columns["load_torque"] + columns[input_torque])
+    return ring_data
 
 
 def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:

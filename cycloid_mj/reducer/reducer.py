@@ -137,17 +137,17 @@ class Reducer:
 
     @property
     def at_rated_load(self) -> Self:
-        """Reducer `working_at` its own load, or at the nominal torque if it has no load.
+        """Return the reducer with contact stiffnesses at its own load, or at the nominal torque if it has no load.
 
-        With a preloaded ring, the larger of both torques is used. The result is cached.
+        With a preloaded ring, the larger of both torques is used; see `working_at`. The result is cached.
         """
 
-        def loaded() -> Reducer | None:
-            load, rated = abs(self.design.load.torque), self.design.rated_torque
-            reducer = self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
+        def build() -> Reducer | None:
+            own_load, nominal = abs(self.design.load.torque), self.design.rated_torque
+            reducer = self.working_at(max(own_load, nominal) if self.design.ring.preload else own_load or nominal)
             return None if reducer.design == self.design else reducer
 
-        return cast("Self", self.kept("at_rated_load", loaded) or self)  # not cached on itself, as in `shape`
+        return cast("Self", self.kept("at_rated_load", build) or self)  # not cached on itself, as in `shape`
 
     @property
     def for_slices(self) -> Self:
@@ -225,13 +225,13 @@ class Reducer:
         Results that depend on the parts only are cached on it, so that reducers with equal parts share them.
         """
 
-        def without_operation() -> Reducer | None:
+        def build() -> Reducer | None:
             fields = Design.model_fields
             design = self.design.model_copy(update={name: fields[name].default for name in SHAPING_NOTHING})
             return None if design == self.design else type(self)(design)
 
         # the reducer is not cached on itself: such a cycle would keep the cache until the next garbage collection
-        return cast("Self", self.kept("shape", without_operation) or self)
+        return cast("Self", self.kept("shape", build) or self)
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -353,8 +353,8 @@ class Reducer:
         from cycloid_mj.geometry import profile
 
         gear, output, clearance = self.design.gear, self.design.output, self.design.clearance
-        holes = output.pins * (output.hole_radius + clearance.output) ** 2
-        bored_area = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
+        squared_hole_radii = output.pins * (output.hole_radius + clearance.output) ** 2
+        bored_area = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + squared_hole_radii)
         return profile.area(self.gear_profile, self.profile_offset) - bored_area
 
     @property

@@ -77,18 +77,18 @@ def bearing_stiffness(reducer: "Reducer") -> float:
     (`ideal_loads.line_contact_stiffness`), with the material of the output.
     """
     design = reducer.design
-    row, force = needle_row(design.output), reducer.contacts["output"].force
-    material, depth = design.material_of("output"), 0.5 * row.diameter
+    bearing_row, force = needle_row(design.output), reducer.contacts["output"].force
+    material, depth = design.material_of("output"), 0.5 * bearing_row.diameter
     line_stiffness = design.contact.stiffness or float(
         ideal_loads.line_contact_stiffness(
-            STRIBECK * force / row.needles,
+            STRIBECK * force / bearing_row.needles,
             design.gear.face_width,
             ideal_loads.contact_modulus(material.youngs_modulus, material.poisson),
             depth,
             1.0 / depth,
         )
     )
-    return 0.5 * line_stiffness * row.needles / STRIBECK
+    return 0.5 * line_stiffness * bearing_row.needles / STRIBECK
 
 
 def lumped_compliance(reducer: "Reducer") -> float:
@@ -109,13 +109,13 @@ def roller_needles(reducer: "Reducer") -> RollerNeedles:
     output = reducer.design.output
     if reducer.design.contact.needles != "each" or not has_needle_springs(reducer):
         return NO_NEEDLES
-    row = needle_row(output)
+    bearing_row = needle_row(output)
     # the centre of the hole circles around the pin, so that the roller turns back
     roller_turn = 1.0 - output.hole_radius / output.pin_radius
-    inner_raceway, outer_raceway = row.pitch - row.diameter, row.pitch + row.diameter
+    inner_raceway, outer_raceway = bearing_row.pitch - bearing_row.diameter, bearing_row.pitch + bearing_row.diameter
     return RollerNeedles(
-        needles=row.needles,
-        stiffness=needle_share(row.needles) * bearing_stiffness(reducer),
+        needles=bearing_row.needles,
+        stiffness=needle_share(bearing_row.needles) * bearing_stiffness(reducer),
         clearance=max(reducer.output_clearance, 0.0),
         cage_ratio=roller_turn * outer_raceway / (inner_raceway + outer_raceway),
     )

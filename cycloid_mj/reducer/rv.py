@@ -290,9 +290,9 @@ class RvReducer(Reducer):
 
         Crank bearings have two clearances, those of the needle and of the tapered bearing; others have one.
         """
-        ring = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
+        ring_kinds = [kind for kind in (self.design.tooth_pair, self.design.seat_pair) if kind]
         return {
-            **{kind: (("clearance", kind),) for kind in ring},
+            **{kind: (("clearance", kind),) for kind in ring_kinds},
             names.CRANK_BEARING: (("cranks", "needle_clearance"), ("cranks", "taper_clearance")),
             names.PLANET_MESH: (("planet", "backlash"),),
         }

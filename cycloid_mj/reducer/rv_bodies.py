@@ -103,7 +103,7 @@ def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
     planet, (sun_gear, planet_gear) = reducer.planet, reducer.stage_gears
     sun_base, planet_base = sun_gear.base_radius, planet_gear.base_radius
     towards_planet = np.pi / 2.0 - 2.0 * np.pi * np.arange(reducer.cranks.count) / reducer.cranks.count
-    loss = mesh_loss_factor(planet.sun_teeth, planet.planet_teeth, planet.pressure_angle)
+    loss_factor = mesh_loss_factor(planet.sun_teeth, planet.planet_teeth, planet.pressure_angle)
     return PlanetMesh(
         sun_base=sun_base,
         planet_base=planet_base,
@@ -114,7 +114,7 @@ def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
         amplitude=planet.transmission_error,
         planet_teeth=planet.planet_teeth,
         phase=planet.planet_teeth * towards_planet,
-        arm=loss * sun_base / (1.0 + planet.sun_teeth / planet.planet_teeth),
+        arm=loss_factor * sun_base / (1.0 + planet.sun_teeth / planet.planet_teeth),
     )
 
 
@@ -153,25 +153,25 @@ def _rv_bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
 
     The loaded member is the output: the carrier or the ring. `errors` displace the ring pins.
     """
-    design, axis = reducer.design, np.zeros(2)
+    design, origin = reducer.design, np.zeros(2)
     loaded_body, fixed_body = reducer.member.turning_and_held
-    yield Body(fixed_body, fixed_body, (), axis, axis)
+    yield Body(fixed_body, fixed_body, (), origin, origin)
     joints = names.planar_joints(names.SUN)
     is_floating = reducer.planet.sun_support == "floating"
-    yield Body(names.SUN, names.SUN, joints if is_floating else joints[-1:], axis, axis)
+    yield Body(names.SUN, names.SUN, joints if is_floating else joints[-1:], origin, origin)
     for name, phase, plane in zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True):
         centre = gear_centre(reducer.tooth_profile, phase)
         yield Body(name, name, names.planar_joints(name), centre, centre, plane)
-    yield Body(loaded_body, loaded_body, (names.OUTPUT_JOINT,), axis, axis)
-    shift = np.stack(
+    yield Body(loaded_body, loaded_body, (names.OUTPUT_JOINT,), origin, origin)
+    offsets = np.stack(
         [
             expanded(position_errors, (reducer.cranks.count,))
             for position_errors in (reducer.crank_errors.carrier_x, reducer.crank_errors.carrier_y)
         ],
         axis=-1,
     )
-    for name, position in zip(crank_names(reducer), reducer.stage.crank_positions([0.0])[0] + shift, strict=True):
-        yield Body(name, names.CRANK, (crank_joint(name),), position, axis, carrier=names.OUTPUT)
+    for name, position in zip(crank_names(reducer), reducer.stage.crank_positions([0.0])[0] + offsets, strict=True):
+        yield Body(name, names.CRANK, (crank_joint(name),), position, origin, carrier=names.OUTPUT)
     yield from pin_bodies(design, errors, names.HOUSING if loaded_body == names.HOUSING else "")
 
 
@@ -181,24 +181,24 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
     The clearances of needle bearing and tapered bearing are included in the radius of the bores.
     """
     design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
-    error_shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
+    error_shape, crank_bodies, disc_name = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
 
-    def numbered(stem: str) -> tuple[str, ...]:
+    def numbered_names(stem: str) -> tuple[str, ...]:
         return tuple(names.of_disc(name, disc, design.gear.discs) for name in names.all_numbered(stem, count))
 
     bore_error = np.stack(
         [expanded(errors.bore_x, error_shape)[disc], expanded(errors.bore_y, error_shape)[disc]], axis=-1
     )
-    radial = profile.unit(np.array([-reducer.phases[disc]]))
-    tangential = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
+    radial_direction = profile.unit(np.array([-reducer.phases[disc]]))
+    tangential_direction = np.stack([-radial_direction[:, 1], radial_direction[:, 0]], axis=-1)
     eccentric_error = (
-        expanded(errors.eccentric_radial, error_shape)[disc][:, np.newaxis] * radial
-        + expanded(errors.eccentric_tangential, error_shape)[disc][:, np.newaxis] * tangential
+        expanded(errors.eccentric_radial, error_shape)[disc][:, np.newaxis] * radial_direction
+        + expanded(errors.eccentric_tangential, error_shape)[disc][:, np.newaxis] * tangential_direction
     )
     radius = reducer.cranks.eccentric_radius
     bores = surfaces_on_circle(
-        numbered(names.BORE),
-        gear,
+        numbered_names(names.BORE),
+        disc_name,
         Role.OUTER,
         reducer.crank_radius,
         radius + reducer.bearing_clearance,
@@ -206,8 +206,8 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
         disc=disc,
     )
     eccentrics = surfaces_on_circle(
-        numbered(names.ECCENTRIC),
-        cranks,
+        numbered_names(names.ECCENTRIC),
+        crank_bodies,
         Role.ECCENTRIC,
         design.gear.eccentricity,
         radius,
@@ -215,7 +215,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
         np.full(count, -reducer.phases[disc]),
         disc=disc,
     )
-    return Mating(names.CRANK_BEARING, numbered(names.CRANK), bores, eccentrics, disc)
+    return Mating(names.CRANK_BEARING, numbered_names(names.CRANK), bores, eccentrics, disc)
 
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
@@ -223,14 +223,14 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
     runout = np.stack([expanded(errors.planet_x, (count,)), expanded(errors.planet_y, (count,))], axis=-1)
-    sun_teeth = surfaces_on_circle(
+    sun_surfaces = surfaces_on_circle(
         (names.column(names.SUN, names.TEETH),), names.SUN, Role.SUN, 0.0, sun_gear.tip_radius
     )
-    planets = names.all_numbered(names.PLANET, count)
-    teeth = surfaces_on_circle(
-        planets, crank_names(reducer), Role.PLANET, 0.0, planet_gear.tip_radius, runout, np.zeros(count)
+    planet_names = names.all_numbered(names.PLANET, count)
+    planet_surfaces = surfaces_on_circle(
+        planet_names, crank_names(reducer), Role.PLANET, 0.0, planet_gear.tip_radius, runout, np.zeros(count)
     )
-    return Mating(names.PLANET_MESH, planets, sun_teeth, teeth)
+    return Mating(names.PLANET_MESH, planet_names, sun_surfaces, planet_surfaces)
 
 
 def needle_share(needles: int) -> float:
@@ -247,12 +247,12 @@ def needle_directions(reducer: "Reducer", crank: Array) -> Array:
     The directions are the same for all cams or eccentrics, because the cage rolls with the crank in the disc. A needle
     is on +y at the crank angle 0. `crank` are crank angles against the ring [rad], shape (m,).
     """
-    count = reducer.separate_needles
+    needle_count = reducer.separate_needles
     disc_angle = -crank / reducer.design.lobes
-    angle = (disc_angle + reducer.cage_ratio * (crank - disc_angle))[:, np.newaxis] + 2.0 * np.pi * np.arange(
-        count
-    ) / max(count, 1)
-    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+    needle_angle = (disc_angle + reducer.cage_ratio * (crank - disc_angle))[:, np.newaxis] + 2.0 * np.pi * np.arange(
+        needle_count
+    ) / max(needle_count, 1)
+    return np.stack([-np.sin(needle_angle), np.cos(needle_angle)], axis=-1)
 
 
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
@@ -267,11 +267,11 @@ def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str,
         Positions [m] or [rad], and speeds [m/s] or [rad/s], by name of the joint.
     """
     member, gear = reducer.member, reducer.tooth_profile
-    crank, crank_speed = float(member.crank_angle(sun)), float(member.crank_angle(speed))
+    crank_angle, crank_speed = float(member.crank_angle(sun)), float(member.crank_angle(speed))
     position = {SUN_ANGLE: sun, names.OUTPUT_JOINT: float(member.output_angle(sun))}
     velocity = {SUN_ANGLE: speed, names.OUTPUT_JOINT: float(member.output_angle(speed))}
     for name, phase in zip(reducer.gears, reducer.phases, strict=True):
-        x, y = (float(coordinate) for coordinate in gear_centre(gear, crank + phase))
+        x, y = (float(coordinate) for coordinate in gear_centre(gear, crank_angle + phase))
         joints = names.planar_joints(name)
         position |= dict(zip(joints, (x, y, float(member.gear_angle(sun))), strict=True))
         velocity |= dict(zip(joints, (-crank_speed * y, crank_speed * x, float(member.gear_angle(speed))), strict=True))

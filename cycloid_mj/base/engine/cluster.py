@@ -49,20 +49,20 @@ def run_on_cluster(
         from distributed import KilledWorker, as_completed
 
         _require_workers(client, scheduler)
-        waiting = iter(enumerate(items))
-        index_of: dict[Any, int] = {}
+        waiting_items = iter(enumerate(items))
+        index_of_future: dict[Any, int] = {}
 
         def submit_work(count: int) -> list[Any]:
             futures = {
                 client.submit(_run_with_versions, work, item, pure=False): index
-                for index, item in islice(waiting, count)
+                for index, item in islice(waiting_items, count)
             }
-            index_of.update(futures)
+            index_of_future.update(futures)
             return list(futures)
 
         completed_futures = as_completed(submit_work(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
         for future in completed_futures:
-            index = index_of.pop(future)
+            index = index_of_future.pop(future)
             if future.status == "finished":
                 worker_versions, result = future.result()
                 require_same_versions(worker_versions, f"a worker of {scheduler}")
@@ -156,10 +156,10 @@ def _require_workers(client: Any, scheduler: str) -> None:
     try:
         worker_versions = client.run(versions)
     except Exception as problem:  # whatever a worker fails with, such as a missing package
-        local = dict(versions())["cycloid_mj"]
+        local_version = dict(versions())["cycloid_mj"]
         raise RunError(
-            f"a worker of the cluster {scheduler} cannot import cycloid_mj ({problem}): install cycloid-mj {local} on "
-            "all workers"
+            f"a worker of the cluster {scheduler} cannot import cycloid_mj ({problem}): install cycloid-mj "
+            f"{local_version} on all workers"
         ) from problem
     for address, versions_of_worker in worker_versions.items():
         require_same_versions(versions_of_worker, f"the worker {address}")

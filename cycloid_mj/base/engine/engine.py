@@ -98,14 +98,14 @@ class Engine:
         from cycloid_mj.base.engine.processes import run_in_processes
         from cycloid_mj.base.engine.threads import run_in_threads
 
-        piece = partial(_run_item, function)
+        run_function = partial(_run_item, function)
         if self.scheduler:
-            return run_on_cluster(piece, items, self.scheduler, on_lost)
+            return run_on_cluster(run_function, items, self.scheduler, on_lost)
         if self.local_workers == 1:
-            return ((index, piece(item)) for index, item in enumerate(items))
+            return ((index, run_function(item)) for index, item in enumerate(items))
         if self.kind == "threads":
-            return run_in_threads(piece, items, self.local_workers)
-        return run_in_processes(piece, items, self.local_workers, on_lost)
+            return run_in_threads(run_function, items, self.local_workers)
+        return run_in_processes(run_function, items, self.local_workers, on_lost)
 
     def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
         """Apply a function to each item of a sequence in parallel; return the results in the order of the items.

@@ -40,34 +40,34 @@ def run_in_processes(
     """
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-    waiting = dict(enumerate(items))
-    deaths: Counter[int] = Counter()
-    while waiting:
+    waiting_items = dict(enumerate(items))
+    death_counts: Counter[int] = Counter()
+    while waiting_items:
         started_indices: set[int] = set()
-        repeated_index = next((index for index in waiting if deaths[index] >= TRIES), None)
-        submitted_items = waiting if repeated_index is None else {repeated_index: waiting[repeated_index]}
+        repeated_index = next((index for index in waiting_items if death_counts[index] >= TRIES), None)
+        submitted_items = waiting_items if repeated_index is None else {repeated_index: waiting_items[repeated_index]}
         try:
             for index, result in _run_pool(work, dict(submitted_items), workers, started_indices):
-                del waiting[index]
+                del waiting_items[index]
                 yield index, result
         except TerminatedWorkerError as death:
             if repeated_index is not None:
-                count = deaths[repeated_index] + 1
-                cause = f"its worker process died {count} times, the last time while it was the only one"
+                death_count = death_counts[repeated_index] + 1
+                cause = f"its worker process died {death_count} times, the last time while it was the only one"
                 if on_lost is None:
                     raise RunError(
                         f"job {repeated_index + 1} failed: {cause}. The computer may have run out of memory. Use fewer "
                         "parallel processes (--workers)"
                     ) from death
-                del waiting[repeated_index]
+                del waiting_items[repeated_index]
                 yield repeated_index, on_lost(repeated_index, cause)
-            deaths.update(started_indices & waiting.keys())
+            death_counts.update(started_indices & waiting_items.keys())
 
 
 def _run_pool(
     work: Callable[[T], R], items: dict[int, T], workers: int, started_indices: set[int]
 ) -> Iterator[tuple[int, R]]:
-    """Apply the function `work` to items by index in a pool of `workers` processes, without a second try.
+    """Apply the function `work` to items by index in a pool of `workers` processes; yield in the order of completion.
 
     The indices of items that were handed to a process are added to the set `started_indices`.
 
@@ -75,6 +75,11 @@ def _run_pool(
     ------
     tuple
         Index of the item, and result.
+
+    Raises
+    ------
+    TerminatedWorkerError
+        A process died (loky's error); its item is not tried again.
     """
     from joblib import Parallel, delayed, parallel_config
 
