@@ -140,9 +140,9 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, warm_start:
         return contact_loads
     loss = math.inf
     for _ in range(FILM.max_rounds):
-        cam = np.linalg.norm(contact_loads.cam, axis=-1)
-        film = springs.film.displaced(contact_loads.departures)
-        springs = springs.with_friction(film.friction(contact_loads.teeth, contact_loads.output, cam))
+        cam_force = np.linalg.norm(contact_loads.cam, axis=-1)
+        film_contacts = springs.film.displaced(contact_loads.departures)
+        springs = springs.with_friction(film_contacts.friction(contact_loads.teeth, contact_loads.output, cam_force))
         contact_loads = solve_at_friction(reducer, springs, torque, warm_start, contact_loads)
         previous_loss, loss = (
             loss,
@@ -212,23 +212,23 @@ def _solve_ring_output(
             if not has_friction or halvings == settings.max_halvings:
                 raise
             friction_torque = 0.5 * (mean_torque + friction_torque)
-    previous = None
+    previous_point = None
     for _ in range(settings.max_iterations if has_friction else 0):
         loss_torque = (
             sum(float(np.mean(power)) for power in friction_losses(reducer, springs, contact_loads).values()) / speed
         )
         residual = loss_torque - friction_torque
-        if previous is not None and residual != previous[1]:
-            step = -residual * (friction_torque - previous[0]) / (residual - previous[1])
+        if previous_point is not None and residual != previous_point[1]:
+            torque_step = -residual * (friction_torque - previous_point[0]) / (residual - previous_point[1])
         elif abs(residual) < settings.direct_share * abs(mean_torque):
-            step = residual
+            torque_step = residual
         else:  # losses in proportion to the supported torque
-            step = (mean_torque - friction_torque) * residual / (mean_torque - friction_torque + loss_torque)
-        previous, friction_torque = (friction_torque, residual), friction_torque + step
+            torque_step = (mean_torque - friction_torque) * residual / (mean_torque - friction_torque + loss_torque)
+        previous_point, friction_torque = (friction_torque, residual), friction_torque + torque_step
         contact_loads = _solve_carrier_output(
             reducer, springs, (torque - friction_torque) / torque_ratio, warm_start, start and contact_loads
         )
-        if abs(step) < settings.rtol * abs(mean_torque):
+        if abs(torque_step) < settings.rtol * abs(mean_torque):
             break
     carrier_torque = (torque - friction_torque) / torque_ratio
     output_turn = reducer.share * contact_loads.output_turn + wind_up(reducer) * carrier_torque / reducer.share
@@ -252,21 +252,21 @@ def _solve_carrier_output(
     disc_displacements[..., :2] = contacts.cam_position
     if start is not None:
         z[:] = start.departures
-    force, cam, work = _solve_contacts(reducer, springs, load, z, warm_start and start is None)
-    output = force[:, springs.teeth :]
+    force, cam, assemblies = _solve_contacts(reducer, springs, load, z, warm_start and start is None)
+    pins = force[:, springs.teeth :]
     moments = (
-        (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
+        (-pins * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
     )
     moment = moments.sum(axis=1, keepdims=True)
     return Loads(
         teeth=force[:, : springs.teeth],
-        output=output,
+        output=pins,
         cam=cam,
         departures=z,
         gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
         output_turn=z[:, -1] / radius,
         share=moments / np.where(moment == 0.0, 1.0, moment),  # a torque below the tolerance closes no contact
-        work=work / len(z),
+        work=assemblies / len(z),
         friction=springs.friction,
     )
 
@@ -278,8 +278,8 @@ def _solve_contacts(
 
     There are u unknown displacements at each of m crank angles, n contacts and D discs. `springs` are the contact
     springs, `load` (m, u) [N] the generalised forces. `z` (m, u) [m] are start values of the displacements, which are
-    overwritten by the solution. `warm_start` starts each crank angle from the previous solution. The results are those
-    of `_solve_with_cams`.
+    overwritten by the solution. `warm_start` starts each crank angle from the previous solution. Returns the forces of
+    contacts (m, n) and cams (m, D, 2) [N] and the number of assemblies, as `_solve_with_cams`.
 
     Raises
     ------
@@ -289,15 +289,15 @@ def _solve_contacts(
     rollers = roller_springs(reducer, springs)
     if rollers is None:
         return _solve_with_cams(reducer, springs, load, z, warm_start)
-    total_work = 0.0
+    total_assemblies = 0.0
     for step in range(MAX_ROLLER_STEPS):
-        linear = replace(springs, contacts=rollers.insert(springs.contacts, springs.teeth))
-        force, cam, work = _solve_with_cams(reducer, linear, load, z, warm_start and step == 0)
-        total_work, linear_force = total_work + work, force[:, springs.teeth :]
+        current_springs = replace(springs, contacts=rollers.insert(springs.contacts, springs.teeth))
+        force, cam_force, assemblies = _solve_with_cams(reducer, current_springs, load, z, warm_start and step == 0)
+        total_assemblies, linear_force = total_assemblies + assemblies, force[:, springs.teeth :]
         rollers, roller_force = rollers.linearise(rollers.approach(linear_force))
         error, largest_force = float(np.abs(roller_force - linear_force).max()), float(linear_force.max())
         if error <= ROLLER_RTOL * largest_force:
-            return force, cam, total_work
+            return force, cam_force, total_assemblies
     raise RunError(
         f"the forces of the output rollers on their needles did not converge in {MAX_ROLLER_STEPS} steps: the last "
         f'error is {error:.3g} N of {largest_force:.3g} N; set contact.needles = "lumped"'
@@ -319,27 +319,27 @@ def _solve_with_cams(
         Forces of the contacts (m, n) and of the cams on their discs (m, D, 2) [N], and the number of times that the
         equations were assembled, over all angles.
     """
-    contacts, needles, work = springs.contacts, cam_needles(reducer, springs), 0.0
+    contacts, needles, assemblies = springs.contacts, cam_needles(reducer, springs), 0.0
     if needles is None:
         force = np.zeros(contacts.distance.shape)
         with announce_compilation():
             residual = solve_equilibria(contacts, load, z, force, warm_start)
         require_equilibrium(residual, springs, load)
         return force, _cam_forces(contacts, z), residual.work
-    for number in range(NEEDLE_ROUNDS if contacts.friction_per_force.size else 1):
-        extended = needles.extend(contacts, springs.teeth)
-        all_forces = np.zeros(extended.distance.shape)
+    for round_index in range(NEEDLE_ROUNDS if contacts.friction_per_force.size else 1):
+        all_springs = needles.extend(contacts, springs.teeth)
+        all_forces = np.zeros(all_springs.distance.shape)
         with announce_compilation():
-            residual = solve_equilibria(extended, load, z, all_forces, warm_start and number == 0)
+            residual = solve_equilibria(all_springs, load, z, all_forces, warm_start and round_index == 0)
         require_equilibrium(residual, springs, load)
-        force, rollers = needles.split(all_forces, springs.teeth)
-        needles, work = needles.with_shares(rollers), work + residual.work
+        force, needle_forces = needles.split(all_forces, springs.teeth)
+        needles, assemblies = needles.with_shares(needle_forces), assemblies + residual.work
     if float(np.linalg.norm(_cam_offsets(contacts, z), axis=-1).max()) > needles.reach:
         raise RunError(
             f"a cam is displaced by more than {1e6 * needles.reach:.3g} um in its bore; the equations of its rollers "
             'are not valid beyond this displacement: reduce the load (--load-nm), or set contact.needles = "lumped"'
         )
-    return force, needles.resultants(rollers), work
+    return force, needles.resultants(needle_forces), assemblies
 
 
 def _cam_forces(contacts: KernelSprings, z: Array) -> Array:
@@ -465,19 +465,19 @@ def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     otherwise each kind of pair has one.
     """
     design = reducer.design
-    slip, count = np.abs(springs.slip), springs.teeth
+    slip, teeth = np.abs(springs.slip), springs.teeth
     cam_speed = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
     cam_force = springs.cam_normal_share * np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     film = contact_loads.friction
     if film is not None:
         friction_speeds = film.contacts * slip
         return {
-            "teeth": np.sum(friction_speeds[:, :count] * contact_loads.teeth, axis=1),
+            "teeth": np.sum(friction_speeds[:, :teeth] * contact_loads.teeth, axis=1),
             "cam": film.cam * design.gear.bore_radius * cam_speed * cam_force,
-            "output": np.sum(friction_speeds[:, count:] * contact_loads.output, axis=1),
+            "output": np.sum(friction_speeds[:, teeth:] * contact_loads.output, axis=1),
         }
     return {
-        "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),
+        "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :teeth], axis=1),
         "cam": design.friction_of("cam") * design.gear.bore_radius * cam_speed * cam_force,
-        "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, count:], axis=1),
+        "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, teeth:], axis=1),
     }

@@ -53,31 +53,31 @@ class CamNeedles:
         The rollers are inserted between the first `teeth` springs of `contacts`, those with the ring, and those of
         output pins.
         """
-        positions = contacts.cam_position
-        angles, discs, unknowns = len(positions), positions.shape[1], contacts.slope.shape[2]
-        count = self.directions.shape[1]
-        slope, shape = np.zeros((angles, discs, count, unknowns)), (angles, discs * count)
-        friction = np.zeros((angles if contacts.friction_per_force.size else 0, discs, count, unknowns))
+        cam_positions = contacts.cam_position
+        angles, discs, unknowns = len(cam_positions), cam_positions.shape[1], contacts.slope.shape[2]
+        needles = self.directions.shape[1]
+        slope, shape = np.zeros((angles, discs, needles, unknowns)), (angles, discs * needles)
+        friction = np.zeros((angles if contacts.friction_per_force.size else 0, discs, needles, unknowns))
         for disc in range(discs):
             slope[:, disc, :, 3 * disc : 3 * disc + 2] = self.directions
             if contacts.friction_per_force.size:
                 friction[:, disc, :, 3 * disc + 2] = contacts.cam_friction_per_force * self.shares[:, disc, np.newaxis]
         zero_values = dict.fromkeys(("shift", "curvature", "curvature_rate", "phase"), np.zeros(shape))
         needle_values: Mapping[str, Any] = {
-            "disc": np.repeat(np.arange(discs), count),
+            "disc": np.repeat(np.arange(discs), needles),
             "rotates": np.zeros(shape[1], bool),
             "clearance": np.full(shape[1], contacts.cam_clearance),
-            "distance": -np.einsum("mdj,mzj->mdz", positions, self.directions).reshape(shape),
+            "distance": -np.einsum("mdj,mzj->mdz", cam_positions, self.directions).reshape(shape),
             "slope": slope.reshape(*shape, unknowns),
             "shift_slope": np.zeros((*shape, unknowns)),
             "stiffness": np.full(shape, self.stiffness),
             "friction_per_force": friction.reshape(len(friction), shape[1], unknowns),
             **zero_values,
         }
-        extended: dict[str, Any] = {
+        replacements: dict[str, Any] = {
             name: _insert(getattr(contacts, name), values, teeth) for name, values in needle_values.items()
         }
-        return contacts._replace(**extended, cam_clearance=self.reach)
+        return contacts._replace(**replacements, cam_clearance=self.reach)
 
     def split(self, forces: Array, teeth: int) -> tuple[Array, Array]:
         """Split forces of the contact springs from `extend` [N] into those of other contacts and of needle rollers.
@@ -90,10 +90,10 @@ class CamNeedles:
         tuple
             Forces of the contacts, shape (m, n), and of the rollers, shape (m, D, Z).
         """
-        discs, count = self.shares.shape[1], self.directions.shape[1]
-        end = teeth + discs * count
-        rollers = forces[:, teeth:end].reshape(len(forces), discs, count)
-        return np.concatenate([forces[:, :teeth], forces[:, end:]], axis=1), rollers
+        discs, needles = self.shares.shape[1], self.directions.shape[1]
+        rollers_end = teeth + discs * needles
+        roller_forces = forces[:, teeth:rollers_end].reshape(len(forces), discs, needles)
+        return np.concatenate([forces[:, :teeth], forces[:, rollers_end:]], axis=1), roller_forces
 
     def resultants(self, rollers: Array) -> Array:
         """Return the force of each cam on its disc [N], shape (m, D, 2), from those of its rollers, shape (m, D, Z)."""
@@ -110,13 +110,13 @@ def cam_needles(reducer: Reducer, springs: Springs) -> CamNeedles | None:
 
     They are computed at the crank angles of the other contact springs, `springs`.
     """
-    count = reducer.separate_needles
-    if not count:
+    needles = reducer.separate_needles
+    if not needles:
         return None
     cam = reducer.at_rated_load.contacts["cam"]
     return CamNeedles(
         directions=needle_directions(reducer, springs.crank),
-        stiffness=needle_share(count) * springs.contacts.cam_stiffness,
+        stiffness=needle_share(needles) * springs.contacts.cam_stiffness,
         reach=springs.contacts.cam_clearance + MAX_DEFLECTION * cam.force / springs.contacts.cam_stiffness,
         shares=np.full((springs.crank.size, reducer.design.gear.discs), EVEN_SHARE),
     )

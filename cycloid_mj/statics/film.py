@@ -197,10 +197,10 @@ class FilmSurfaces:
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
             return flank, np.zeros(flank.coefficient.shape, dtype=bool)
-        rolls = seat.coefficient < flank.coefficient
+        pin_rolls = seat.coefficient < flank.coefficient
         return MixedFriction(
-            *(np.where(rolls, getattr(seat, name), value) for name, value in vars(flank).items())
-        ), rolls
+            *(np.where(pin_rolls, getattr(seat, name), value) for name, value in vars(flank).items())
+        ), pin_rolls
 
     @property
     def hole_speeds(self) -> SurfaceSpeeds:
@@ -296,8 +296,8 @@ class FilmContacts:
         """
         moved_centres = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
         (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved_centres, -1, 0)
-        turn = np.arctan2(x * moved_y - y * moved_x, x * moved_x + y * moved_y)
-        surfaces = build_film_surfaces(self.surfaces.reducer, self.phases + turn[:, self.disc], self.curvature)
+        phase_change = np.arctan2(x * moved_y - y * moved_x, x * moved_x + y * moved_y)
+        surfaces = build_film_surfaces(self.surfaces.reducer, self.phases + phase_change[:, self.disc], self.curvature)
         return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:

@@ -107,13 +107,13 @@ def sample_inputs(
     ranges = {**RANGES, "boundary": boundary}
     positions = qmc.Sobol(len(RANGES), seed=SEED).random(count)
     factors = [
-        np.exp(np.log(item.low) + column * np.log(item.high / item.low))
-        if item.logarithmic
-        else item.low + column * (item.high - item.low)
-        for item, column in zip(ranges.values(), positions.T, strict=True)
+        np.exp(np.log(bounds.low) + share * np.log(bounds.high / bounds.low))
+        if bounds.logarithmic
+        else bounds.low + share * (bounds.high - bounds.low)
+        for bounds, share in zip(ranges.values(), positions.T, strict=True)
     ]
-    rows = np.stack(factors, axis=1).tolist()
-    return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), positions
+    samples = np.stack(factors, axis=1).tolist()
+    return tuple(FilmInputs(**dict(zip(RANGES, sample, strict=True))) for sample in samples), positions
 
 
 def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: Array) -> Spread:
@@ -135,9 +135,9 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
     standardised = (positions - positions.mean(axis=0)) / positions.std(axis=0)
     slopes, *_ = np.linalg.lstsq(standardised, outcomes - outcomes.mean(), rcond=None)
     shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
-    order = np.argsort(-shares)
-    names = [item.name for item in RANGES.values()]
-    return Spread(value, float(low), float(high), tuple((names[k], float(shares[k])) for k in order))
+    by_share = np.argsort(-shares)
+    names = [bounds.name for bounds in RANGES.values()]
+    return Spread(value, float(low), float(high), tuple((names[index], float(shares[index])) for index in by_share))
 
 
 @once
@@ -196,11 +196,11 @@ def extrapolate_losses(
     tuple
         Power lost with the inputs of the design [W], and with each sample [W], shape (samples,), both with drag.
     """
-    own_loss, outcomes = contact_power(DESIGN_INPUTS), []
+    design_loss, powers = contact_power(DESIGN_INPUTS), []
     for inputs in sample_inputs(samples, boundary_range(reducer))[0]:
         sample_loss = contact_power(inputs)
-        outcomes.append(sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag_power(reducer, inputs))
-    return own_loss + drag_power(reducer), np.array(outcomes)
+        powers.append(sample_loss * (1.0 + growth * (sample_loss / design_loss - 1.0)) + drag_power(reducer, inputs))
+    return design_loss + drag_power(reducer), np.array(powers)
 
 
 RAISED_FRICTION = 1.1
@@ -225,11 +225,11 @@ def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, cont
     assert contact_loads.friction is not None
     raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))
     raised_loads = solve_at_friction(reducer, raised_springs, torque, True, contact_loads)
-    own_loss, raised_loss = (
+    design_loss, raised_loss = (
         sum(float(np.mean(power)) for power in friction_losses(reducer, springs, solution).values())
         for solution in (contact_loads, raised_loads)
     )
-    return loss_growth(own_loss, raised_loss)
+    return loss_growth(design_loss, raised_loss)
 
 
 def loss_growth(own_loss: float, raised_loss: float) -> float:
@@ -267,12 +267,12 @@ class _LoadedContacts:
         """Compute the mean friction power of the loaded contacts [W], for `inputs` of the friction law ``film``."""
         surfaces = replace(self.surfaces, inputs=inputs)
         output_friction = surfaces.output_friction(self.output)
-        output = (
+        pin_coefficient = (
             surfaces.reducer.design.friction_of("output") if output_friction is None else output_friction.coefficient
         )
         return float(
             np.sum(surfaces.smaller_friction(self.teeth)[0].coefficient * self.tooth_power)
-            + np.sum(output * self.output_power)
+            + np.sum(pin_coefficient * self.output_power)
             + surfaces.mean_cam_friction(self.cam) * self.cam_power
         )
 
@@ -285,20 +285,20 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
     """
     assert springs.film is not None
     assert contact_loads.friction is not None
-    count = springs.teeth
-    teeth, output = contact_loads.teeth > 0.0, contact_loads.output > 0.0
+    tooth_count = springs.teeth
+    loaded_teeth, loaded_pins = contact_loads.teeth > 0.0, contact_loads.output > 0.0
     slip = np.abs(springs.slip) / len(springs.crank)
     unit_friction = replace(contact_loads.friction, contacts=np.ones_like(springs.slip), cam=1.0)
-    with_unit_friction = replace(contact_loads, friction=unit_friction)
+    unit_loads = replace(contact_loads, friction=unit_friction)
     solved_springs = springs.with_friction(contact_loads.friction)
     return _LoadedContacts(
-        surfaces=springs.film.displaced(contact_loads.departures).surfaces.select(teeth),
-        teeth=contact_loads.teeth[teeth],
-        output=contact_loads.output[output],
+        surfaces=springs.film.displaced(contact_loads.departures).surfaces.select(loaded_teeth),
+        teeth=contact_loads.teeth[loaded_teeth],
+        output=contact_loads.output[loaded_pins],
         cam=np.linalg.norm(contact_loads.cam, axis=-1),
-        tooth_power=(contact_loads.teeth * slip[:, :count])[teeth],
-        output_power=(contact_loads.output * slip[:, count:])[output],
-        cam_power=float(np.mean(friction_losses(reducer, solved_springs, with_unit_friction)["cam"])),
+        tooth_power=(contact_loads.teeth * slip[:, :tooth_count])[loaded_teeth],
+        output_power=(contact_loads.output * slip[:, tooth_count:])[loaded_pins],
+        cam_power=float(np.mean(friction_losses(reducer, solved_springs, unit_loads)["cam"])),
     )
 
 
@@ -312,7 +312,7 @@ def back_driving_efficiency_spread(reducer: Reducer, torque: float) -> Spread:
     RunError
         There is no equilibrium, for example because friction jams the reducer.
     """
-    supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost_power, outcomes = lost_powers(reducer, -torque)
-    share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)
-    return compute_spread(100.0 * max(1.0 - lost_power / supplied, 0.0), share, sample_inputs()[1])
+    input_power = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    own_loss, sample_losses = lost_powers(reducer, -torque)
+    efficiencies = 100.0 * np.maximum(1.0 - sample_losses / input_power, 0.0)
+    return compute_spread(100.0 * max(1.0 - own_loss / input_power, 0.0), efficiencies, sample_inputs()[1])

@@ -49,11 +49,11 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
     speed = abs(reducer.speed_against_ring)
-    crank = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
-    phases = profile.pin_angles(gear) + crank[:, np.newaxis]
+    angles = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
+    phases = profile.pin_angles(gear) + angles[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
     teeth = _forces_with_clearance(profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness)
-    pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank)
+    pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, angles)
     sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
     hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
     total_loss, missing_loss = 0.0, 0.0
@@ -62,10 +62,10 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
         contacts.append(("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0))
     for kind, friction, force, slip, speed_factor in contacts:
         loss = friction * force * slip
-        full_speed = speed_factor * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
+        limit_speed = speed_factor * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         total_loss += float(np.mean(np.sum(loss, axis=1)))
         missing_loss += float(
-            np.mean(np.sum(loss * np.maximum(1.0 - slip / np.maximum(full_speed, 1e-12), 0.0), axis=1))
+            np.mean(np.sum(loss * np.maximum(1.0 - slip / np.maximum(limit_speed, 1e-12), 0.0), axis=1))
         )
     return (missing_loss / total_loss, missing_loss * gear.lobes / (torque * speed)) if total_loss else (0.0, 0.0)
 
@@ -93,8 +93,9 @@ def _creep_speed_factor(reducer: Reducer) -> float:
 def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: float) -> Array:
     """Compute the forces of N teeth on a disc that only rotates [N], shape (n, N), at n crank angles.
 
-    `arms` (n, N) [m] are the lever arms of the teeth, and `torque` [N m] is the torque on the disc. Each tooth has a
-    clearance `play` [m] and a `stiffness` [N/m]. Bisection determines the rotation of the disc.
+    `arms` (n, N) [m] are the lever arms of the teeth; those with a negative arm are unloaded. `torque` [N m] is the
+    positive torque on the disc. Each tooth has a clearance `play` [m] and a `stiffness` [N/m]. Bisection determines the
+    rotation of the disc.
     """
     arms = np.maximum(arms, 0.0)
     lower = np.zeros(len(arms))
@@ -132,14 +133,14 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output
-    ring = ideal_loads.ideal_load_sharing(gear, load, crank)
-    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
-    cam = np.linalg.norm(ideal_loads.cam_force(ring, pins, crank), axis=1)
+    ring_loads = ideal_loads.ideal_load_sharing(gear, load, crank)
+    pin_forces = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
+    cam_forces = np.linalg.norm(ideal_loads.cam_force(ring_loads, pin_forces, crank), axis=1)
     losses = [
         design.friction_of(kind) * radius * gear.ring_teeth * np.mean(force) / load
         for kind, radius, force in (
-            ("output", gear.eccentricity, np.sum(pins, axis=1)),
-            ("cam", design.gear.bore_radius, cam),
+            ("output", gear.eccentricity, np.sum(pin_forces, axis=1)),
+            ("cam", design.gear.bore_radius, cam_forces),
         )
     ]
     return ideal_mesh_loss(reducer, crank, friction), float(losses[0]), float(losses[1])

@@ -127,7 +127,7 @@ def follow_torque_path(
     points = np.arange(len(torque), dtype=float)
     while True:
         point_torque = np.interp(points, np.arange(len(torque)), torque)
-        residual, positions, turns = _solve_path(springs, friction_elements, point_torque, max_rotation)
+        residual, positions, rotations = _solve_path(springs, friction_elements, point_torque, max_rotation)
         if not residual:
             break
         failed_step = int(positions[-1]) + 1 if len(positions) else 0
@@ -137,8 +137,8 @@ def follow_torque_path(
         points = np.insert(points, failed_step, 0.5 * (points[failed_step - 1] + points[failed_step]))
     positions = np.interp(positions, np.arange(len(points)), points)
     if math.isinf(max_rotation):
-        positions, turns = (values[positions == np.floor(positions)] for values in (positions, turns))
-    return positions, turns + wind_up(reducer) * np.interp(positions, np.arange(len(torque)), torque)
+        positions, rotations = (column[positions == np.floor(positions)] for column in (positions, rotations))
+    return positions, rotations + wind_up(reducer) * np.interp(positions, np.arange(len(torque)), torque)
 
 
 def _solve_path(
@@ -210,28 +210,28 @@ def build_friction_elements(
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
-    contacts, discs, seal_count = mesh_gaps.kind.size, springs.cam_position.shape[1], _SETTINGS.seal_elements
+    contact_count, disc_count, seal_count = mesh_gaps.kind.size, springs.cam_position.shape[1], _SETTINGS.seal_elements
     radius, teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
-    sliding = np.zeros((contacts + discs + seal_count, springs.slope.shape[2]))
-    sliding[:contacts] = mesh_gaps.slip_slope[0]
-    cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
-    sliding[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore_radius / radius
-    sliding[seals, -1] = 1.0
+    sliding = np.zeros((contact_count + disc_count + seal_count, springs.slope.shape[2]))
+    sliding[:contact_count] = mesh_gaps.slip_slope[0]
+    cam_rows, seal_rows = slice(contact_count, contact_count + disc_count), slice(contact_count + disc_count, None)
+    sliding[range(contact_count, contact_count + disc_count), range(2, 3 * disc_count, 3)] = bore_radius / radius
+    sliding[seal_rows, -1] = 1.0
     if locked_shaft == "output":
         # the crank rotates by N - 1 per rotation of the output, and carries the ideal parts along
         carried_motion = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
-        sliding[:contacts, -1] += mesh_gaps.slip_slope[0] @ carried_motion
-        sliding[cams, -1] = -teeth * bore_radius / radius
-    friction = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {
+        sliding[:contact_count, -1] += mesh_gaps.slip_slope[0] @ carried_motion
+        sliding[cam_rows, -1] = -teeth * bore_radius / radius
+    coefficients = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {
         design.tooth_pair: design.mesh_friction
     }
-    stiffness = np.concatenate([springs.stiffness[0], np.full(discs, springs.cam_stiffness)])
+    stiffness = np.concatenate([springs.stiffness[0], np.full(disc_count, springs.cam_stiffness)])
     seal_limits = np.full(seal_count, losses.drag / radius / seal_count)
-    material_loss = losses.material * (np.arange(len(sliding)) < contacts + discs)
+    material_loss = losses.material * (np.arange(len(sliding)) < contact_count + disc_count)
     return FrictionElements(
         slip=sliding,
         coefficient=np.array(
-            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seal_count]
+            [*(coefficients[kind] for kind in mesh_gaps.kind), *[coefficients["cam"]] * disc_count, *[0.0] * seal_count]
         ),
         drag=seal_limits,
         stiffness=np.concatenate(

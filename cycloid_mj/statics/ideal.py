@@ -70,14 +70,14 @@ def ideal_rv_losses(reducer: RvReducer, crank: Array, friction: float) -> tuple[
     """
     ratio, design = reducer.stage.to_carrier, reducer.design
     disc_share = (ratio - 1.0) / ratio * design.lobes / design.ring.teeth
-    mesh = disc_share * ideal_mesh_loss(reducer, crank, friction)
+    mesh_loss = disc_share * ideal_mesh_loss(reducer, crank, friction)
     bearing_force = ideal_rv(reducer, 1.0).bearings.sum(axis=(1, 2)).mean()
     carrier_power = reducer.share * abs(reducer.output_speed)
     bearing_loss = design.friction_of(names.CRANK_BEARING) * bearing_force * reducer.cranks.eccentric_radius
-    bearings = bearing_loss * reducer.crank_speed / carrier_power
-    flank_force = reducer.share / ratio * (1.0 + mesh + bearings) / reducer.planet_mesh.sun_base
+    relative_loss = bearing_loss * reducer.crank_speed / carrier_power
+    flank_force = reducer.share / ratio * (1.0 + mesh_loss + relative_loss) / reducer.planet_mesh.sun_base
     planet_loss = design.friction_of(names.PLANET_MESH) * flank_force * reducer.planet_mesh.arm
-    return mesh, float(bearings), float(planet_loss * reducer.planet_mesh_speed / carrier_power)
+    return mesh_loss, float(relative_loss), float(planet_loss * reducer.planet_mesh_speed / carrier_power)
 
 
 def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
@@ -90,8 +90,8 @@ def _cam_force(reducer: Reducer, crank: Array, phase: float) -> Array:
 
     `crank` (m,) [rad] are the crank angles, and `phase` [rad] is the phase of the disc on the crank.
     """
-    ring, pins, crank_in_ring = _share_load(reducer, crank, phase)
-    force = ideal_loads.cam_force(ring, pins, crank_in_ring + phase, body_force(reducer, crank, phase))
+    ring_loads, pin_forces, crank_in_ring = _share_load(reducer, crank, phase)
+    force = ideal_loads.cam_force(ring_loads, pin_forces, crank_in_ring + phase, body_force(reducer, crank, phase))
     return np.asarray(np.hypot(*force.T))
 
 

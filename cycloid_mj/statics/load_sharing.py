@@ -29,12 +29,12 @@ def share_torque(arms: Array, weights: Array, stiffness: Array, clearance: float
         The forces [N], shape (n, m), and the torsional stiffness of the closed springs [N m/rad], shape (n,).
     """
     forces, torsional_stiffness = np.empty_like(arms), np.empty_like(torque)
-    for row in range(len(arms)):
+    for drive in range(len(arms)):
         rotation, squared_arms = _solve_rotation(
-            arms[row], weights[row], clearance, torque[row] / stiffness[row], 0.0, 0.0, np.inf
+            arms[drive], weights[drive], clearance, torque[drive] / stiffness[drive], 0.0, 0.0, np.inf
         )
-        forces[row] = stiffness[row] * np.maximum(rotation * arms[row] - clearance, 0.0)
-        torsional_stiffness[row] = stiffness[row] * squared_arms
+        forces[drive] = stiffness[drive] * np.maximum(rotation * arms[drive] - clearance, 0.0)
+        torsional_stiffness[drive] = stiffness[drive] * squared_arms
     return forces, torsional_stiffness
 
 
@@ -48,13 +48,13 @@ def protruding_forces(
     those of `share_torque`.
     """
     forces, reduced_clearance = np.empty_like(arms), clearance - error
-    for row in range(len(arms)):
-        load = torque[row] / stiffness[row]
-        largest, _ = _solve_rotation(arms[row], weights[row], clearance, load, 0.0, 0.0, np.inf)
-        for column in range(arms.shape[1]):
-            arm = arms[row, column]
-            rotation, _ = _solve_rotation(arms[row], weights[row], clearance, load, arm, reduced_clearance, largest)
-            forces[row, column] = stiffness[row] * max(rotation * arm - reduced_clearance, 0.0)
+    for drive in range(len(arms)):
+        load = torque[drive] / stiffness[drive]
+        start, _ = _solve_rotation(arms[drive], weights[drive], clearance, load, 0.0, 0.0, np.inf)
+        for spring in range(arms.shape[1]):
+            arm = arms[drive, spring]
+            rotation, _ = _solve_rotation(arms[drive], weights[drive], clearance, load, arm, reduced_clearance, start)
+            forces[drive, spring] = stiffness[drive] * max(rotation * arm - reduced_clearance, 0.0)
     return forces
 
 
@@ -76,17 +76,17 @@ def _solve_rotation(
     `start` [rad], such as the solution without the extra spring, or inf, at which all springs are closed. The second
     result is the sum of the squared arms of closed springs [m2].
     """
-    rotation, squares = start, 0.0
+    rotation, squared_arms = start, 0.0
     while True:
-        moment, squares = load, 1e-30
+        moment, squared_arms = load, 1e-30
         for arm in arms:
             if rotation * arm > clearance:
                 moment += weight * arm * clearance
-                squares += weight * arm * arm
+                squared_arms += weight * arm * arm
         if rotation * extra_arm > extra_clearance:
             moment += extra_arm * extra_clearance
-            squares += extra_arm * extra_arm
-        solution = moment / squares
-        if not solution < rotation * (1.0 - 1e-12):
-            return rotation, squares
-        rotation = solution
+            squared_arms += extra_arm * extra_arm
+        next_rotation = moment / squared_arms
+        if not next_rotation < rotation * (1.0 - 1e-12):
+            return rotation, squared_arms
+        rotation = next_rotation

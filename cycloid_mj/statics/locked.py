@@ -107,11 +107,11 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
     design = reducer.design
     drive = design.drive.model_copy(update={"speed": 0.0})
     if isinstance(reducer, RvReducer):
-        without_friction = RvReducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
-        return _solve_rv_curve(without_friction, 2.0 ** math.ceil(math.log2(max_torque)), crank)
-    rigid_shafts = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
-    curve = _solve_contact_curve(rigid_shafts, 2.0 ** math.ceil(math.log2(max_torque)), crank)
-    return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(rigid_shafts)) * curve.torque)
+        rv_reducer = RvReducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
+        return _solve_rv_curve(rv_reducer, 2.0 ** math.ceil(math.log2(max_torque)), crank)
+    rigid_reducer = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
+    curve = _solve_contact_curve(rigid_reducer, 2.0 ** math.ceil(math.log2(max_torque)), crank)
+    return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(rigid_reducer)) * curve.torque)
 
 
 @lru_cache(maxsize=16)
@@ -143,13 +143,13 @@ def _solve_rv_curve(reducer: RvReducer, max_torque: float, crank: float) -> Lock
 
 
 def _join_sides(max_torque: float, sides: Sequence[Array]) -> LockedCurve:
-    """Join the output rotations [rad] under negative and under positive torques to a curve over the torque.
+    """Join the output rotations [rad] under negative and under positive torques, `sides`, to a curve over the torque.
 
     The torques are `SHARES` of `max_torque` [N m], the same on both sides.
     """
     shares = np.array(SHARES)
     # the line through the two smallest torques extrapolates to the point where the contacts close
-    stop_rotations = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
+    stop_rotations = [turns[0] - (turns[1] - turns[0]) * shares[0] / (shares[1] - shares[0]) for turns in sides]
     # a small torque across the backlash, so that the torque is unique at every rotation
     torque = max_torque * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
     rotation = np.concatenate([sides[0][::-1], [stop_rotations[0], stop_rotations[1]], sides[1]])

@@ -114,7 +114,7 @@ def torque_at_pressure(
         equilibrium.
     """
     settings = PRESSURE_TORQUE
-    previous_torque, previous_share = math.nan, math.nan
+    previous_torque, previous_ratio = math.nan, math.nan
     failure: RunError | None = None
     for iteration in range(settings.max_iterations):
         try:
@@ -125,17 +125,17 @@ def torque_at_pressure(
             torque, failure = math.copysign(math.sqrt(torque * previous_torque), torque), error
             continue
         failure = None
-        shares = {
+        ratios = {
             kind: peak_pressure(reducer, springs, contact_loads, kind) / pressure
             for kind, pressure in pressures.items()
         }
-        kind = max(shares, key=lambda item: shares[item])
+        kind = max(ratios, key=lambda candidate: ratios[candidate])
         exponent = (
-            0.5 if iteration == 0 else math.log(shares[kind] / previous_share) / math.log(torque / previous_torque)
+            0.5 if iteration == 0 else math.log(ratios[kind] / previous_ratio) / math.log(torque / previous_torque)
         )
-        previous_torque, previous_share = torque, shares[kind]
+        previous_torque, previous_ratio = torque, ratios[kind]
         torque, contact_loads = (
-            torque * previous_share ** (-1.0 / min(max(exponent, settings.min_power), settings.max_power)),
+            torque * previous_ratio ** (-1.0 / min(max(exponent, settings.min_power), settings.max_power)),
             None,
         )
         if abs(torque / previous_torque - 1.0) < (settings.secant_rtol if iteration else settings.rtol):

@@ -64,9 +64,9 @@ def roller_springs(reducer: Reducer, springs: Springs) -> RollerSprings | None:
     needles = reducer.at_rated_load.roller_needles
     if not needles.needles:
         return None
-    directions, carrier = springs.directions[:, springs.teeth :], -springs.crank / reducer.design.lobes
-    cage = carrier + needles.cage_ratio * (springs.crank - carrier)
+    directions, carrier_angle = springs.directions[:, springs.teeth :], -springs.crank / reducer.design.lobes
+    cage_angle = carrier_angle + needles.cage_ratio * (springs.crank - carrier_angle)
     stiffness = np.ascontiguousarray(springs.contacts.stiffness[:, springs.teeth :])
-    angle = np.arctan2(-directions[..., 0], directions[..., 1]) - cage[:, np.newaxis]
-    unloaded = RollerSprings(needles, angle, stiffness, stiffness, stiffness)
-    return unloaded.linearise(np.zeros(stiffness.shape))[0]
+    angle = np.arctan2(-directions[..., 0], directions[..., 1]) - cage_angle[:, np.newaxis]
+    unloaded_springs = RollerSprings(needles, angle, stiffness, stiffness, stiffness)
+    return unloaded_springs.linearise(np.zeros(stiffness.shape))[0]

@@ -245,27 +245,27 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         The working force flattens a pin beyond the range of a line contact.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
-    teeth = mesh_gaps(reducer, crank)
+    gaps = mesh_gaps(reducer, crank)
     flank_gap, flank_slope = _flank_gaps(reducer, crank)
     offset, offset_slope = _crank_offsets(reducer, crank)
     unknowns = offset_slope.shape[-1]
-    stiffness = tooth_stiffness(reducer, teeth.relative_curvature)
-    contact, disc_unknowns = np.arange(teeth.disc.size)[:, np.newaxis], 3 * teeth.disc[:, np.newaxis] + np.arange(3)
+    stiffness = tooth_stiffness(reducer, gaps.relative_curvature)
+    index, disc_unknowns = np.arange(gaps.disc.size)[:, np.newaxis], 3 * gaps.disc[:, np.newaxis] + np.arange(3)
     return RvSprings(
         crank=crank,
-        gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
-        slope=np.concatenate([_pad_gradient(teeth.slope, unknowns), flank_slope], axis=1),
+        gap=np.concatenate([gaps.width + gaps.play, flank_gap], axis=1),
+        slope=np.concatenate([_pad_gradient(gaps.slope, unknowns), flank_slope], axis=1),
         stiffness=np.concatenate([stiffness, np.full(flank_gap.shape, reducer.mesh_stiffness)], axis=1),
         pins=stiffness.shape[1],
-        disc=teeth.disc,
-        shift=teeth.shift,
-        tooth_slope=teeth.slope[:, contact, disc_unknowns],
-        shift_slope=teeth.shift_slope[:, contact, disc_unknowns],
-        bend=teeth.curvature,
-        twist=teeth.curvature_rate,
-        phase=teeth.phase,
-        curvature=teeth.relative_curvature,
-        slip=np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank)),
+        disc=gaps.disc,
+        shift=gaps.shift,
+        tooth_slope=gaps.slope[:, index, disc_unknowns],
+        shift_slope=gaps.shift_slope[:, index, disc_unknowns],
+        bend=gaps.curvature,
+        twist=gaps.curvature_rate,
+        phase=gaps.phase,
+        curvature=gaps.relative_curvature,
+        slip=np.einsum("mcu,mu->mc", gaps.slip_slope, ideal_motion(reducer, crank)),
         offset=offset,
         offset_slope=offset_slope,
         bearing_stiffness=reducer.bearing_stiffness,
@@ -297,16 +297,16 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
         Displacement in x and y (m, D, n, 2) [m], and gradient by the unknowns (m, D, n, 2, u) [1].
     """
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
-    discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
+    discs, cranks, carrier_dof = len(stage.phases), stage.cranks, 3 * len(stage.phases)
     slope = np.zeros((crank.size, discs, cranks, 2, _unknown_count(reducer)))
     carrier_rate = quarter_turned(stage.crank_positions(crank)) / lever
     crank_rate = eccentricity / lever * quarter_turned(stage.eccentrics(crank))
     for disc in range(discs):
         slope[:, disc, :, 0, 3 * disc] = slope[:, disc, :, 1, 3 * disc + 1] = -1.0
         slope[:, disc, :, :, 3 * disc + 2] = -carrier_rate
-        for number in range(cranks):
-            slope[:, disc, number, :, carrier + 1 + number] = crank_rate[:, disc]
-    slope[..., carrier] = carrier_rate[:, np.newaxis]
+        for crank_index in range(cranks):
+            slope[:, disc, crank_index, :, carrier_dof + 1 + crank_index] = crank_rate[:, disc]
+    slope[..., carrier_dof] = carrier_rate[:, np.newaxis]
     return crank_misfits(reducer, crank), slope
 
 
@@ -319,17 +319,17 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
     directions = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
-    radial, tangential = (
+    radial_errors, tangential_errors = (
         expanded(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
     )
-    bores = np.stack([expanded(errors.bore_x, shape), expanded(errors.bore_y, shape)], axis=-1)
-    holes = np.stack([expanded(errors.carrier_x, shape[1:]), expanded(errors.carrier_y, shape[1:])], axis=-1)
-    axis = np.array([errors.axis_x, errors.axis_y])
+    bore_errors = np.stack([expanded(errors.bore_x, shape), expanded(errors.bore_y, shape)], axis=-1)
+    carrier_errors = np.stack([expanded(errors.carrier_x, shape[1:]), expanded(errors.carrier_y, shape[1:])], axis=-1)
+    axis_error = np.array([errors.axis_x, errors.axis_y])
     return (
-        radial * directions
-        + tangential * quarter_turned(directions)
-        + rotate(holes - bores, carrier_angle[:, np.newaxis, np.newaxis])
-        + axis
+        radial_errors * directions
+        + tangential_errors * quarter_turned(directions)
+        + rotate(carrier_errors - bore_errors, carrier_angle[:, np.newaxis, np.newaxis])
+        + axis_error
     )
 
 
@@ -369,8 +369,8 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     outward = reducer.stage.crank_positions(crank) / reducer.lever
     radial_share = np.copysign(np.tan(reducer.planet.pressure_angle), reducer.design.drive.speed)
     # the line of action, divided by the cosine of the pressure angle: so are base and pitch radius
-    action = quarter_turned(outward) + radial_share * outward
-    offset = np.sum(planet_offsets(reducer, crank) * action, axis=-1)
+    action_direction = quarter_turned(outward) + radial_share * outward
+    offset = np.sum(planet_offsets(reducer, crank) * action_direction, axis=-1)
     return np.asarray((offset + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
 
@@ -403,16 +403,16 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
     outward = stage.crank_positions(crank) / lever
-    tangent, carrier = quarter_turned(outward), 3 * len(stage.phases)
+    tangent, carrier_dof = quarter_turned(outward), 3 * len(stage.phases)
     offset = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * tangent
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
         normal = sign * np.cos(planet.pressure_angle) * tangent + np.sin(planet.pressure_angle) * outward
         slope = np.zeros((*outward.shape[:2], _unknown_count(reducer)))
         tangent_share = sign * np.cos(planet.pressure_angle)
-        slope[..., carrier] = tangent_share
-        for number in range(stage.cranks):
-            slope[:, number, carrier + 1 + number] = -tangent_share * _planet_radius(reducer) / lever
+        slope[..., carrier_dof] = tangent_share
+        for planet_index in range(stage.cranks):
+            slope[:, planet_index, carrier_dof + 1 + planet_index] = -tangent_share * _planet_radius(reducer) / lever
         if planet.sun_support == "floating":
             slope[..., -2:] = -normal
         gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * offset, axis=-1))
@@ -440,20 +440,20 @@ def compute_rv_friction(
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     coefficients = coefficients or coulomb_coefficients(reducer)
-    teeth, count = mesh_gaps(reducer, crank), _unknown_count(reducer)
-    discs, carrier, cranks = len(reducer.phases), 3 * len(reducer.phases), reducer.cranks.count
-    slip = np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank))
-    sliding = -coefficients.teeth * sense * np.sign(slip)[..., np.newaxis] * teeth.slip_slope
-    needles, tapers = (sense * torque / reducer.lever for torque in (coefficients.needles, coefficients.tapers))
+    tooth_gaps, unknown_count = mesh_gaps(reducer, crank), _unknown_count(reducer)
+    discs, carrier_dof, cranks = len(reducer.phases), 3 * len(reducer.phases), reducer.cranks.count
+    slip = np.einsum("mcu,mu->mc", tooth_gaps.slip_slope, ideal_motion(reducer, crank))
+    sliding = -coefficients.teeth * sense * np.sign(slip)[..., np.newaxis] * tooth_gaps.slip_slope
+    needle_term, taper_term = (sense * torque / reducer.lever for torque in (coefficients.needles, coefficients.tapers))
     sliding_arm = coefficients.planets * reducer.planet_mesh.arm / reducer.lever
-    bearings, meshes = np.zeros((discs, cranks, count)), np.zeros((cranks, count))
-    for number in range(cranks):
-        bearings[:, number, carrier] = tapers
-        bearings[:, number, carrier + 1 + number] = -(needles + tapers)
-        meshes[number, carrier + 1 + number] = -sense * sliding_arm
+    bearing_terms, mesh_terms = np.zeros((discs, cranks, unknown_count)), np.zeros((cranks, unknown_count))
+    for crank_index in range(cranks):
+        bearing_terms[:, crank_index, carrier_dof] = taper_term
+        bearing_terms[:, crank_index, carrier_dof + 1 + crank_index] = -(needle_term + taper_term)
+        mesh_terms[crank_index, carrier_dof + 1 + crank_index] = -sense * sliding_arm
     for disc in range(discs):
-        bearings[disc, :, 3 * disc + 2] = needles
-    return RvFriction(_pad_gradient(sliding, count), bearings, meshes)
+        bearing_terms[disc, :, 3 * disc + 2] = needle_term
+    return RvFriction(_pad_gradient(sliding, unknown_count), bearing_terms, mesh_terms)
 
 
 def solve_rv_loads(
@@ -491,21 +491,21 @@ def solve_rv_loads(
     if friction is None:
         return _loads_from_displacements(springs, displacements)
     friction_load, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
-    change, relaxation = np.full(len(load), np.inf), np.ones(len(load))
+    relative_change, relaxation = np.full(len(load), np.inf), np.ones(len(load))
     for _ in range(FRICTION.max_steps):
         residual, previous_change = (
             friction.load(_loads_from_displacements(springs, displacements)) - friction_load,
-            change,
+            relative_change,
         )
-        change = np.max(np.abs(residual), axis=1) / load_size
-        relaxation = np.where(change > previous_change, 0.5 * relaxation, relaxation)
+        relative_change = np.max(np.abs(residual), axis=1) / load_size
+        relaxation = np.where(relative_change > previous_change, 0.5 * relaxation, relaxation)
         friction_load = friction_load + relaxation[:, np.newaxis] * residual
         displacements = _minimise_energy(springs, load + friction_load, displacements)
-        if change.max() <= FRICTION.rtol:
+        if relative_change.max() <= FRICTION.rtol:
             return _loads_from_displacements(springs, displacements)
     raise RunError(
         f"no static equilibrium with friction found: the friction forces of the last two iterations differ by "
-        f"{change.max():.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
+        f"{relative_change.max():.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
         "coefficients (friction.*, planet.friction)"
     )
 
@@ -515,9 +515,9 @@ def _loads_from_displacements(springs: RvSprings, displacements: Array) -> RvLoa
 
     `springs` are the contact springs at the m crank angles.
     """
-    unit = np.zeros(displacements.shape)
-    unit[:, springs.carrier] = 1.0 / springs.lever
-    compliance = np.asarray(np.linalg.solve(_tangent_stiffness(springs, displacements), unit[..., np.newaxis]))
+    unit_load = np.zeros(displacements.shape)
+    unit_load[:, springs.carrier] = 1.0 / springs.lever
+    compliance = np.asarray(np.linalg.solve(_tangent_stiffness(springs, displacements), unit_load[..., np.newaxis]))
     compliance = compliance[:, springs.carrier, 0]
     gaps, _, _ = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
@@ -560,13 +560,13 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
         # a change of the energy below the rounding of its terms cannot be compared
         max_energy = energy + NEWTON.rounding * (np.abs(energy) + np.sum(np.abs(load * z), axis=1))
         for _ in range(NEWTON.max_halvings):
-            trial = z + step_length[:, np.newaxis] * step
-            trial_energy, residual = _assemble(springs, load, trial)
+            trial_z = z + step_length[:, np.newaxis] * step
+            trial_energy, residual = _assemble(springs, load, trial_z)
             is_rejected = trial_energy > max_energy - NEWTON.armijo * step_length * predicted_decrease
             if not is_rejected.any():
                 break
             step_length = np.where(is_rejected, 0.5 * step_length, step_length)
-        z, energy = trial, trial_energy
+        z, energy = trial_z, trial_energy
     max_error = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
     raise RunError(
         f"no static equilibrium found: the residual is {max_error:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
@@ -704,9 +704,9 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
     energy = 0.5 * np.sum(force * np.maximum(-gaps, 0.0), axis=1) + bearing_energy.sum(axis=(1, 2))
     energy -= np.sum(load * displacements, axis=1)
     residual = load + _sum_along(springs.slope[:, springs.pins :], force[:, springs.pins :])
-    by_disc = force[:, : springs.pins, np.newaxis] * _tooth_gradients(springs, rise, arm)
+    tooth_forces = force[:, : springs.pins, np.newaxis] * _tooth_gradients(springs, rise, arm)
     residual[:, : springs.carrier] += (
-        by_disc.reshape(len(load), springs.discs, -1, 3).sum(axis=2).reshape(len(load), -1)
+        tooth_forces.reshape(len(load), springs.discs, -1, 3).sum(axis=2).reshape(len(load), -1)
     )
     residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing_forces)
     return energy, residual
@@ -724,18 +724,18 @@ def _tangent_stiffness(springs: RvSprings, displacements: Array) -> Array:
     """
     gaps, rise, arm = _contact_gaps(springs, displacements)
     weights = np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
-    flanks = springs.slope[:, springs.pins :] * weights[:, springs.pins :]
-    tangent = np.swapaxes(flanks, 1, 2) @ flanks
+    flank_gradients = springs.slope[:, springs.pins :] * weights[:, springs.pins :]
+    tangent = np.swapaxes(flank_gradients, 1, 2) @ flank_gradients
     teeth = (_tooth_gradients(springs, rise, arm) * weights[:, : springs.pins]).reshape(len(gaps), springs.discs, -1, 3)
     disc_stiffness = np.swapaxes(teeth, 2, 3) @ teeth
     for disc in range(springs.discs):
         unknowns = slice(3 * disc, 3 * disc + 3)
         tangent[:, unknowns, unknowns] += disc_stiffness[:, disc]
-    count = displacements.shape[1]
+    size = displacements.shape[1]
     _, _, bearing_tangents = _bearing_forces(springs, displacements)
     bearing_gradients = bearing_tangents @ springs.offset_slope
     gradients, bearing_gradients = (
-        item.reshape(len(displacements), -1, count) for item in (springs.offset_slope, bearing_gradients)
+        array.reshape(len(displacements), -1, size) for array in (springs.offset_slope, bearing_gradients)
     )
     tangent += np.swapaxes(gradients, 1, 2) @ bearing_gradients
-    return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count))
+    return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(size))

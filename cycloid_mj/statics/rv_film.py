@@ -132,10 +132,10 @@ def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvF
     counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
-    teeth = mesh_gaps(reducer, crank)
-    contacts = build_film_contacts(reducer, crank, teeth, teeth.kind.size, sense * ideal_motion(reducer, crank))
-    torques = RvCoefficients(1.0, 1.0, *bearing_friction(reducer))
-    return RvFilm(reducer, contacts, compute_rv_friction(reducer, crank, sense, torques))
+    gaps = mesh_gaps(reducer, crank)
+    contacts = build_film_contacts(reducer, crank, gaps, gaps.kind.size, sense * ideal_motion(reducer, crank))
+    unit_coefficients = RvCoefficients(1.0, 1.0, *bearing_friction(reducer))
+    return RvFilm(reducer, contacts, compute_rv_friction(reducer, crank, sense, unit_coefficients))
 
 
 def running_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RunningFriction:
@@ -179,15 +179,15 @@ class RvFilmLosses:
         as the viscosity.
         """
         reducer = self.reducer
-        teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
-        meshes = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
+        tooth_coefficients = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
+        planet_force = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
         return {
-            "teeth": float(np.sum(teeth * self.tooth_power)),
+            "teeth": float(np.sum(tooth_coefficients * self.tooth_power)),
             "crank bearings": inputs.load_friction
             * sum(bearing_friction(reducer))
             * self.bearing_force
             * reducer.crank_speed,
-            "planets": float(meshes * reducer.planet_mesh.arm * reducer.planet_mesh_speed),
+            "planets": float(planet_force * reducer.planet_mesh.arm * reducer.planet_mesh_speed),
         }
 
     def drag_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:

@@ -46,10 +46,10 @@ def static_rotations(reducer: RvReducer, springs: RvSprings, torque: float, sens
     # the cranks turn against the sun
     friction = running_friction(reducer, springs.crank, -sense) if sense and torque else None
     loads = solve_rv_loads(springs, -reducer.share * torque, friction)
-    discs = loads.displacements[:, 2 : 3 * springs.discs : 3].mean(axis=1) / springs.lever
+    disc_rotation = loads.displacements[:, 2 : 3 * springs.discs : 3].mean(axis=1) / springs.lever
     if reducer.design.output.turns_ring:
-        return np.stack([discs - loads.carrier_turn, -reducer.share * loads.carrier_turn], axis=1)
-    return -np.stack([discs, reducer.share * loads.carrier_turn], axis=1)
+        return np.stack([disc_rotation - loads.carrier_turn, -reducer.share * loads.carrier_turn], axis=1)
+    return -np.stack([disc_rotation, reducer.share * loads.carrier_turn], axis=1)
 
 
 def rv_transmission_error(reducer: RvReducer, crank: npt.ArrayLike, torque: float) -> Array:

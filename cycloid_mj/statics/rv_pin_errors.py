@@ -64,8 +64,8 @@ def pin_error_equilibrium(reducer: RvReducer, torque: float) -> PinErrorEquilibr
 
     Friction is left out; so are errors of cranks, bores and planets, which do not repeat after a turn of the cranks.
     """
-    count = reducer.design.ring.teeth
-    perfect_reducer = reducer.but(errors={"pin_x": (0.0,) * count, "pin_y": (0.0,) * count}, crank_errors=CrankErrors())
-    crank = np.linspace(0.0, 2.0 * np.pi, ANGLES_PER_PIN * count, endpoint=False)
+    pins = reducer.design.ring.teeth
+    perfect_reducer = reducer.but(errors={"pin_x": (0.0,) * pins, "pin_y": (0.0,) * pins}, crank_errors=CrankErrors())
+    crank = np.linspace(0.0, 2.0 * np.pi, ANGLES_PER_PIN * pins, endpoint=False)
     springs = compute_rv_springs(perfect_reducer, crank)
     return PinErrorEquilibrium(perfect_reducer, torque, springs, solve_rv_loads(springs, torque))

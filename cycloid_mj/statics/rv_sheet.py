@@ -220,8 +220,8 @@ def error_rotation(reducer: RvReducer) -> Array:
     rotation, displacements = closed_rotation(reducer), reducer.deviations.pin_displacement
     if not displacements.any():
         return rotation
-    pins = pin_equilibrium(reducer)
-    return rotation + pins.interpolate(pins.rotation(displacements), closed_form_angles(reducer))
+    equilibrium = pin_equilibrium(reducer)
+    return rotation + equilibrium.interpolate(equilibrium.rotation(displacements), closed_form_angles(reducer))
 
 
 def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
@@ -234,13 +234,13 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
         """Return the output's rotation under a torque on it [N m] in [rad], shape (m,)."""
         return reducer.share * solve_rv_equilibrium(reducer, torque, SETTINGS.rotation_angles).carrier_turn
 
-    width = np.abs(stop_width(rotation, SETTINGS.stop_torque_share * load)) / ARCMINUTE
-    yield sheet_quantity("backlash", float(width.mean()))
-    yield sheet_quantity("backlash_min", float(width.min()))
-    yield sheet_quantity("backlash_max", float(width.max()))
+    backlash = np.abs(stop_width(rotation, SETTINGS.stop_torque_share * load)) / ARCMINUTE
+    yield sheet_quantity("backlash", float(backlash.mean()))
+    yield sheet_quantity("backlash_min", float(backlash.min()))
+    yield sheet_quantity("backlash_max", float(backlash.max()))
     yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
     low, high = STRAIGHT
-    forward, backward = (np.abs(rotation(side * high * load) - rotation(side * low * load)) for side in (1, -1))
+    forward, backward = (np.abs(rotation(sign * high * load) - rotation(sign * low * load)) for sign in (1, -1))
     total_rotation = forward + backward
     stiffness = 2.0 * (high - low) * load / total_rotation * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
@@ -251,17 +251,19 @@ def lost_motion(reducer: RvReducer, load: float) -> float:
 
     `load` is in [N m]; the rotation is the mean over a turn of the carrier.
     """
-    turns = [
+    rotations = [
         solve_rv_equilibrium(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
         for share in (LOST_MOTION_SHARE, -LOST_MOTION_SHARE)
     ]
-    return reducer.share * float(np.mean(np.abs(turns[0] - turns[1])))
+    return reducer.share * float(np.mean(np.abs(rotations[0] - rotations[1])))
 
 
 def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     """Yield forces [N] of cranks, pins and planets, pressure [MPa] on the pins, and transmission errors [arcsec].
 
-    `load` is the torque on the output [N m]. Keys and definitions are in `sheet_figures`.
+    Forces are the largest and the mean over a turn of the carrier. Crank forces are yielded for ideal sharing and for
+    equilibrium with and without friction. `load` is the torque on the output [N m]. Keys and definitions are in
+    `sheet_figures`.
     """
     ideal_loads, equilibrium_loads, springs = (
         ideal_rv(reducer, load),
@@ -353,8 +355,8 @@ def rv_powers(reducer: RvReducer, torque: float, count: int = SETTINGS.force_ang
         There is no equilibrium.
     """
     losses = friction_powers(reducer, torque, count)
-    delivered = torque * abs(reducer.output_speed)
-    return Powers(delivered + sum(losses.values()), -delivered, losses)
+    output_power = torque * abs(reducer.output_speed)
+    return Powers(output_power + sum(losses.values()), -output_power, losses)
 
 
 @once
@@ -375,8 +377,8 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
     raised_film = replace(film_over_turn(reducer, float(np.sign(torque)), count), factor=RAISED_FRICTION)
     raised_loads = solve_rv_loads(springs, torque_on_carrier(reducer, torque), raised_film)
     raised_losses = build_rv_losses(raised_film, springs, raised_loads)
-    own_loss, raised_loss = (sum(item.contact_powers().values()) for item in (losses, raised_losses))
-    growth = loss_growth(own_loss, RAISED_FRICTION * raised_loss)
+    design_loss, raised_loss = (sum(film_losses.contact_powers().values()) for film_losses in (losses, raised_losses))
+    growth = loss_growth(design_loss, RAISED_FRICTION * raised_loss)
 
     def contact_power(inputs: FilmInputs) -> float:
         """Compute the friction power of all contacts for inputs of the law [W]."""

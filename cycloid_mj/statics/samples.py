@@ -163,8 +163,8 @@ def solve_samples(
     list of SampleFigures
         Quantities under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
-    ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
-    ideal_reducer = Reducer(reducer.design.model_copy(update=ideal))
+    without_errors = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
+    ideal_reducer = Reducer(reducer.design.model_copy(update=without_errors))
     springs = springs_of(ideal_reducer, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
     common_profile = measured_deviations(reducer.design).waves
     own_waves = np.array(samples.waves)
@@ -175,8 +175,8 @@ def solve_samples(
     )
     rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)
-    for torque, values in zip(torques, rows, strict=True):
-        figures = SampleFigures(*values[:, :-1].T.copy())
+    for torque, torque_rows in zip(torques, rows, strict=True):
+        figures = SampleFigures(*torque_rows[:, :-1].T.copy())
         output = {"output_mean": output_share * figures.output_mean + twist * torque}
         # with the friction force of a plain cam, as in `Loads`
         cam = figures.cam / springs.cam_normal_share
@@ -273,7 +273,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         np.stack([np.cos(disc_rotation), np.sin(disc_rotation)], axis=-1),
         np.stack([-np.sin(disc_rotation), np.cos(disc_rotation)], axis=-1),
     )
-    outward = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
+    outward_direction = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
     rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
@@ -288,7 +288,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         effects[:, :teeth, :2] = -gradients[:, :teeth, :2]
         for axis in (0, 1):
             effects[:, teeth:, axis] = np.einsum("kni,ki->kn", gradients[:, teeth:, :2], disc_axes[axis])
-        effects[:, :teeth, 2] = np.einsum("kni,ni->kn", gradients[:, :teeth, :2], outward)
+        effects[:, :teeth, 2] = np.einsum("kni,ni->kn", gradients[:, :teeth, :2], outward_direction)
         effects[:, :teeth, 3] = gradients[:, :teeth, 2] * rotation_sign * contacts.radius
         return effects
 
@@ -337,19 +337,19 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
         Orders of the w profile waves that differ between samples, shape (w,).
     """
     design = reducer.design
-    discs, count = design.gear.discs, len(samples)
+    discs, sample_count = design.gear.discs, len(samples)
     clearance_change = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
     pin_errors = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
     # both halves of a ring have the same errors
     halves = design.ring.halves
-    teeth = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
-    tooth_clearances = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
-    holes = samples.hole_displacement.reshape(count, -1, 2)
-    output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
+    tooth_clearance = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
+    tooth_clearances = (tooth_clearance[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(sample_count, -1)
+    holes = samples.hole_displacement.reshape(sample_count, -1, 2)
+    pin_clearances = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     deviations = {
-        "clearance": springs.contacts.clearance + np.concatenate([tooth_clearances, output], axis=1),
+        "clearance": springs.contacts.clearance + np.concatenate([tooth_clearances, pin_clearances], axis=1),
         "displacement": np.concatenate([np.tile(samples.pin_displacement, (1, discs * halves, 1)), holes], axis=1),
-        "waves": np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
+        "waves": np.concatenate([np.ones((sample_count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
     } | {name: getattr(samples, name) for name in SampleDeviations._fields[3:]}
     # numba compiles everything again for each memory layout, and for read-only arrays
     return SampleDeviations(**{name: np.array(values, order="C") for name, values in deviations.items()})

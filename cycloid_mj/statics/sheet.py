@@ -158,8 +158,9 @@ class Sheet(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the static data sheet to JSON values.
 
-        ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest relative
-        difference from the simulations that ``known_difference_from`` names, or None. ``parts`` of a quantity says
+        ``design`` and ``condition`` are texts, ``load_source`` is the origin of the load, and ``assumptions`` are
+        sentences. ``quantities`` are by key (`Quantity.as_json`). ``known_difference`` of a quantity is its largest
+        relative difference from the simulations that ``known_difference_from`` names, or None; its ``parts`` says
         whether the parts are perfect.
         """
         return {
@@ -224,7 +225,7 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
 
     `parts` are functions from the reducer and its load to the quantities of a part of the sheet.
     """
-    _, source = load_of(reducer, load)
+    _, load_source = load_of(reducer, load)
     reducer, load = _apply_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
@@ -236,7 +237,7 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
                 film_text(reducer),
             ]
         ),
-        load_source=source,
+        load_source=load_source,
         quantities=quantities,
         assumptions=SHEETS[reducer.LAYOUT].assumptions(reducer),
         parts=reducer.parts_text,
@@ -343,21 +344,21 @@ def _motion_quantities(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("backlash_max", float(backlash.max()))
     windup_solution = solve_windups(reducer, crank_angles, load, warm_start=True)
     yield sheet_quantity(
-        "lost_motion_ideal", float(np.mean([item.lost_motion for item in windup_solution])) / ARCMINUTE
+        "lost_motion_ideal", float(np.mean([windup.lost_motion for windup in windup_solution])) / ARCMINUTE
     )
     yield sheet_quantity("stiffness_ideal", _stiffness(windup_solution))
-    by_crank_angle = [item.compliance_by_spring(reducer) for item in windup_solution]
-    compliance = {part: float(np.mean([item[part] for item in by_crank_angle])) / ARCMINUTE for part in SPRINGS}
+    by_crank_angle = [windup.compliance_by_spring(reducer) for windup in windup_solution]
+    compliance = {part: float(np.mean([by_part[part] for by_part in by_crank_angle])) / ARCMINUTE for part in SPRINGS}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         yield sheet_quantity(
             "stiffness_contacts", _stiffness(solve_windups(rigid, crank_angles, load, warm_start=True))
         )
-        compliance |= {part: item / ARCMINUTE for part, item in twisting_compliance(reducer).items()}
+        compliance |= {part: value / ARCMINUTE for part, value in twisting_compliance(reducer).items()}
     else:
         compliance.pop("bending")
-    for part, item in compliance.items():
-        yield sheet_quantity(f"compliance_{part}", item)
+    for part, value in compliance.items():
+        yield sheet_quantity(f"compliance_{part}", value)
 
 
 def _stiffness(windups: Sequence[Windup]) -> float:
@@ -426,17 +427,18 @@ def _range_quantities(rotations: Mapping[str, Array], case: str, direction: str)
     quantities.
     """
     for shaft, rotation in rotations.items():
-        end = f"{case}_{direction}_speed"
-        yield sheet_quantity(f"{shaft}_peak_to_peak_{end}", peak_to_peak(rotation) / ARCSECOND)
-        yield sheet_quantity(f"{shaft}_rms_{end}", rms_about_mean(rotation) / ARCSECOND)
+        suffix = f"{case}_{direction}_speed"
+        yield sheet_quantity(f"{shaft}_peak_to_peak_{suffix}", peak_to_peak(rotation) / ARCSECOND)
+        yield sheet_quantity(f"{shaft}_rms_{suffix}", rms_about_mean(rotation) / ARCSECOND)
 
 
 def _load_quantities(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and torques at `LIMITS` such as yield.
+    """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and torques [N m] at `LIMITS`.
 
-    `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs,
-    their shares of the torque and the bearing reactions are included. If no contact is narrow enough for Hertz theory,
-    the torques are NaN, with a note.
+    Limits are first yield and shakedown; only the first `limit_count` are computed. A margin is the pressure of first
+    yield over the largest pressure. `load` is the torque on the output [N m]. With several discs, their shares of the
+    torque and the bearing reactions are included. If no contact is narrow enough for Hertz theory, the torques are NaN,
+    with a note.
     """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
@@ -478,10 +480,10 @@ def disc_shares(shares: Array) -> Iterator[Quantity]:
 
     Nothing is yielded for a single disc. If m is 0, because the output has no load, the shares are NaN with a note.
     """
-    for number, item in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
-        value = float(item.mean()) if item.size else math.nan
-        note = f"from {item.min():.4g} to {item.max():.4g} over the crank angle" if item.size else UNLOADED
-        yield sheet_quantity(f"disc_{number}_share", value, note=note)
+    for disc, share in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
+        value = float(share.mean()) if share.size else math.nan
+        note = f"from {share.min():.4g} to {share.max():.4g} over the crank angle" if share.size else UNLOADED
+        yield sheet_quantity(f"disc_{disc}_share", value, note=note)
 
 
 def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
@@ -501,15 +503,15 @@ def _pair_quantities(
 ) -> Iterator[Quantity]:
     """Yield the quantities of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
 
-    `springs` are the contact springs, `contact_loads` the forces on them. `kind` is the kind of pair, such as
-    "pin_gear". `strength_ratio` is the strength of the contact over its largest pressure [1]; NaN if Hertz theory does
-    not apply.
+    The margin is the pressure of first yield over the largest pressure. `springs` are the contact springs,
+    `contact_loads` the forces on them. `kind` is the kind of pair, such as "pin_gear". `strength_ratio` is the strength
+    of the contact over its largest pressure [1]; NaN if Hertz theory does not apply.
     """
-    peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
-    is_loaded, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(strength_ratio) else ""
-    turn = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
-    ideal = ideal_peak(reducer, kind, turn)
-    yield sheet_quantity(f"{kind}_peak_force", peak, reference=ideal, source="ideal sharing")
+    largest_force, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
+    is_loaded, note = force > CARRYING_SHARE * largest_force, CONFORMAL if math.isnan(strength_ratio) else ""
+    turn_angles = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
+    ideal_force = ideal_peak(reducer, kind, turn_angles)
+    yield sheet_quantity(f"{kind}_peak_force", largest_force, reference=ideal_force, source="ideal sharing")
     yield sheet_quantity(f"{kind}_mean_force", float(force[is_loaded].mean()) if is_loaded.any() else 0.0)
     yield sheet_quantity(f"{kind}_carrying", float(is_loaded.sum(axis=1).mean()))
     yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / strength_ratio, note=note)
@@ -580,11 +582,11 @@ def sampled_efficiency(reducer: Reducer, torque: float, samples: int = SAMPLES, 
     RunError
         There is no equilibrium, for example because friction jams the reducer.
     """
-    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
-    lost_power, outcomes = sampled_losses(reducer, torque, samples)
-    shares = 100.0 * delivered / (delivered + outcomes + further_loss)
+    output_power = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    lost_power, sample_losses = sampled_losses(reducer, torque, samples)
+    efficiencies = 100.0 * output_power / (output_power + sample_losses + further_loss)
     return compute_spread(
-        100.0 * delivered / (delivered + lost_power + further_loss), shares, sample_inputs(samples)[1]
+        100.0 * output_power / (output_power + lost_power + further_loss), efficiencies, sample_inputs(samples)[1]
     )
 
 

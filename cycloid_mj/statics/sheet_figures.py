@@ -287,8 +287,8 @@ def sheet_quantity(
 
     `source` describes the reference, and `note` is a remark.
     """
-    row = SHEET_FIGURES[key]
-    return Quantity(key, row.name, value, row.unit, reference=reference, source=source, note=note)
+    entry = SHEET_FIGURES[key]
+    return Quantity(key, entry.name, value, entry.unit, reference=reference, source=source, note=note)
 
 
 def spread_quantity(key: str, spread: Spread) -> Quantity:

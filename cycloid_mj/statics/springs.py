@@ -169,7 +169,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
     """
     design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
-    output = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
+    output_stiffness = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
     stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
     gap_attributes = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
     return kernel.KernelSprings(
@@ -177,7 +177,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         rotates=mesh_gaps.kind == design.tooth_pair,
         clearance=(mesh_gaps.clearance + mesh_gaps.play)[0],
         trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
-        stiffness=np.concatenate([stiffness, output], axis=1),
+        stiffness=np.concatenate([stiffness, output_stiffness], axis=1),
         cam_position=cam_positions,
         cam_clearance=design.clearance.cam + (reducer.worn.cam if reducer.worn else 0.0),
         cam_stiffness=reducer.contacts["cam"].stiffness,
@@ -217,13 +217,13 @@ def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Arra
         Phase of the disc on the crank [rad].
     """
     design = reducer.design
-    x, y, ring_angle = (
+    gx, gy, ring_angle = (
         design.environment.gravity_x,
         design.environment.gravity_y,
         reducer.member.ring_angle(crank_angle),
     )
     gravity = np.stack(
-        [x * np.cos(ring_angle) + y * np.sin(ring_angle), y * np.cos(ring_angle) - x * np.sin(ring_angle)], axis=-1
+        [gx * np.cos(ring_angle) + gy * np.sin(ring_angle), gy * np.cos(ring_angle) - gx * np.sin(ring_angle)], axis=-1
     )
     centrifugal = design.drive.speed**2 * kinematics.gear_centre(
         reducer.tooth_profile, reducer.member.against_ring(crank_angle) + phase

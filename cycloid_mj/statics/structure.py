@@ -83,22 +83,22 @@ def crank_flexibility(reducer: Reducer) -> Array:
     """
     design = reducer.design
     far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_segments(reducer)))
-    planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
-    breakpoints = np.unique([far_bearing, near_bearing, *planes])
+    disc_planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
+    breakpoints = np.unique([far_bearing, near_bearing, *disc_planes])
     points = np.stack([breakpoints[:-1], 0.5 * (breakpoints[:-1] + breakpoints[1:]), breakpoints[1:]])
-    near_reaction = -(planes - far_bearing) / (near_bearing - far_bearing)
+    near_reaction = -(disc_planes - far_bearing) / (near_bearing - far_bearing)
     moments = sum(
         force[:, np.newaxis, np.newaxis] * np.maximum(points - np.reshape(position, (-1, 1, 1)), 0.0)
         for force, position in (
-            (np.ones_like(planes), planes),
+            (np.ones_like(disc_planes), disc_planes),
             (near_reaction, near_bearing),
             (-1.0 - near_reaction, far_bearing),
         )
     )
-    weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(breakpoints)
+    simpson_weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(breakpoints)
     bending, _ = round_beam(design.material_of("shaft"), radius)
     bending *= design.shaft.section_share
-    return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
+    return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, simpson_weights) / bending)
 
 
 def structure_text(reducer: Reducer) -> str:
@@ -107,8 +107,8 @@ def structure_text(reducer: Reducer) -> str:
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
     stated_parts = [part for part in TWISTING if getattr(reducer.design.springs, part)]
     twisting = ", ".join(
-        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in stated_parts else ''}"
-        for part, item in twisting_stiffness(reducer).items()
+        f"{part} {ARCMINUTE * stiffness:.3g}{' (from the design)' if part in stated_parts else ''}"
+        for part, stiffness in twisting_stiffness(reducer).items()
     )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (

@@ -71,8 +71,8 @@ class Windup:
         The result is in [rad/(N m)] or [m/(N m)], the mean of both directions.
         """
         low, high = STRAIGHT
-        rise = (values[high] - values[low], values[-low] - values[-high])
-        return 0.5 * sum(rise) / ((high - low) * self.rated)
+        differences = (values[high] - values[low], values[-low] - values[-high])
+        return 0.5 * sum(differences) / ((high - low) * self.rated)
 
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliances in series of output pins, cam and mesh [rad/(N m)], keyed by `SERIES`."""
@@ -101,11 +101,11 @@ def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, cent
     """
     design = reducer.design
     cam_part, share = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
-    carrier = output_rate / share
-    disc_part = carrier - wind_up(reducer) / share - disc_rate if design.output.turns_ring else disc_rate
+    carrier_rate = output_rate / share
+    disc_part = carrier_rate - wind_up(reducer) / share - disc_rate if design.output.turns_ring else disc_rate
     return {
-        part: share * rate
-        for part, rate in (("output", carrier - disc_part), ("cam", cam_part), ("mesh", disc_part - cam_part))
+        contact: share * rate
+        for contact, rate in (("output", carrier_rate - disc_part), ("cam", cam_part), ("mesh", disc_part - cam_part))
     }
 
 
@@ -127,9 +127,9 @@ def solve_windups(
         return _solve_rv_windups(reducer, cranks, rated_torque)
     static_reducer = at_rest(reducer)
     springs = springs_of(static_reducer, cranks, friction=False)
-    by_torque = {
-        side * share: loads(static_reducer, springs, side * share * rated_torque, warm_start)
-        for side in (-1, 1)
+    solutions = {
+        sign * share: loads(static_reducer, springs, sign * share * rated_torque, warm_start)
+        for sign in (-1, 1)
         for share in SHARES
     }
     crank_angles = springs.crank[:, np.newaxis] + np.array(reducer.phases)
@@ -141,11 +141,11 @@ def solve_windups(
         return np.asarray((poses[..., :2] * tangents).sum(axis=-1).mean(axis=-1))
 
     low, high = STRAIGHT
-    work_by_sign = [_spring_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
+    work_by_sign = [_spring_work(reducer, springs, solutions[sign * low], solutions[sign * high]) for sign in (-1, 1)]
     work = {spring: (work_by_sign[0][spring] + work_by_sign[1][spring]).tolist() for spring in SPRINGS}
-    turns = {share: contact_loads.output_turn.tolist() for share, contact_loads in by_torque.items()}
-    gear_turns = {share: contact_loads.gear_turn.tolist() for share, contact_loads in by_torque.items()}
-    centre_leads = {share: mean_lead(contact_loads.departures).tolist() for share, contact_loads in by_torque.items()}
+    turns = {share: contact_loads.output_turn.tolist() for share, contact_loads in solutions.items()}
+    gear_turns = {share: contact_loads.gear_turn.tolist() for share, contact_loads in solutions.items()}
+    centre_leads = {share: mean_lead(contact_loads.departures).tolist() for share, contact_loads in solutions.items()}
 
     def select_angle(index: int, values: dict[float, list[float]]) -> dict[float, float]:
         return {share: rotations[index] for share, rotations in values.items()}
@@ -156,7 +156,7 @@ def solve_windups(
             select_angle(index, turns),
             select_angle(index, gear_turns),
             select_angle(index, centre_leads),
-            {spring: works[index] for spring, works in work.items()},
+            {spring: by_angle[index] for spring, by_angle in work.items()},
         )
         for index in range(len(cranks))
     ]
@@ -170,15 +170,15 @@ def _solve_rv_windups(reducer: RvReducer, cranks: Sequence[float] | Array, rated
     """
     springs = rv_springs_at(reducer, cranks)
     rotations = {
-        side * share: static_rotations(reducer, springs, side * share * rated_torque).tolist()
-        for side in (-1, 1)
+        sign * share: static_rotations(reducer, springs, sign * share * rated_torque).tolist()
+        for sign in (-1, 1)
         for share in SHARES
     }
     return [
         Windup(
             rated_torque,
-            turn={share: angles[index][1] for share, angles in rotations.items()},
-            gear_turn={share: angles[index][0] for share, angles in rotations.items()},
+            turn={share: turns[index][1] for share, turns in rotations.items()},
+            gear_turn={share: turns[index][0] for share, turns in rotations.items()},
         )
         for index in range(len(cranks))
     ]
@@ -193,14 +193,14 @@ def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) ->
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
-    teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
-    cam_displacement = displacement[:, :-1].reshape(*cam.shape[:2], 3)[..., :2]
-    phases, pin_forces = np.array(reducer.phases), high.by_disc(pins)
+    tooth_force, cam_force, pin_force = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
+    cam_displacement = displacement[:, :-1].reshape(*cam_force.shape[:2], 3)[..., :2]
+    phases, force_by_disc = np.array(reducer.phases), high.by_disc(pin_force)
     flexibility = reducer.contacts.pin_flexibility * np.cos(np.subtract.outer(phases, phases))
-    bending = np.einsum("mdp,de,mep->m", pin_forces, flexibility, pin_forces)
+    bending = np.einsum("mdp,de,mep->m", force_by_disc, flexibility, force_by_disc)
     return {
-        "output": (pins * approach[:, springs.teeth :]).sum(axis=1) - bending,
-        "cam": -(cam * cam_displacement).sum(axis=(1, 2)),
-        "mesh": (teeth * approach[:, : springs.teeth]).sum(axis=1),
+        "output": (pin_force * approach[:, springs.teeth :]).sum(axis=1) - bending,
+        "cam": -(cam_force * cam_displacement).sum(axis=(1, 2)),
+        "mesh": (tooth_force * approach[:, : springs.teeth]).sum(axis=1),
         "bending": bending,
     }

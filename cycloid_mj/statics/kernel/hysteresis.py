@@ -200,47 +200,47 @@ def _follow_path(
     (rows, u) [m] are output arrays. Residual and number of filled rows are returned, as by `follow_path`. `increment`,
     `old` and `new` are the workspace, from `_allocate_increment` and `_allocate_state`.
     """
-    count, unknowns = path.shape
+    load_count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
-    scale, rows, spare_rows = 0.0, 0, positions.size - count
+    load_size, filled_rows, spare_rows = 0.0, 0, positions.size - load_count
     min_share = 1.0 / MAX_SUBSTEPS if spare_rows > 0 else 1.0
-    for load_index in range(count):
-        scale = max(scale, largest(path[load_index]))
-    tolerance = PATH_RESIDUAL_RTOL * scale
-    for load_index in range(count):
+    for load_index in range(load_count):
+        load_size = max(load_size, largest(path[load_index]))
+    tolerance = PATH_RESIDUAL_RTOL * load_size
+    for load_index in range(load_count):
         share, solved_share, min_step = 1.0, 0.0, min_share
         while solved_share < 1.0:
             share = min(share, 1.0 - solved_share)
             _interpolate_load(path, load_index, solved_share + share, increment.load)
             _update_slip(springs, friction_elements, old)
-            norm = _solve_newton(springs, friction_elements, tolerance, increment, old, new) / scale
+            norm = _solve_newton(springs, friction_elements, tolerance, increment, old, new) / load_size
             is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[unknowns - 1] - old.z[unknowns - 1]) > max_motion
             if is_rejected and load_index > 0 and share > min_step and spare_rows > 0:
                 share *= 0.5
                 continue
-            if not norm <= PATH_RESIDUAL_RTOL and increment.work[0] <= _HYSTERESIS.work_per_step * count:
-                norm = _solve_tresca(springs, friction_elements, tolerance, increment, old, new) / scale
+            if not norm <= PATH_RESIDUAL_RTOL and increment.work[0] <= _HYSTERESIS.work_per_step * load_count:
+                norm = _solve_tresca(springs, friction_elements, tolerance, increment, old, new) / load_size
             if not norm <= PATH_RESIDUAL_RTOL:
                 if share < _HYSTERESIS.min_step and min_step < _HYSTERESIS.min_step:
                     # close to a jump there is no equilibrium: it is taken in a longer step
                     share, min_step = _HYSTERESIS.min_step, _HYSTERESIS.min_step
                     continue
-                if share > _HYSTERESIS.min_step and increment.work[0] <= _HYSTERESIS.work_per_step * count:
+                if share > _HYSTERESIS.min_step and increment.work[0] <= _HYSTERESIS.work_per_step * load_count:
                     share *= 0.5
                     continue
-                norm = _solve_pseudo_transient(springs, friction_elements, tolerance, increment, old, new) / scale
+                norm = _solve_pseudo_transient(springs, friction_elements, tolerance, increment, old, new) / load_size
                 if not norm <= PATH_RESIDUAL_RTOL:
-                    return Residual(norm, 0, increment.work[0]), rows
+                    return Residual(norm, 0, increment.work[0]), filled_rows
             solved_share += share
             share *= 2.0
             old, new = new, old
             if solved_share >= 1.0 or (load_index > 0 and spare_rows > 0):
-                copy(old.z, z[rows])
-                positions[rows] = float(load_index) if solved_share >= 1.0 else load_index - 1.0 + solved_share
+                copy(old.z, z[filled_rows])
+                positions[filled_rows] = float(load_index) if solved_share >= 1.0 else load_index - 1.0 + solved_share
                 spare_rows -= 0 if solved_share >= 1.0 else 1
-                rows += 1
-    return Residual(0.0, 0, increment.work[0]), rows
+                filled_rows += 1
+    return Residual(0.0, 0, increment.work[0]), filled_rows
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -371,9 +371,9 @@ def _solve_newton(
     for _ in range(_HYSTERESIS.newton_steps):
         if norm <= tolerance or solve_linear(increment.tangent, increment.residual, increment.step, 0.0) == 0.0:
             break
-        share = min(1.0, max_length / max(largest(increment.step), 1e-300))
+        step_share = min(1.0, max_length / max(largest(increment.step), 1e-300))
         for j in range(increment.step.size):
-            new.z[j] += share * increment.step[j]
+            new.z[j] += step_share * increment.step[j]
         norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
     return norm
 
@@ -414,15 +414,15 @@ def _solve_tresca(
                     increment.tangent, increment.residual, increment.step, regularization, increment.vectors
                 )
             copy(new.z, increment.start)
-            share = min(1.0, max_length / max(largest(increment.step), 1e-300))
+            step_share = min(1.0, max_length / max(largest(increment.step), 1e-300))
             for _ in range(_HYSTERESIS.undamped_iterations):
                 for j in range(increment.step.size):
-                    new.z[j] = increment.start[j] + share * increment.step[j]
-                inner_norm, trial = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
-                if trial <= energy + ROUNDING * abs(energy):
+                    new.z[j] = increment.start[j] + step_share * increment.step[j]
+                inner_norm, trial_energy = _assemble_step(springs, friction_elements, TRUE, increment, old, new)
+                if trial_energy <= energy + ROUNDING * abs(energy):
                     break
-                share *= 0.5
-            energy = trial
+                step_share *= 0.5
+            energy = trial_energy
         norm = _assemble_step(springs, friction_elements, FALSE, increment, old, new)[0]
         if norm <= tolerance:
             break
@@ -634,18 +634,18 @@ def _add_contact(
     `increment`.
     """
     spring_force = stiffness * depth
-    retained_stiffness, share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]
+    retained_stiffness, retained_share = friction_elements.retained_stiffness[i], friction_elements.retained_share[i]
     new.depth[i], new.spring_force[i], new.retained_force[i] = depth, spring_force, 0.0
     energy, force, rate = 0.5 * spring_force * depth, spring_force, stiffness
-    if share > 0.0:
-        limit = increment.retained_limit[i] if fixed_limits else share * spring_force
-        trial, slope = old.retained_force[i] + retained_stiffness * (depth - old.depth[i]), retained_stiffness
-        energy += _slip_energy(trial, limit, retained_stiffness)
-        if abs(trial) > limit:
-            sign = 1.0 if trial > 0.0 else -1.0
-            trial, slope = sign * limit, 0.0 if fixed_limits else sign * share * stiffness
-        new.retained_force[i] = trial
-        force, rate = force + trial, rate + slope
+    if retained_share > 0.0:
+        limit = increment.retained_limit[i] if fixed_limits else retained_share * spring_force
+        trial_force, slope = old.retained_force[i] + retained_stiffness * (depth - old.depth[i]), retained_stiffness
+        energy += _slip_energy(trial_force, limit, retained_stiffness)
+        if abs(trial_force) > limit:
+            sign = 1.0 if trial_force > 0.0 else -1.0
+            trial_force, slope = sign * limit, 0.0 if fixed_limits else sign * retained_share * stiffness
+        new.retained_force[i] = trial_force
+        force, rate = force + trial_force, rate + slope
     gradient = increment.gradient
     for j in range(gradient.size):
         increment.residual[j] += force * gradient[j]
@@ -677,13 +677,13 @@ def _add_friction(
     new.friction_force[i] = 0.0
     if not limit > 0.0:
         return 0.0
-    trial = old.friction_force[i]
+    trial_force = old.friction_force[i]
     for j in range(unknown_count):
-        trial += stiffness * slip[j] * (new.z[j] - old.z[j])
-    energy = _slip_energy(trial, limit, stiffness)
-    if abs(trial) > limit:
-        sign = 1.0 if trial > 0.0 else -1.0
-        trial = sign * limit
+        trial_force += stiffness * slip[j] * (new.z[j] - old.z[j])
+    energy = _slip_energy(trial_force, limit, stiffness)
+    if abs(trial_force) > limit:
+        sign = 1.0 if trial_force > 0.0 else -1.0
+        trial_force = sign * limit
         for j in range(unknown_count):
             for column in range(unknown_count):
                 increment.tangent[j, column] -= sign * rate * slip[j] * increment.gradient[column]
@@ -691,9 +691,9 @@ def _add_friction(
         for j in range(unknown_count):
             for column in range(unknown_count):
                 increment.tangent[j, column] += stiffness * slip[j] * slip[column]
-    new.friction_force[i] = trial
+    new.friction_force[i] = trial_force
     for j in range(unknown_count):
-        increment.residual[j] -= trial * slip[j]
+        increment.residual[j] -= trial_force * slip[j]
     return energy
 
 

@@ -112,7 +112,7 @@ def newton(
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
-    norm, energy, share, predicted_decrease = math.inf, math.inf, 1.0, math.inf
+    norm, energy, step_share, predicted_decrease = math.inf, math.inf, 1.0, math.inf
     use_line_search = warm_start and springs.friction_per_force.shape[0] == 0
     for i in range(system.kept_closed.size):
         system.kept_closed[i] = warm_start and system.spring_forces[i] > 0.0
@@ -125,22 +125,22 @@ def newton(
         norm = largest(residual)
         if not norm < math.inf:
             break
-        slope = _product(step, residual)
-        bound = energy - _NEWTON.armijo_slope * share * predicted_decrease + ROUNDING * abs(energy)
-        if use_backtracking and new_energy > bound and share > ROUNDING:
-            share *= 0.5
-        elif use_line_search and norm > tolerance and -slope > _NEWTON.overshoot * abs(predicted_decrease):
-            share = max(share + slope / max(_quadratic_form(system.tangent, step), 1e-300), 0.0)
+        energy_slope = _product(step, residual)
+        max_energy = energy - _NEWTON.armijo_slope * step_share * predicted_decrease + ROUNDING * abs(energy)
+        if use_backtracking and new_energy > max_energy and step_share > ROUNDING:
+            step_share *= 0.5
+        elif use_line_search and norm > tolerance and -energy_slope > _NEWTON.overshoot * abs(predicted_decrease):
+            step_share = max(step_share + energy_slope / max(_quadratic_form(system.tangent, step), 1e-300), 0.0)
         else:
             if norm <= tolerance and not warm_start:
                 return norm
             energy = new_energy
             if not _compute_step(use_backtracking, cam_stiffness, damping * norm * cam_stiffness, system):
                 break
-            share, predicted_decrease = min(1.0, max_length / max(largest(step), 1e-300)), _product(step, residual)
+            step_share, predicted_decrease = min(1.0, max_length / max(largest(step), 1e-300)), _product(step, residual)
             copy(z, start)
         for j in range(unknown_count):
-            z[j] = start[j] + share * step[j]
+            z[j] = start[j] + step_share * step[j]
         for i in range(system.kept_closed.size if warm_start else 0):
             system.kept_closed[i] = False
         warm_start = FALSE
@@ -200,24 +200,24 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
         if pivot != j:
             sign = -sign
             solution[j], solution[pivot] = solution[pivot], solution[j]
-            for row in range(j, unknown_count):
-                matrix[j, row], matrix[pivot, row] = matrix[pivot, row], matrix[j, row]
+            for column in range(j, unknown_count):
+                matrix[j, column], matrix[pivot, column] = matrix[pivot, column], matrix[j, column]
         if not abs(matrix[j, j]) > 0.0:
             return 0.0
         sign = sign if matrix[j, j] > 0.0 else -sign
-        share = 1.0 / matrix[j, j]
+        inverse = 1.0 / matrix[j, j]
         for i in range(j + 1, unknown_count):
-            factor = matrix[i, j] * share
+            factor = matrix[i, j] * inverse
             if factor == 0.0:
                 continue
-            for row in range(j + 1, unknown_count):
-                matrix[i, row] -= factor * matrix[j, row]
+            for column in range(j + 1, unknown_count):
+                matrix[i, column] -= factor * matrix[j, column]
             solution[i] -= factor * solution[j]
     for j in range(unknown_count - 1, -1, -1):
-        value = solution[j]
-        for row in range(j + 1, unknown_count):
-            value -= matrix[j, row] * solution[row]
-        solution[j] = value / matrix[j, j]
+        remainder = solution[j]
+        for column in range(j + 1, unknown_count):
+            remainder -= matrix[j, column] * solution[column]
+        solution[j] = remainder / matrix[j, j]
     return sign
 
 
@@ -231,27 +231,27 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
     unknown_count = right_side.size
     for j in range(unknown_count):
         pivot = matrix[j, j] + diagonal
-        for inner in range(j):
-            pivot -= matrix[j, inner] * matrix[j, inner]
+        for column in range(j):
+            pivot -= matrix[j, column] * matrix[j, column]
         if not pivot > 0.5 * diagonal:
             return False
         pivot = math.sqrt(pivot)
         matrix[j, j] = pivot
         for i in range(j + 1, unknown_count):
-            value = matrix[i, j]
-            for inner in range(j):
-                value -= matrix[i, inner] * matrix[j, inner]
-            matrix[i, j] = value / pivot
+            remainder = matrix[i, j]
+            for column in range(j):
+                remainder -= matrix[i, column] * matrix[j, column]
+            matrix[i, j] = remainder / pivot
     for i in range(unknown_count):
-        value = right_side[i]
-        for inner in range(i):
-            value -= matrix[i, inner] * solution[inner]
-        solution[i] = value / matrix[i, i]
+        remainder = right_side[i]
+        for column in range(i):
+            remainder -= matrix[i, column] * solution[column]
+        solution[i] = remainder / matrix[i, i]
     for i in range(unknown_count - 1, -1, -1):
-        value = solution[i]
-        for inner in range(i + 1, unknown_count):
-            value -= matrix[inner, i] * solution[inner]
-        solution[i] = value / matrix[i, i]
+        remainder = solution[i]
+        for column in range(i + 1, unknown_count):
+            remainder -= matrix[column, i] * solution[column]
+        solution[i] = remainder / matrix[i, i]
     return True
 
 

@@ -33,13 +33,13 @@ def linearise_rollers(
         Approach of hole and core [m], shape (m, n), as in `roller_needles.roller_contact`.
     force, slope, start
         Results, shape (m, n): force [N] at this approach, slope [N/m], and approach at which the linear force is 0 [m].
-        Rollers without force have the slope of all needles.
+        Without force, the slope is that of the hole's contact in series with the needles of the loaded half.
     """
     for k in range(angle.shape[0]):
         for i in range(angle.shape[1]):
             onset = _onset(needles, angle[k, i])
-            bearing = 0.25 * needles.needles * needles.stiffness
-            force[k, i], slope[k, i], start[k, i] = 0.0, 1.0 / (1.0 / stiffness[k, i] + 1.0 / bearing), onset
+            bearing_stiffness = 0.25 * needles.needles * needles.stiffness
+            force[k, i], slope[k, i], start[k, i] = 0.0, 1.0 / (1.0 / stiffness[k, i] + 1.0 / bearing_stiffness), onset
             if approach[k, i] > onset:
                 force[k, i], slope[k, i] = _roller_contact(
                     approach[k, i], angle[k, i], stiffness[k, i], needles.needles, needles.stiffness, needles.clearance

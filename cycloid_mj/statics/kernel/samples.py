@@ -196,11 +196,11 @@ def _fill_sample(
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
             distance_change = shift_change = 0.0
-            for j, size in enumerate(
+            for j, error in enumerate(
                 (deviations.displacement[sample, i, 0], deviations.displacement[sample, i, 1], circle, rotation)
             ):
-                distance_change += effects.distance[k, i, j] * size
-                shift_change += effects.shift[k, i, j] * size
+                distance_change += effects.distance[k, i, j] * error
+                shift_change += effects.shift[k, i, j] * error
             for j in range(deviations.waves.shape[1]):
                 distance_change += effects.waves[k, i, j] * deviations.waves[sample, j]
             distance[k, i], shift[k, i] = distance_change, shift_change
@@ -248,15 +248,15 @@ def _write_sample_quantities(
         [N]. 7: mean number of loaded teeth.
     """
     angles, discs = len(z), cam_position.shape[1]
-    for body in range(2):
+    for is_output in range(2):
         rotation_sum, smallest, largest = 0.0, math.inf, -math.inf
         for k in range(angles):
-            rotation = z[k, 3 * discs] if body else 0.0
-            for disc in range(0 if body else discs):
+            rotation = z[k, 3 * discs] if is_output else 0.0
+            for disc in range(0 if is_output else discs):
                 rotation += z[k, 3 * disc + 2] / discs
             rotation_sum, smallest, largest = rotation_sum + rotation, min(smallest, rotation), max(largest, rotation)
-        row[2 * body], row[2 * body + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
-    tooth_force = pin_force = cam = 0.0
+        row[2 * is_output], row[2 * is_output + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
+    tooth_force = pin_force = cam_force = 0.0
     for k in range(angles):
         for i in range(force.shape[1]):
             if is_tooth[i]:
@@ -267,10 +267,10 @@ def _write_sample_quantities(
             x, y = z[k, 3 * disc] - cam_position[k, disc, 0], z[k, 3 * disc + 1] - cam_position[k, disc, 1]
             contact = cam_contact(x, y, cam_clearance)
             # with contact on both sides, the larger force: `depth` is the difference, `both` the sum
-            cam = max(cam, 0.5 * cam_stiffness * (contact.depth + contact.total_depth))
+            cam_force = max(cam_force, 0.5 * cam_stiffness * (contact.depth + contact.total_depth))
     loaded_teeth = 0
     for k in range(angles):
         for i in range(force.shape[1]):
             if is_tooth[i] and force[k, i] > CARRYING_SHARE * tooth_force:
                 loaded_teeth += 1
-    row[4], row[5], row[6], row[7] = tooth_force, pin_force, cam, loaded_teeth / angles
+    row[4], row[5], row[6], row[7] = tooth_force, pin_force, cam_force, loaded_teeth / angles

@@ -159,13 +159,13 @@ def solve_equilibria_briefly(
         copy(z_k, start)
         if extrapolate and k:
             _extrapolate_row(z, k, was_quick)
-        work_before = system.assembly_count[0]
-        scale = largest(load[k]) or 1.0
-        norm = _solve_with_continuation(springs, k, load[k], z_k, start, scale, warm_start, system) / scale
-        work = system.assembly_count[0] - work_before
+        assemblies_before = system.assembly_count[0]
+        load_size = largest(load[k]) or 1.0
+        norm = _solve_with_continuation(springs, k, load[k], z_k, start, load_size, warm_start, system) / load_size
+        assemblies = system.assembly_count[0] - assemblies_before
         was_quick, warm_start = (
-            work <= _SEARCH.short_work + 1,
-            extrapolate and work > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
+            assemblies <= _SEARCH.short_work + 1,
+            extrapolate and assemblies > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
         )
         copy(system.spring_forces, force[k])
         if not norm <= RESIDUAL_RTOL:
@@ -306,9 +306,9 @@ def _grow_clearances(
     springs, `k` is the index of the crank angle, and `load` (u,) [N] the generalised load on the u unknowns. `z` (u,)
     [m] has start values and ends at the solution. `clearance` (n,) [m] and `system` are workspace.
     """
-    norm, count = math.inf, _SEARCH.clearance_steps
-    for step in range(count + 1):
-        norm = solve_scaled(springs, step / count, 0.0, k, load, z, tolerance, TRUE, clearance, system)
+    norm, steps = math.inf, _SEARCH.clearance_steps
+    for step in range(steps + 1):
+        norm = solve_scaled(springs, step / steps, 0.0, k, load, z, tolerance, TRUE, clearance, system)
     return norm
 
 
@@ -319,9 +319,9 @@ def _force_at_deflection(springs: KernelSprings, k: int, clearance_count: float)
     The multiple is `clearance_count`. The deflection is limited to the range in which the curves of the contacts are
     valid. `springs` are the contact springs, and `k` is the index of the crank angle.
     """
-    reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
+    reach, stiffness = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):
-        stiffest = max(stiffest, springs.stiffness[k, i])
+        stiffness = max(stiffness, springs.stiffness[k, i])
     return min(
-        max(stiffest, springs.cam_stiffness) * min(clearance_count * largest_play(springs), reach), stiffest * reach
+        max(stiffness, springs.cam_stiffness) * min(clearance_count * largest_play(springs), reach), stiffness * reach
     )

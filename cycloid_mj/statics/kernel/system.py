@@ -651,14 +651,14 @@ def _add_friction(springs: KernelSprings, k: int, friction: float, system: Syste
     `springs` are the contact springs, `k` is the index of the crank angle, `friction` is a factor on the friction
     coefficients.
     """
-    output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
+    output_dof, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
         force, x = system.spring_forces[i], 3 * springs.disc[i]
         for row_index in range(4 if force != 0.0 else 0):
-            unknown = x + row_index if row_index < 3 else output
+            unknown = x + row_index if row_index < 3 else output_dof
             rate = friction * springs.friction_per_force[k, i, unknown]
             residual[unknown] += force * rate
             for column_index in range(4):
-                tangent[unknown, x + column_index if column_index < 3 else output] += (
+                tangent[unknown, x + column_index if column_index < 3 else output_dof] += (
                     row[i, CONTACT_STIFFNESS] * rate * row[i, column_index]
                 )
