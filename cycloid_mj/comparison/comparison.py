@@ -151,24 +151,24 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
     DesignError
         A design has massless pins.
     """
-    by_name: dict[str, Design] = {}
+    design_by_name: dict[str, Design] = {}
     for case in cases:
         require_pin_bodies(reducer_of(case), "the idle and dynamic figures of a comparison")
         # a name identifies one design, with any load and duration
-        first_case = by_name.setdefault(case.name, case)
-        if differing := [key for key in differences([first_case, case]) if key != HOLD]:
+        first_case = design_by_name.setdefault(case.name, case)
+        if differing_keys := [key for key in differences([first_case, case]) if key != HOLD]:
             raise UsageError(
-                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: change `name` in one "
-                "of the design files"
+                f"two designs are named {case.name!r}, but differ in {', '.join(differing_keys[:3])}: change `name` in "
+                "one of the design files"
             )
-    if len(by_name) < 2:
+    if len(design_by_name) < 2:
         raise UsageError(
-            f"a comparison needs at least two designs, but the designs given are: {', '.join(by_name) or 'none'}. Add "
-            "another design"
+            "a comparison needs at least two designs, but the designs given are: "
+            f"{', '.join(design_by_name) or 'none'}. Add another design"
         )
-    _require_every_case(cases, list(by_name))
+    _require_every_case(cases, list(design_by_name))
     _require_same_conditions(cases)
-    return by_name
+    return design_by_name
 
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
@@ -179,12 +179,12 @@ def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
     names_and_loads = [(case.name, case.load.torque) for case in cases]
     for name in names:
         for load in sorted({load for _, load in names_and_loads}):
-            count = names_and_loads.count((name, load))
-            if count != 1:
-                problem = "is missing" if count == 0 else f"is given {count} times"
+            run_count = names_and_loads.count((name, load))
+            if run_count != 1:
+                problem = "is missing" if run_count == 0 else f"is given {run_count} times"
                 raise UsageError(
                     f"the run of {name} at {load_words(load)} {problem}, but a comparison needs exactly one run of "
-                    f"each design under each load: {'add that run' if count == 0 else 'remove the repeated runs'}"
+                    f"each design under each load: {'add that run' if run_count == 0 else 'remove the repeated runs'}"
                 )
 
 
@@ -223,8 +223,9 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 def _run_json(trial: Trial) -> dict[str, Any]:
     """Convert the runs of a design under a load, a `trial`, to JSON values: measures, and spreads over all starts.
 
-    A start is a run of the same design with gravity in another direction. The measures are those of the first start.
-    Spreads are included only for runs without load, and only for quantities that have a value.
+    A start is a run of the same design with gravity in another direction. The measures are those of the first start;
+    ``starts`` is the number of starts, and ``start_logs`` are the names of their logs. ``spreads`` are included only
+    for runs without load, and only for quantities that have a value.
     """
     spreads = [
         {"quantity": quantity, "unit": unit, **spread.as_json()}

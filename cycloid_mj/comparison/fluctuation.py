@@ -39,7 +39,7 @@ def remove_steady_shifts(errors: Array, crank_angle: Array, gear_angle: Array) -
     and ideal `gear_angle` phi = -theta/(N-1) [rad], shape (n,), for N ring teeth; the last term coincides with the
     first for a disc that does not turn. Returns the remaining errors, shape (n, 2).
     """
-    terms = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
+    shift_terms = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
     complex_error = errors[:, 0] + 1j * errors[:, 1]
-    remainder = complex_error - terms @ np.linalg.lstsq(terms, complex_error, rcond=None)[0]
+    remainder = complex_error - shift_terms @ np.linalg.lstsq(shift_terms, complex_error, rcond=None)[0]
     return np.stack([remainder.real, remainder.imag], axis=1)

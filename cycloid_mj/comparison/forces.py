@@ -61,14 +61,14 @@ def forces(motion: Series) -> ForceSummary:
     these are less than a turn.
     """
     turns = full_turns(motion)
-    rows = slice(turns[0].start, turns[-1].stop)
-    teeth, kinds = tooth_forces(motion)[rows], motion.reducer.mechanism.kinds
-    largest = {
-        kind: _force_magnitudes(motion, kind)[rows].max(axis=1) for kind in (*MEAN_AND_PEAK, *PEAK) if kind in kinds
+    window = slice(turns[0].start, turns[-1].stop)
+    teeth, kinds = tooth_forces(motion)[window], motion.reducer.mechanism.kinds
+    maxima = {
+        kind: _force_magnitudes(motion, kind)[window].max(axis=1) for kind in (*MEAN_AND_PEAK, *PEAK) if kind in kinds
     }
-    means = {f"{stem}_mean_n": float(largest[kind].mean()) for kind, stem in MEAN_AND_PEAK.items() if kind in largest}
+    means = {f"{stem}_mean_n": float(maxima[kind].mean()) for kind, stem in MEAN_AND_PEAK.items() if kind in maxima}
     stems = MEAN_AND_PEAK | PEAK
-    peaks = {f"{stems[kind]}_peak_n": float(force.max()) for kind, force in largest.items()}
+    peaks = {f"{stems[kind]}_peak_n": float(force.max()) for kind, force in maxima.items()}
     loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded_teeth.mean()),

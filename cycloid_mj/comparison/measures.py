@@ -75,12 +75,12 @@ def _fluctuation_errors(motion: Series) -> Fluctuation:
     removed from those of path and velocity, see `remove_steady_shifts`.
     """
     turns = full_turns(motion)
-    rows = slice(turns[0].start, turns[-1].stop)
-    turns_in_selection = [slice(turn.start - rows.start, turn.stop - rows.start) for turn in turns]
-    angle = motion.crank_angle[rows]
+    selection = slice(turns[0].start, turns[-1].stop)
+    turns_in_selection = [slice(turn.start - selection.start, turn.stop - selection.start) for turn in turns]
+    angle = motion.crank_angle[selection]
     ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (
-        remove_steady_shifts(point_motion.error[rows], angle, ideal_angle)
+        remove_steady_shifts(point_motion.error[selection], angle, ideal_angle)
         for point_motion in (motion.q_position, motion.q_velocity)
     )
     return Fluctuation(

@@ -92,9 +92,9 @@ def spectrum(run_series: Series) -> Spectrum:
     turns = full_turns(run_series)
     window = slice(turns[0].start, turns[-1].stop)
     accelerations, interval = acceleration(run_series), _sample_interval(run_series)
-    segment = min(TURNS_PER_SEGMENT * (turns[0].stop - turns[0].start), len(accelerations.output[window]))
+    segment_length = min(TURNS_PER_SEGMENT * (turns[0].stop - turns[0].start), len(accelerations.output[window]))
     frequency, power = density(
-        np.column_stack([accelerations.centre, accelerations.output])[window], 1.0 / interval, segment
+        np.column_stack([accelerations.centre, accelerations.output])[window], 1.0 / interval, segment_length
     )
     power /= np.sinc(frequency * interval)[:, np.newaxis] ** 2
     return Spectrum(frequency, power[:, :2].sum(axis=1), power[:, 2])
@@ -130,8 +130,8 @@ def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
         lower_limit, upper_limit = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
         if lower_limit >= resolution and upper_limit <= spectrum.frequency[-1]:
             in_band = (spectrum.frequency >= lower_limit) & (spectrum.frequency < upper_limit)
-            centre, output = (
+            centre_rms, output_rms = (
                 np.sqrt(resolution * density[in_band].sum()) for density in (spectrum.centre, spectrum.output)
             )
-            bands.append(OctaveBand(float(centre_frequency), float(centre), float(output)))
+            bands.append(OctaveBand(float(centre_frequency), float(centre_rms), float(output_rms)))
     return tuple(bands)

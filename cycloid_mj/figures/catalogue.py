@@ -76,30 +76,30 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     UsageError
         The quantity does not exist, the reducer does not have it, or it requires a computation that is not in `needs`.
     """
-    row = find_figure(key)
-    if row is None:
+    entry = find_figure(key)
+    if entry is None:
         raise UsageError(
             f"unknown quantity {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one listed by "
             "`cycloid-mj figures`"
         )
-    if key in row.deprecated:
+    if key in entry.deprecated:
         warnings.warn(
-            f"the quantity {key} is deprecated: use {row.key}; the old key will be removed in the next release",
+            f"the quantity {key} is deprecated: use {entry.key}; the old key will be removed in the next release",
             CycloidWarning,
             stacklevel=2,
         )
-    if row.need not in needs:
-        accepted = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
+    if entry.need not in needs:
+        need_text = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
         raise UsageError(
-            f"the quantity {key} is computed from {NEED_NAMES[row.need]}, but this command accepts only quantities "
-            f"computed from {accepted}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
+            f"the quantity {key} is computed from {NEED_NAMES[entry.need]}, but this command accepts only quantities "
+            f"computed from {need_text}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
-    if reducer is not None and not row.applies_to(reducer):
+    if reducer is not None and not entry.applies_to(reducer):
         raise UsageError(
             f"the quantity {key} does not apply to the design {reducer.design.name!r}; "
             f"{_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
-    return row
+    return entry
 
 
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
@@ -110,11 +110,11 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
     """
     available_keys = [
         name
-        for name, row in _BY_ANY_NAME.items()
-        if row.need in needs
-        and (reducer is None or row.applies_to(reducer))
+        for name, entry in _BY_ANY_NAME.items()
+        if entry.need in needs
+        and (reducer is None or entry.applies_to(reducer))
         and name != key
-        and name not in row.deprecated
+        and name not in entry.deprecated
     ]
     similar_keys = [name for name in available_keys if key and key in name] or get_close_matches(
         key, available_keys, n=MAX_SUGGESTIONS, cutoff=0.5
@@ -182,7 +182,7 @@ def compute_sampled(
     `samples` have the manufacturing errors of the drives. `keys` are the keys of the quantities; keys that are not in
     `SAMPLED` are ignored. `angles` is the number of crank angles over a turn.
     """
-    rows = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}
-    needed_states = {state for row in rows.values() for state in row.states}
+    entries = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}
+    needed_states = {state for entry in entries.values() for state in entry.states}
     states = solve_states(reducer, samples, needed_states, angles)
-    return {key: row.value(*(states[state] for state in row.states)) for key, row in rows.items()}
+    return {key: entry.value(*(states[state] for state in entry.states)) for key, entry in entries.items()}

@@ -120,17 +120,17 @@ def compute_film_map(
             f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
             "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
-    points, sealed_reducer, jams = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
+    points, sealed_reducer, errors = list[MapPoint](), state_seals(reducer), dict[float, DesignError]()
     for temperature in temperatures:
         try:
             points += _compute_map_points(
                 sealed_reducer.but(thermal=dict.fromkeys(HEATED, temperature)), temperature, shares
             )
         except DesignError as error:
-            jams[temperature] = error
+            errors[temperature] = error
     if not points:
-        raise next(iter(jams.values()))
-    warn(design.name, tuple(f"--map has no values at {item:g} °C, because {error}" for item, error in jams.items()))
+        raise next(iter(errors.values()))
+    warn(design.name, tuple(f"--map has no values at {t:g} °C, because {error}" for t, error in errors.items()))
     return tuple(points)
 
 
@@ -174,10 +174,10 @@ def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
             point.unit,
         )
 
-    head = ("quantity", "output torque [N m]", "crank speed [rpm]", "temperature [°C]", "value (5 to 95 %)", "unit")
+    header = ("quantity", "output torque [N m]", "crank speed [rpm]", "temperature [°C]", "value (5 to 95 %)", "unit")
     efficiencies = [point for point in points if point.quantity == "efficiency"]
     torque_points = [point for point in points if point.quantity != "efficiency"]
     return (
-        Table("efficiency map", head, tuple(map(format_row, efficiencies))),
-        Table("torques on crank and output without load", head, tuple(map(format_row, torque_points))),
+        Table("efficiency map", header, tuple(map(format_row, efficiencies))),
+        Table("torques on crank and output without load", header, tuple(map(format_row, torque_points))),
     )

@@ -16,9 +16,10 @@ CHORD_ERROR = 1e-6
 
 @once
 def masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the masses of the parts [kg] by name, including all ring pins (or sleeves), spacers and rollers.
+    """Compute the masses of the parts [kg] by name, such as "gear"; "pin" is all ring pins (or sleeves) together.
 
-    Those of an RV reducer are `rv_masses`, with needles and the tapered bearings of the cranks.
+    Spacers and rollers are counted likewise. Those of an RV reducer are `rv_masses`, with needles and the tapered
+    bearings of the cranks.
     """
     if isinstance(reducer, RvReducer):
         from cycloid_mj.parts.export.rv_assembly import rv_masses

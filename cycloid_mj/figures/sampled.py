@@ -56,11 +56,11 @@ def solve_states(
     dict
         Means, ranges and largest forces of the samples by state, in the order of `STATES`.
     """
-    weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
-    creeping = reducer.but(environment=weightless, drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
+    no_gravity = {"gravity_x": 0.0, "gravity_y": 0.0}
+    slow_reducer = reducer.but(environment=no_gravity, drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
     ordered_states = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered_states]
-    return dict(zip(ordered_states, solve_samples(creeping, samples, torques, angles), strict=True))
+    return dict(zip(ordered_states, solve_samples(slow_reducer, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:

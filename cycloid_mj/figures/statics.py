@@ -99,8 +99,8 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     equilibrium.
     """
     speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
-    lost_power, outcomes = sampled_losses(reducer, load, samples)
-    return compute_spread(lost_power / speed, outcomes / speed, sample_inputs(samples)[1])
+    lost_power, sample_losses = sampled_losses(reducer, load, samples)
+    return compute_spread(lost_power / speed, sample_losses / speed, sample_inputs(samples)[1])
 
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
@@ -118,8 +118,8 @@ def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     proportional to their losses. Raises RunError without a static equilibrium.
     """
     torque = back_driving_torque(reducer)
-    lost_power, outcomes = sampled_losses(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
-    return compute_spread(torque, torque * outcomes / lost_power, sample_inputs(samples)[1])
+    lost_power, sample_losses = sampled_losses(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
+    return compute_spread(torque, torque * sample_losses / lost_power, sample_inputs(samples)[1])
 
 
 def _at_creep_speed(reducer: Reducer) -> Reducer:

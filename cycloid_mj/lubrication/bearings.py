@@ -16,8 +16,8 @@ def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) 
     and `viscosity` the kinematic viscosity [mm2/s].
     """
     viscosity_speed = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
-    per_volume = 160e-7 if viscosity_speed == MIN_VISCOUS else 1e-7 * viscosity_speed ** (2.0 / 3.0)
-    return 1e-3 * per_volume * factor * (MILLIMETRES * diameter) ** 3
+    torque_per_volume = 160e-7 if viscosity_speed == MIN_VISCOUS else 1e-7 * viscosity_speed ** (2.0 / 3.0)
+    return 1e-3 * torque_per_volume * factor * (MILLIMETRES * diameter) ** 3
 
 
 def seal_torque(diameter: float) -> float:

@@ -88,20 +88,20 @@ def solve_journal(
         Dynamic viscosity [Pa s].
     """
     force, clearance = np.asarray(force, float), np.asarray(clearance, float)
-    smallest = np.finfo(float).tiny
+    tiny = np.finfo(float).tiny
     sommerfeld_per_speed = (
         viscosity / (2.0 * math.pi * radius) * 2.0 * radius * length / force * (radius / clearance) ** 2
     )
-    sommerfeld = np.maximum(sommerfeld_per_speed * 2.0 * np.abs(entrainment), smallest)
+    sommerfeld = np.maximum(sommerfeld_per_speed * 2.0 * np.abs(entrainment), tiny)
     shear_number = sommerfeld_per_speed * np.abs(sliding)
     log_sommerfeld, log_table = np.log(sommerfeld), np.log(SOMMERFELD)
     is_below_table, is_above_table = sommerfeld < SOMMERFELD[0], sommerfeld > SOMMERFELD[-1]
     relative_film = np.interp(log_sommerfeld, log_table, 1.0 - ECCENTRICITY)
     relative_film = np.where(is_below_table, (1.0 - ECCENTRICITY[0]) * sommerfeld / SOMMERFELD[0], relative_film)
     relative_film = np.where(is_above_table, 1.0 - ECCENTRICITY[-1] * SOMMERFELD[-1] / sommerfeld, relative_film)
-    shear = np.exp(np.interp(log_sommerfeld, log_table, np.log(SHEAR)))
-    shear = np.where(is_below_table, SHEAR[0] * np.sqrt(sommerfeld / SOMMERFELD[0]), shear)
-    shear = np.where(is_above_table, math.pi**2 * sommerfeld, shear)
-    pressure = np.interp(log_sommerfeld, log_table, PRESSURE)
-    friction = (clearance / radius) * (shear * shear_number / sommerfeld + pressure)
+    shear_factor = np.exp(np.interp(log_sommerfeld, log_table, np.log(SHEAR)))
+    shear_factor = np.where(is_below_table, SHEAR[0] * np.sqrt(sommerfeld / SOMMERFELD[0]), shear_factor)
+    shear_factor = np.where(is_above_table, math.pi**2 * sommerfeld, shear_factor)
+    pressure_term = np.interp(log_sommerfeld, log_table, PRESSURE)
+    friction = (clearance / radius) * (shear_factor * shear_number / sommerfeld + pressure_term)
     return JournalState(sommerfeld, 1.0 - relative_film, clearance * relative_film, np.asarray(friction))

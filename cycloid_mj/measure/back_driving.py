@@ -125,12 +125,12 @@ class BreakAway:
     @property
     def _starts_text(self) -> str:
         """Return a phrase with the range of the break-away torque and the numbers of starts with and without motion."""
-        count, turning_count = len(self.starts), len(self.turning)
-        if count == 1:
+        start_count, turning_count = len(self.starts), len(self.turning)
+        if start_count == 1:
             return "one start, as there is no gravity"
         rest_text = (
-            f"; from the other {count - turning_count} the {self.run.driven_shaft} stays at rest"
-            if turning_count < count
+            f"; from the other {start_count - turning_count} the {self.run.driven_shaft} stays at rest"
+            if turning_count < start_count
             else ""
         )
         torque_text = self.spread.words if self.spread else ""
@@ -181,22 +181,22 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     only the first quarter, or only the second half, of the motion is fitted. `solver` is the solver of the runs, MuJoCo
     or the planar solver.
     """
-    forward = -braking_sign(reducer)
+    sign = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")
     frictionless_rate = max_torque / (6.0 * reducer.design.reduction * model.crank_inertia)
     # a torque that rises in this time crosses the output's play in a share of it
     crossing_time = math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (max_torque * START.crossing**3))
     growth_time = max(START.min_time, math.sqrt(START.min_rotation / frictionless_rate), crossing_time)
-    cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * max_torque * time / growth_time)
+    cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: sign * max_torque * time / growth_time)
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, model, cycle)
     angle = np.abs(run[f"{reducer.INPUT}_angle"])
     moving_run = run.select(angle > START.turned)
     frictionless_rotation = frictionless_rate * growth_time**2
     if angle[-1] < START.min_travel * frictionless_rotation or len(moving_run) < START.min_samples:
         return StartFromRest(math.nan, math.nan, max_torque, run)
-    growth, count = max_torque / growth_time, len(moving_run)
-    windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
-    torque, *other_torques = (growth * _zero_acceleration_time(moving_run.select(window)) for window in windows)
+    torque_rate, samples = max_torque / growth_time, len(moving_run)
+    windows = [slice(None), slice(0, samples // 4), slice(samples // 2, None)]
+    torque, *other_torques = (torque_rate * _zero_acceleration_time(moving_run.select(window)) for window in windows)
     return StartFromRest(torque, max(abs(other_torque - torque) for other_torque in other_torques), max_torque, run)
 
 

@@ -142,15 +142,15 @@ def backlash(
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     stops_by_case, checks = _simulate_stops(reducer, crank_angles, solver, progress)
     closed_forms = REFERENCES[reducer.LAYOUT](reducer, crank_angles)
-    test = f"{reducer.INPUT} locked, without friction and weight"
+    test_text = f"{reducer.INPUT} locked, without friction and weight"
     return Measurement(
         measure="backlash",
         design=reducer.design,
-        condition=", ".join(filter(None, (test, reducer.design.thermal.words, SOLVERS[solver]))),
+        condition=", ".join(filter(None, (test_text, reducer.design.thermal.words, SOLVERS[solver]))),
         quantities=by_key(_quantities(stops_by_case, checks, closed_forms)),
         curves=_curves(reducer, stops_by_case, closed_forms),
         assumptions=_assumptions(reducer, [pair.run for pairs in stops_by_case.values() for pair in pairs], solver),
-        runs={name: presses[0].run for name, presses in stops_by_case.items()},
+        runs={name: stop_pairs[0].run for name, stop_pairs in stops_by_case.items()},
         details={"angles": _angle_rows(stops_by_case, closed_forms)},
     )
 
@@ -175,19 +175,19 @@ def _simulate_stops(
         kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)
     }
     if solver == "planar":
-        cases = {name: massless(case) for name, case in cases.items()}
-    time_factors = {name: PRESS.all_clearances if name == _ALL else 1.0 for name in cases}
+        cases = {case: massless(drive) for case, drive in cases.items()}
+    time_factors = {case: PRESS.all_clearances if case == _ALL else 1.0 for case in cases}
     divisor = PRESS.planar_ratio if solver == "planar" and not reducer.design.settings.timestep else 1.0
     jobs = [
-        (case, crank_angles[0], PRESS.longer * time_factors[name], PRESS.finer * divisor)
-        for name, case in cases.items()
+        (drive, crank_angles[0], PRESS.longer * time_factors[case], PRESS.finer * divisor)
+        for case, drive in cases.items()
     ]
-    jobs += [(case, angle, time_factors[name], divisor) for name, case in cases.items() for angle in crank_angles]
+    jobs += [(drive, angle, time_factors[case], divisor) for case, drive in cases.items() for angle in crank_angles]
     all_stop_pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
     checks, stop_pairs = dict(zip(cases, all_stop_pairs, strict=False)), all_stop_pairs[len(cases) :]
     count = len(crank_angles)
     stops_by_case = {
-        name: stop_pairs[case_index * count : (case_index + 1) * count] for case_index, name in enumerate(cases)
+        case: stop_pairs[case_index * count : (case_index + 1) * count] for case_index, case in enumerate(cases)
     }
     return stops_by_case, checks
 
@@ -241,7 +241,7 @@ def press_to_stops(
     press_time = time_factor * PRESS.settling * rotation_time(reducer, reducer.play_at(crank_angle), torque)
     torques = torque * np.array(PRESS.levels)
 
-    def signal(time: Array) -> Array:
+    def torque_at(time: Array) -> Array:
         return torques[np.minimum(time / press_time, len(PRESS.levels) - 0.5).astype(int)]
 
     max_torque, duration, samples = (
@@ -249,10 +249,12 @@ def press_to_stops(
         len(PRESS.levels) * press_time,
         len(PRESS.levels) * PRESS.samples,
     )
-    run = bench.run_with_step_retries(reducer, crank_angle, signal, max_torque, duration, samples, step_divisor, solver)
-    error, phase = output_error(run, reducer), run.time / press_time
+    run = bench.run_with_step_retries(
+        reducer, crank_angle, torque_at, max_torque, duration, samples, step_divisor, solver
+    )
+    rotation, phase = output_error(run, reducer), run.time / press_time
     stop_angles = [
-        float(error[(phase > level + 1 - PRESS.read_share) & (phase < level + 1)].mean())
+        float(rotation[(phase > level + 1 - PRESS.read_share) & (phase < level + 1)].mean())
         for level in range(len(PRESS.levels))
     ]
     _, double_high, single_high, _, double_low, single_low = stop_angles
@@ -293,9 +295,9 @@ def _compute_static_backlash(reducer: Reducer, crank_angles: list[float]) -> dic
     cases = {_ALL: reducer} | {kind: with_single_clearance(reducer, kind) for kind in _kinds_with_clearance(reducer)}
     turn_angles, torque = rigid_backlash.full_turn_angles(reducer), PRESS.share * reducer.design.rated_torque
     return {
-        name: ClosedForm(rv_backlash(case, crank_angles, torque), rv_backlash(case, turn_angles, torque), _STATICS)
-        for name, case in cases.items()
-        if isinstance(case, RvReducer)
+        case: ClosedForm(rv_backlash(drive, crank_angles, torque), rv_backlash(drive, turn_angles, torque), _STATICS)
+        for case, drive in cases.items()
+        if isinstance(drive, RvReducer)
     }
 
 
@@ -324,22 +326,22 @@ def _quantities(
         Closed forms by the same cases; a case without a closed form has no reference.
     """
     single_clearances = []
-    for name, stop_pairs in stops_by_case.items():
-        values, closed_form = np.array([pair.backlash for pair in stop_pairs]), closed_forms.get(name)
-        numerical = abs(checks[name].backlash - stop_pairs[0].backlash)
-        error = add_errors(numerical, error_of_mean(values, closed_form))
+    for case, stop_pairs in stops_by_case.items():
+        backlashes, closed_form = np.array([pair.backlash for pair in stop_pairs]), closed_forms.get(case)
+        numerical_error = abs(checks[case].backlash - stop_pairs[0].backlash)
+        error = add_errors(numerical_error, error_of_mean(backlashes, closed_form))
         error = None if error is None else error / ARCMINUTE
         reference = None if closed_form is None else float(closed_form.turn.mean()) / ARCMINUTE
-        mean, source = float(values.mean()) / ARCMINUTE, "" if closed_form is None else closed_form.source
-        if name == _ALL:
+        mean, source = float(backlashes.mean()) / ARCMINUTE, "" if closed_form is None else closed_form.source
+        if case == _ALL:
             yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
-            extreme_arguments = "backlash", "backlash", values, numerical, "arcmin"
+            extreme_arguments = "backlash", "backlash", backlashes, numerical_error, "arcmin"
             yield from extreme_quantities(
                 *extreme_arguments, scale=ARCMINUTE, closed_form=closed_form, reference=closed_form, source=source
             )
         else:
-            label = f"by clearance of {NAMES[name]} alone, mean"
-            single_clearances.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
+            label = f"by clearance of {NAMES[case]} alone, mean"
+            single_clearances.append(Quantity(f"backlash_{case}", label, mean, "arcmin", error, reference, source))
     yield from single_clearances
     yield Quantity(
         "sum_of_parts",
@@ -361,16 +363,16 @@ def _curves(
     """
     curve_list = []
     axis_labels = "crank angle [deg]", "backlash [arcmin]"
-    for name, stop_pairs in stops_by_case.items():
-        panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
-        crank = np.degrees([pair.crank for pair in stop_pairs])
-        if name in closed_forms:
+    for case, stop_pairs in stops_by_case.items():
+        panel = "all clearances" if case == _ALL else f"clearance of {NAMES[case]} alone"
+        crank_deg = np.degrees([pair.crank for pair in stop_pairs])
+        if case in closed_forms:
             turn_angles = np.degrees(rigid_backlash.full_turn_angles(reducer))
             curve_list.append(
-                Curve(panel, "closed form", turn_angles, closed_forms[name].turn / ARCMINUTE, *axis_labels, "theory")
+                Curve(panel, "closed form", turn_angles, closed_forms[case].turn / ARCMINUTE, *axis_labels, "theory")
             )
-        values = np.array([pair.backlash for pair in stop_pairs]) / ARCMINUTE
-        curve_list.append(Curve(panel, "simulated", crank, values, *axis_labels, "points"))
+        backlashes = np.array([pair.backlash for pair in stop_pairs]) / ARCMINUTE
+        curve_list.append(Curve(panel, "simulated", crank_deg, backlashes, *axis_labels, "points"))
     return tuple(curve_list)
 
 
@@ -408,10 +410,10 @@ def _angle_rows(stops_by_case: dict[str, list[StopPair]], closed_forms: dict[str
             "crank_angle_deg": math.degrees(pair.crank),
             "low_arcmin": pair.low / ARCMINUTE,
             "high_arcmin": pair.high / ARCMINUTE,
-            "backlash_arcmin": {name: pairs[index].backlash / ARCMINUTE for name, pairs in stops_by_case.items()},
-            "timestep_s": {name: bench.timestep_of(pairs[index].run) for name, pairs in stops_by_case.items()},
+            "backlash_arcmin": {case: pairs[index].backlash / ARCMINUTE for case, pairs in stops_by_case.items()},
+            "timestep_s": {case: bench.timestep_of(pairs[index].run) for case, pairs in stops_by_case.items()},
             "closed_form_arcmin": {
-                name: float(closed_form.sampled[index]) / ARCMINUTE for name, closed_form in closed_forms.items()
+                case: float(closed_form.sampled[index]) / ARCMINUTE for case, closed_form in closed_forms.items()
             },
         }
         for index, pair in enumerate(stops_by_case[_ALL])

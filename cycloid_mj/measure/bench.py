@@ -84,10 +84,10 @@ def crank_angles(reducer: Reducer, count: int) -> Array:
 def without_friction(reducer: Reducer) -> Reducer:
     """Return a copy of a design without friction and weight, as closed forms of backlash and stiffness assume."""
     design = reducer.design
-    values = {key: value for key, value in NO_FRICTION.items() if applies(design.layout, "friction", key)}
-    friction = Friction().model_copy(update=values)
-    level = design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
-    changes: dict[str, Any] = {"friction": friction, "environment": level}
+    friction_values = {key: value for key, value in NO_FRICTION.items() if applies(design.layout, "friction", key)}
+    friction = Friction().model_copy(update=friction_values)
+    no_gravity = design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
+    changes: dict[str, Any] = {"friction": friction, "environment": no_gravity}
     if design.planet is not None:
         changes["planet"] = design.planet.model_copy(update={"friction": 0.0})
     return type(reducer)(design.model_copy(update=changes))
@@ -285,7 +285,7 @@ def centre_lead(run: Run, reducer: Reducer) -> Array:
     Positive is counter-clockwise; with several discs it is their mean.
     """
     leads, crank_angle = [], reducer.member.crank_angle(run[f"{run.driven_shaft}_angle"])
-    for gear, phase in zip(reducer.gears, reducer.phases, strict=True):
-        (x, y, _), eccentric_angle = names.planar_joints(gear), crank_angle + phase
+    for disc_name, phase in zip(reducer.gears, reducer.phases, strict=True):
+        (x, y, _), eccentric_angle = names.planar_joints(disc_name), crank_angle + phase
         leads.append(-run[x] * np.cos(eccentric_angle) - run[y] * np.sin(eccentric_angle))
     return np.asarray(np.mean(leads, axis=0))

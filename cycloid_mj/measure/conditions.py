@@ -57,11 +57,11 @@ def drag_assumption(reducer: Reducer) -> str:
     if reducer.design.has_film:
         crank, output = drag_torques(reducer)
         return f"seals, and idle friction of the cams: {crank:.3g} N m on the crank, {output:.3g} N m on the output"
-    drags = [
+    drag_texts = [
         f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: neglected"
         for shaft, torque in (("crank", reducer.design.drag.crank), ("output", reducer.design.drag.output))
     ]
-    return f"seals and lubricant: {', '.join(drags)}"
+    return f"seals and lubricant: {', '.join(drag_texts)}"
 
 
 def friction_assumption(reducer: Reducer, kinds: Iterable[str]) -> str:

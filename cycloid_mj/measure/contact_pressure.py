@@ -88,15 +88,15 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))
     contacts = {}
     for kind in reducer.mechanism.kinds:
-        vector, contact = run.forces(kind), reducer.contacts[kind]
+        force_vectors, contact = run.forces(kind), reducer.contacts[kind]
         if not contact.HAS_PRESSURE:
-            no_pressure = np.zeros(vector.shape[:2])
-            contacts[kind] = ContactPressures(kind, shifted_angle, vector, no_pressure, no_pressure > 0.0)
+            no_pressure = np.zeros(force_vectors.shape[:2])
+            contacts[kind] = ContactPressures(kind, shifted_angle, force_vectors, no_pressure, no_pressure > 0.0)
             continue
         curvature = relative_curvature(reducer, kind, reducer.member.against_ring(driven_angle))
-        force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
+        force = np.hypot(force_vectors[..., 0], force_vectors[..., 1]) * contact.line_share
         pressure, is_hertzian = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
-        contacts[kind] = ContactPressures(kind, shifted_angle, vector, pressure, is_hertzian)
+        contacts[kind] = ContactPressures(kind, shifted_angle, force_vectors, pressure, is_hertzian)
     return contacts
 
 

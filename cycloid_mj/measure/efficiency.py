@@ -112,9 +112,10 @@ def efficiency(
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
     """Return losses by kind of pair and by part, effects of assumed inputs, and break-away torques as JSON values.
 
-    Losses by pair are shares of the input power at each point of the map. The effects are the efficiencies at both ends
-    of the plausible range of each assumed input, such as a friction coefficient. `published` are the torques of
-    publications. `efficiency_map` has the simulated operating points.
+    ``losses_by_pair`` are shares of the input power at each point of the map. ``sensitivity`` has the efficiencies at
+    both ends of the plausible range of each assumed input, such as a friction coefficient. The other keys are those of
+    `loss_breakdown.as_json`, `spread.as_json` and `BreakAway.as_json`. `published` are the torques of publications.
+    `efficiency_map` has the simulated operating points.
     """
     rated_powers = efficiency_map.rated.powers
     return {
@@ -200,9 +201,9 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     design, driven_shaft = reducer.design, reducer.INPUT
     ratio, start_from_rest = design.reduction, efficiency_map.rest
     forward_efficiency = efficiency_map.rated.powers.efficiency
-    back_driven = efficiency_map.backward
+    back_point = efficiency_map.backward
     back_efficiency, back_error = (
-        (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
+        (0.0, 0.0) if back_point.powers.note else (back_point.powers.efficiency, back_point.shift)
     )
     is_self_locking = not back_efficiency > 0.0
     driving_torque = math.nan if is_self_locking else design.rated_torque / back_efficiency
@@ -286,7 +287,7 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     Losses are drawn at the design's speed, or at the last speed of the map if the map does not contain the design's
     speed. Losses that are 0 are omitted. The free crank or sun starts from rest under a growing output torque.
     """
-    x, run_from_rest, driven_shaft = (
+    x_label, run_from_rest, driven_shaft = (
         "output torque [N m]",
         efficiency_map.rest.run,
         efficiency_map.rest.run.driven_shaft,
@@ -309,7 +310,7 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
         )
     torque, free_speed = np.abs(run_from_rest["load_torque"]), np.abs(run_from_rest[f"{driven_shaft}_speed"])
     panel = f"from rest with free {driven_shaft} under growing output torque"
-    return (*curves, Curve(panel, "", torque, free_speed, x, f"{driven_shaft} [rad/s]"))
+    return (*curves, Curve(panel, "", torque, free_speed, x_label, f"{driven_shaft} [rad/s]"))
 
 
 def _points_at_speed(grid: Sequence[OperatingPoint], speed: float) -> list[OperatingPoint]:

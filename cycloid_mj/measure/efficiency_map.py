@@ -200,10 +200,10 @@ def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, sol
     `periods` is the smallest number of mesh periods of the average. `solver` is the solver of the runs, MuJoCo or the
     planar solver.
     """
-    loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    with suppress_warnings(tuple(creep_warning(loaded))):
-        run = run_steady(loaded, STEADY.settling_time, averaging_periods(loaded, periods, torque), solver)
-    return _operating_point(torque, speed, run, loaded)
+    drive = reducer.but(drive={"speed": speed}, load={"torque": torque})
+    with suppress_warnings(tuple(creep_warning(drive))):
+        run = run_steady(drive, STEADY.settling_time, averaging_periods(drive, periods, torque), solver)
+    return _operating_point(torque, speed, run, drive)
 
 
 def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> OperatingPoint:

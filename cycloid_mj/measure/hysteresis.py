@@ -159,7 +159,7 @@ class HysteresisLoop:
         """
         low, high = STRAIGHT
         rotations = [
-            side * (self.read_middle(high, side, values) - self.read_middle(low, side, values)) for side in (-1, 1)
+            sign * (self.read_middle(high, sign, values) - self.read_middle(low, sign, values)) for sign in (-1, 1)
         ]
         return float(np.mean(rotations)) / ((high - low) * self.rated)
 

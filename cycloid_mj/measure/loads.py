@@ -123,19 +123,19 @@ def loads(
     """
     reducer = reducer_of(resolve(design))
     torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
-    loaded = steady_design(reducer).but(load={"torque": torque})
-    steps, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
-    run, finer_run = _run_at_two_steps(loaded, periods, solver, lambda finished, _: progress(finished, steps))
-    contacts, finer = contact_pressures(run, loaded), contact_pressures(finer_run, loaded)
-    first_periods = contact_pressures(run.select(slice(0, len(finer_run))), loaded)
-    missed_peaks = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _find_capacities(loaded, contacts, first_periods, finer, missed_peaks, solver)
-    progress(steps, steps)
+    drive = steady_design(reducer).but(load={"torque": torque})
+    runs, periods = 3, LOADS.periods if quick else reducer.mesh_periods  # two runs and the capacities
+    run, finer_run = _run_at_two_steps(drive, periods, solver, lambda finished, _: progress(finished, runs))
+    contacts, finer = contact_pressures(run, drive), contact_pressures(finer_run, drive)
+    first_periods = contact_pressures(run.select(slice(0, len(finer_run))), drive)
+    missed_peaks = {kind: _missed_peak(drive, contact) for kind, contact in contacts.items()}
+    capacities, capacity_details = _find_capacities(drive, contacts, first_periods, finer, missed_peaks, solver)
+    progress(runs, runs)
     by_kind = (
-        _kind_quantities(loaded, contacts[key], first_periods[key], finer[key], missed_peaks[key]) for key in contacts
+        _kind_quantities(drive, contacts[key], first_periods[key], finer[key], missed_peaks[key]) for key in contacts
     )
     # output pins distribute the load to the discs; the cranks of an RV reducer carry the discs
-    by_disc = _disc_quantities(run, finer_run, loaded) if reducer.design.gear.discs > 1 and "output" in contacts else ()
+    by_disc = _disc_quantities(run, finer_run, drive) if reducer.design.gear.discs > 1 and "output" in contacts else ()
     return Measurement(
         measure="loads",
         design=reducer.design,
@@ -144,8 +144,8 @@ def loads(
             f"{SOLVERS[solver]}"
         ),
         quantities=by_key(*by_kind, by_disc, capacities),
-        curves=_curves(contacts, loaded),
-        assumptions=_assumptions(loaded),
+        curves=_curves(contacts, drive),
+        assumptions=_assumptions(drive),
         runs={"loaded": run},
         details={"load_torque_nm": torque, **capacity_details},
     )
@@ -208,8 +208,9 @@ def _capacity_details(
 ) -> dict[str, Any]:
     """Return the torques [N m] at which each kind of contact reaches first yield and shakedown as JSON values.
 
-    `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m]; `weakest` is the kind that yields
-    first.
+    The keys are ``capacity_by_kind_nm`` and ``shakedown_by_kind_nm``; further keys are the nominal torque and
+    ``weakest``. `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m]; `weakest` is the kind
+    that yields first.
     """
     return {
         "nominal_torque_nm": reducer.design.rated_torque,
@@ -391,12 +392,12 @@ def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     contact_curves = [
         curve for contacts in kinds.values() if contacts.kind != "cam" for curve in _contact_curves(contacts, reducer)
     ]
-    cams = [
+    cam_curves = [
         curve
         for disc, phase in enumerate(reducer.phases if "cam" in kinds else ())
         for curve in _cam_curves(kinds["cam"], disc, phase)
     ]
-    return (*contact_curves, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
+    return (*contact_curves, *cam_curves, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
 def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
@@ -407,10 +408,10 @@ def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Cu
     peaks = contacts.force.max(axis=0)
     loaded_contacts = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
     most_loaded = int(np.argmax(peaks))
-    evenly_spaced = loaded_contacts[
+    even_contacts = loaded_contacts[
         np.linspace(0, len(loaded_contacts) - 1, min(LOADS.shown, len(loaded_contacts))).astype(int)
     ]
-    drawn_contacts = sorted({*evenly_spaced[evenly_spaced != most_loaded][: LOADS.shown - 1].tolist(), most_loaded})
+    drawn_contacts = sorted({*even_contacts[even_contacts != most_loaded][: LOADS.shown - 1].tolist(), most_loaded})
     panel = f"{contacts.kind}: force on {len(drawn_contacts)} of the {len(loaded_contacts)} that carry, of {len(peaks)}"
     angle_deg = np.degrees(contacts.angle)
     if contacts.kind == reducer.design.tooth_pair:
@@ -438,10 +439,10 @@ def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator
     `contacts` are the contacts of all cams. The direction is counter-clockwise from the eccentric; `phase` [rad] is the
     angle of the eccentric on the crank.
     """
-    angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
+    angle_deg, (force_x, force_y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
-    yield Curve("cam: force", name, angle_deg, np.hypot(x, y), _CRANK, _FORCE)
-    direction = np.mod(np.degrees(np.arctan2(y, x) - phase) - angle_deg - 90.0, 360.0)
+    yield Curve("cam: force", name, angle_deg, np.hypot(force_x, force_y), _CRANK, _FORCE)
+    direction = np.mod(np.degrees(np.arctan2(force_y, force_x) - phase) - angle_deg - 90.0, 360.0)
     panel = "cam: direction of the force on the disc from the eccentric, counter-clockwise"
     yield Curve(panel, name, angle_deg, direction, _CRANK, "direction [deg]")
 
@@ -451,10 +452,10 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
     `teeth` are the contacts of disc and ring.
     """
-    count, sample = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
-    ring_index = int(np.argmax(teeth.force[sample])) // count  # of a disc or, of a ring in two halves, of one of them
-    columns, disc = slice(ring_index * count, (ring_index + 1) * count), ring_index // reducer.design.ring.halves
-    pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
+    pins, sample = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
+    ring_index = int(np.argmax(teeth.force[sample])) // pins  # of a disc or, of a ring in two halves, of one of them
+    columns, disc = slice(ring_index * pins, (ring_index + 1) * pins), ring_index // reducer.design.ring.halves
+    pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(pins + 1) / pins)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
     ideal_force = _ideal_forces(reducer, teeth.angle)[sample, columns]

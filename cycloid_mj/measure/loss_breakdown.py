@@ -34,10 +34,10 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
     output torque over that without losses. A published rate has a note with the friction coefficient at which the model
     has this rate. `powers` are the mean powers of the run [W], `error` is the numerical error of the efficiency [1].
     """
-    remaining, rows = 1.0, []
+    remaining_share, rows = 1.0, []
     for part, share in loss_shares(powers).items():
-        remaining -= share
-        rows.append((part, 1e2 * share, 1e2 * remaining, NOTES.get(part, "")))
+        remaining_share -= share
+        rows.append((part, 1e2 * share, 1e2 * remaining_share, NOTES.get(part, "")))
     rows.append(
         ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
@@ -61,11 +61,11 @@ def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     efficiency of the run [1]. ``paper`` has the published output rates [1], and the friction coefficient of the teeth
     at which the model has the same rate, or None.
     """
-    frictions = {
+    by_method = {
         paper.method: {
             "rate": paper.rate,
             "friction_of_teeth": paper.friction if paper.friction == paper.friction else None,
         }
         for paper in published
     }
-    return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": frictions}}
+    return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": by_method}}

@@ -98,13 +98,13 @@ def _run_loops(
         Number of crank angles.
     """
     crank_angles = [float(angle) for angle in bench.crank_angles(reducer, angles)]
-    frictionless = bench.without_friction(reducer)
+    ideal_drive = bench.without_friction(reducer)
     if solver == "planar":
-        frictionless = massless(frictionless)
+        ideal_drive = massless(ideal_drive)
     # the longest first, so that no processor waits for one at the end
     settings = ((period, LOOP.finer), (LOOP.slower * period, 1.0))
-    jobs = [(drive, crank_angles[0], *setting) for drive in (reducer, frictionless) for setting in settings]
-    jobs += [(drive, angle, period, 1.0) for drive in (reducer, frictionless) for angle in crank_angles]
+    jobs = [(drive, crank_angles[0], *setting) for drive in (reducer, ideal_drive) for setting in settings]
+    jobs += [(drive, angle, period, 1.0) for drive in (reducer, ideal_drive) for angle in crank_angles]
     loops = each_in_threads(
         lambda job: hysteresis.run_loop(job[0], job[1], peak_torque, *job[2:], solver), jobs, progress
     )

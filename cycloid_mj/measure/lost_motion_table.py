@@ -146,8 +146,8 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     rigid_values, rigid_source = (rigid_form.turn, rigid_form.source) if rigid_form is not None else ((), "")
     loops = {"": (data.service, data.service_checks), "_ideal": (data.ideal, data.ideal_checks)}
     for suffix, loop_sets in loops.items():
-        case = f", {IDEAL}" if suffix else ""
-        label = f"lost motion at +-3 % of nominal torque{case}"
+        case_text = f", {IDEAL}" if suffix else ""
+        label = f"lost motion at +-3 % of nominal torque{case_text}"
         yield _mean_quantity(
             "lost_motion" + suffix,
             label,
@@ -159,7 +159,7 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
         )
         if not suffix:
             yield from _extreme_quantities("lost_motion", "lost motion", lost_motion, *loop_sets, "arcmin", rigid_form)
-        name = f"backlash{case}"
+        name = f"backlash{case_text}"
         backlash_key = "backlash" + suffix
         yield _mean_quantity(
             backlash_key,
@@ -196,11 +196,11 @@ def _static_backlash(data: LostMotionLoops) -> ClosedForm | None:
     """
     assert isinstance(data.reducer, RvReducer)
     torque = LOOP.unloading[0] * data.service[0].rated
-    sampled, turn = (
+    sampled_backlash, turn_backlash = (
         rv_backlash(data.reducer, crank_angles, torque) / ARCMINUTE
         for crank_angles in ([loop.crank for loop in data.service], rigid_backlash.full_turn_angles(data.reducer))
     )
-    return ClosedForm(sampled, turn, STATIC_STOPS)
+    return ClosedForm(sampled_backlash, turn_backlash, STATIC_STOPS)
 
 
 BACKLASH: Mapping[Layout, Callable[[LostMotionLoops], ClosedForm | None]] = {
@@ -255,7 +255,7 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
     means over the crank angles. The shift [arcmin] is the distance between the middles of the loops with and without
     weight and friction, the largest over the crank angles. `data` are the simulated torque loops.
     """
-    service, width_name = (data.service, data.service_checks), "width of the loop at half the nominal torque"
+    service_loops, width_name = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
     width_note = (
         f"friction, and {damping_width:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous "
@@ -267,15 +267,15 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
         for service_loop, ideal_loop in zip(data.service, data.ideal, strict=True)
     ]
     numerical_error = (
-        _numerical_error(offset, *service) + _numerical_error(offset, data.ideal, data.ideal_checks)
+        _numerical_error(offset, *service_loops) + _numerical_error(offset, data.ideal, data.ideal_checks)
     ) / ARCMINUTE
     return [
-        _mean_quantity("hysteresis", width_name, lambda loop: loop.width / ARCMINUTE, *service, note=width_note),
+        _mean_quantity("hysteresis", width_name, lambda loop: loop.width / ARCMINUTE, *service_loops, note=width_note),
         _mean_quantity(
             "loop_work",
             "work of one loop",
             lambda loop: 1e3 * loop.work,
-            *service,
+            *service_loops,
             "mJ",
             [1e3 * loop.dissipation for loop in data.service],
             "friction and damping, logged",
@@ -316,7 +316,7 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
         ),
     ]
     mark_torques = LOST_MOTION_SHARE * service.rated * np.array([-1.0, 1.0])
-    mark_turns = np.array([service.read_middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
+    mark_turns = np.array([service.read_middle(LOST_MOTION_SHARE, sign) for sign in (-1, 1)]) / ARCMINUTE
     result.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, x_label, y_label, "points"))
     if data.statics:
         shares = sorted(data.statics[0].turn)

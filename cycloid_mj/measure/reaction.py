@@ -106,11 +106,11 @@ def _rv_unbalance(reducer: RvReducer) -> Unbalance:
     """Compute static unbalance of discs [kg m] and couple unbalance of discs and cranks [kg m2] of an RV reducer."""
     gear, masses = reducer.design.gear, moving_masses(reducer)
     directions, crank = unit(-np.array(reducer.phases)), masses[names.CRANK]
-    moment = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
-    couple = moment * np.array(gear.disc_planes) @ directions
+    disc_unbalance = masses[reducer.mechanism.discs[0].part].mass * gear.eccentricity
+    couple = disc_unbalance * np.array(gear.disc_planes) @ directions
     couple += reducer.cranks.count * (crank.mass * crank.centroid[:2] * crank.centroid[2] - crank.inertia[:2, 2])
-    static = float(np.hypot(*(moment * directions.sum(axis=0))))
-    return Unbalance(static, static, float(np.hypot(*couple)))
+    static_unbalance = float(np.hypot(*(disc_unbalance * directions.sum(axis=0))))
+    return Unbalance(static_unbalance, static_unbalance, float(np.hypot(*couple)))
 
 
 def carrier_tilting(run: Run, reducer: Reducer) -> Array:

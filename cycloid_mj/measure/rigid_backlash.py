@@ -56,14 +56,14 @@ def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> 
             np.maximum(max_arm, flank_arms[..., 0].max(axis=1)),
             np.minimum(min_arm, flank_arms[..., 1].min(axis=1)),
         )
-    mesh, output = (
+    mesh_factor, pin_factor = (
         1.0 / max_lever - 1.0 / min_lever
         for max_lever, min_lever in ((max_arm, min_arm), _extreme_arms(reducer, mesh_gaps, "output"))
     )
-    cam = np.full(len(relative_angles), 2.0 / (design.gear.eccentricity * design.lobes))
-    backlash_per_clearance = {"cam": cam, "output": output}
+    cam_factor = np.full(len(relative_angles), 2.0 / (design.gear.eccentricity * design.lobes))
+    backlash_per_clearance = {"cam": cam_factor, "output": pin_factor}
     return {
-        kind: reducer.share * backlash_per_clearance.get(kind, mesh) * effective_clearance(reducer, kind)
+        kind: reducer.share * backlash_per_clearance.get(kind, mesh_factor) * effective_clearance(reducer, kind)
         for kind in design.pair_kinds
     }
 

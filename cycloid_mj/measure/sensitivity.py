@@ -144,13 +144,13 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
     percentage points, is relative to the design's friction with the same support of the ring's pins.
     """
     rated_torque = reducer.design.rated_torque
-    design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == AS_DESIGNED}
+    design_rate = {run.pins: rate for run, rate in rate_by_variant.items() if run.pair == AS_DESIGNED}
     header = ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]")
     rows: list[tuple[str | float, ...]] = []
-    for row, rate in rate_by_variant.items():
-        friction = "" if row.pair == AS_DESIGNED else row.friction
+    for run, rate in rate_by_variant.items():
+        friction = "" if run.pair == AS_DESIGNED else run.friction
         rows.append(
-            (row.pins, row.pair, friction, rated_torque * rate, 1e2 * rate, 1e2 * (rate - design_rate[row.pins]))
+            (run.pins, run.pair, friction, rated_torque * rate, 1e2 * rate, 1e2 * (rate - design_rate[run.pins]))
         )
     return Table("output rate by friction, one pair at a time", header, tuple(rows))
 
@@ -163,7 +163,7 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     result = []
-    for pins in dict.fromkeys(row.pins for row in rate_by_variant):
+    for pins in dict.fromkeys(run.pins for run in rate_by_variant):
         rates = common_rates(rate_by_variant, pins)
         coefficients = np.array(sorted(rates))
         name = "internal gear" if pins == NO_PINS else f"{pins} pins"
@@ -184,14 +184,14 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     variants = [FrictionVariant(pins, AS_DESIGNED, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick and not design.has_film:
-        pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
+        pair_frictions = [(pair, coefficient) for pair in pairs for coefficient in FRICTION_TABLE.sliding]
         variants += [
-            FrictionVariant(pins, *pair_value, reducer.but(**_coefficients(dict([pair_value]))).design)
-            for pair_value in pair_values
+            FrictionVariant(pins, *pair_friction, reducer.but(**_coefficients(dict([pair_friction]))).design)
+            for pair_friction in pair_frictions
         ]
     return variants + [
-        FrictionVariant(pins, ALL_PAIRS, value, with_common_friction(reducer, value).design)
-        for value in FRICTION_TABLE.common
+        FrictionVariant(pins, ALL_PAIRS, coefficient, with_common_friction(reducer, coefficient).design)
+        for coefficient in FRICTION_TABLE.common
     ]
 
 
@@ -212,10 +212,10 @@ def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
     }
     for pair in [pair for pair in plain_changes if pair not in sliding_pairs(reducer)]:
         for value in FRICTION_TABLE.rolling:
-            with_rolling = reducer.but(friction={f"{pair}_rolling": value})
-            variants.append(FrictionVariant(pins, f"{pair}, rolling", value, with_rolling.design))
-        with_sliding = reducer.but(**plain_changes[pair])
+            rolling_reducer = reducer.but(friction={f"{pair}_rolling": value})
+            variants.append(FrictionVariant(pins, f"{pair}, rolling", value, rolling_reducer.design))
+        sliding_reducer = reducer.but(**plain_changes[pair])
         variants.append(
-            FrictionVariant(pins, f"{pair}, sliding", with_sliding.design.friction_of(pair), with_sliding.design)
+            FrictionVariant(pins, f"{pair}, sliding", sliding_reducer.design.friction_of(pair), sliding_reducer.design)
         )
     return variants

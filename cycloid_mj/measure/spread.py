@@ -217,14 +217,14 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
     the ends of each input, ``low`` and ``high``, in ``unit``, and the rates there, ``value_low`` and ``value_high``
     [1].
     """
-    low, high = spread(design_rate, effects)
+    min_rate, max_rate = spread(design_rate, effects)
     return {
         "sensitivity": [
             {"input": effect.input.name, "unit": effect.input.unit, "low": effect.input.low, "high": effect.input.high}
             | {"value_low": effect.value_low, "value_high": effect.value_high}
             for effect in effects
         ],
-        "spread": {"value": design_rate, "low": low, "high": high},
+        "spread": {"value": design_rate, "low": min_rate, "high": max_rate},
     }
 
 

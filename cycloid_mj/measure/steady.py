@@ -32,19 +32,19 @@ def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = N
     if _weight_matters(reducer, design.rated_torque if load is None else load):
         return max(min_periods, 2 * reducer.mesh_periods)
 
-    def period_error(count: int) -> float:
-        return abs(count * ratio - round(count * ratio))
+    def period_error(m: int) -> float:
+        return abs(m * ratio - round(m * ratio))
 
     candidates = range(min_periods, max(min_periods, design.lobes) + 1)
-    return next((count for count in candidates if period_error(count) <= STEADY.period_tolerance), min_periods)
+    return next((m for m in candidates if period_error(m) <= STEADY.period_tolerance), min_periods)
 
 
 def _weight_matters(reducer: Reducer, load: float) -> bool:
     """Return whether the discs weigh more than ``STEADY.heavy_disc_share`` of the cam force under a load [N m]."""
-    gravity, member = reducer.design.environment, reducer.member
+    environment, member = reducer.design.environment, reducer.member
     masses = moving_masses(reducer)
     mass = sum(masses[disc.part].mass for disc in reducer.mechanism.discs)
-    weight = mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
+    weight = mass * math.hypot(environment.gravity_x, environment.gravity_y)
     crank_turns = abs(float(member.crank_angle(1.0) / member.output_angle(1.0)))
     return weight * reducer.design.gear.eccentricity * crank_turns > STEADY.heavy_disc_share * abs(load)
 

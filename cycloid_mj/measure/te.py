@@ -88,12 +88,12 @@ def te(
     require_motion(reducer)
     torques = load_cases(reducer, load, drag)
     rpm = abs(reducer.design.drive.speed) / RPM
-    cases = _list_conditions(reducer, torques, slow, quick)
+    conditions = _list_conditions(reducer, torques, slow, quick)
     reducer = reducer.working_at(torques["loaded"])
-    runs = _run_traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
-    traces = {case: runs[case, 1.0] for case in cases}
-    finer_traces = {(case.load, case.pace): run for (case, factor), run in runs.items() if factor == 0.5}
-    statics = {case: _solve_statics(reducer, case, turns) for case in cases}
+    runs = _run_traces(reducer, conditions, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
+    traces = {condition: runs[condition, 1.0] for condition in conditions}
+    finer_traces = {(condition.load, condition.pace): run for (condition, factor), run in runs.items() if factor == 0.5}
+    statics = {condition: _solve_statics(reducer, condition, turns) for condition in conditions}
     return Measurement(
         measure="te",
         design=reducer.design,
@@ -103,7 +103,7 @@ def te(
         quantities=by_key(te_table.quantities(reducer, traces, finer_traces, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={case.key: trace.run for case, trace in traces.items()},
+        runs={condition.key: trace.run for condition, trace in traces.items()},
         details={"orders": te_table.order_details(reducer, traces, turns)},
     )
 
@@ -171,13 +171,13 @@ def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> E
     """
     design = reducer.design
     # eight in a mesh period
-    points = 8 * design.ring.teeth * turns + 1
-    crank_angle = np.linspace(0.0, turns * reducer.mesh_turn, points)
-    driven = reducer.but(drive={"speed": condition.speed})
+    point_count = 8 * design.ring.teeth * turns + 1
+    crank_angle = np.linspace(0.0, turns * reducer.mesh_turn, point_count)
+    driven_reducer = reducer.but(drive={"speed": condition.speed})
     errors = (
         ARCSECONDS
         * reducer.member.sense
-        * transmission_error(driven, crank_angle, float(np.sign(condition.speed)) * condition.torque)
+        * transmission_error(driven_reducer, crank_angle, float(np.sign(condition.speed)) * condition.torque)
     )
     return ErrorCurves(crank_angle, errors[:, 0], errors[:, 1])
 

@@ -51,17 +51,17 @@ def quantities(
     """
     levels = [
         Quantity(
-            key=f"{shaft}_{name}_{condition.key}",
+            key=f"{shaft}_{level}_{condition.key}",
             name=f"{level_name} of the {shaft}, {condition.words}",
-            value=_LEVELS[name][1](getattr(trace, shaft)),
+            value=_LEVELS[level][1](getattr(trace, shaft)),
             unit="arcsec",
-            error=_step_error(traces, finer_traces, condition, shaft, name),
-            reference=_LEVELS[name][1](getattr(statics[condition], shaft)),
+            error=_step_error(traces, finer_traces, condition, shaft, level),
+            reference=_LEVELS[level][1](getattr(statics[condition], shaft)),
             source=STATICS,
         )
         for condition, trace in traces.items()
         for shaft in ("gear", "output")
-        for name, (level_name, _) in _LEVELS.items()
+        for level, (level_name, _) in _LEVELS.items()
     ]
     return [
         *levels,
@@ -246,8 +246,9 @@ def _cause_quantities(
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     """Return the twelve strongest orders (cycles per crank turn) of a transmission error, as JSON objects.
 
-    `trace` has the errors of disc and output, which have twelve orders each. Each has its amplitude [arcsec] and its
-    cause. Orders that no cause excites, which are due to leakage from other orders, have the cause "between".
+    `trace` has the errors of disc and output, which have twelve orders each. The keys are ``order``,
+    ``amplitude_arcsec``, ``cause``, and ``shows_in``, the rotation with this error: gear, output or stage. Orders that
+    no cause excites, which are due to leakage from other orders, have the cause "between".
     """
     rows = []
     for signal, cycles_per_turn in _bases(reducer):

@@ -136,14 +136,14 @@ def _name_runs(
         Published torques from `explain_published`; the runs at their friction coefficients are included.
     """
     names = _RUNS | {variant: variant.name for variant in variants}
-    names |= {end_design: name for item in varied_inputs for end_design, name in item.names.items()}
+    names |= {end_design: name for entry in varied_inputs for end_design, name in entry.names.items()}
     excluded_keys = spread.creep_variants(varied_inputs)
-    by_name = {
+    drives = {
         names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in excluded_keys
     }
-    frictions = [item.friction for item in published if item.error is not None]
-    return by_name | {
-        sensitivity.common_name(value): _with_common_friction(steady_reducer, value) for value in frictions
+    coefficients = [entry.friction for entry in published if entry.error is not None]
+    return drives | {
+        sensitivity.common_name(friction): _with_common_friction(steady_reducer, friction) for friction in coefficients
     }
 
 
@@ -225,7 +225,7 @@ def explain_published(
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
-        replace(item, friction=sensitivity.interpolate_friction(rates, item.rate)) for item in published
+        replace(paper, friction=sensitivity.interpolate_friction(rates, paper.rate)) for paper in published
     ]
     interpolated_figures = [figure for figure in explained_figures if math.isfinite(figure.friction)]
     if error is None or not interpolated_figures:
@@ -233,11 +233,11 @@ def explain_published(
     slope = abs(sensitivity.slope(rates))
     periods = averaging_periods(reducer, sensitivity.FRICTION_TABLE.periods)
     tests = each_in_threads(
-        lambda item: _quiet_rated_test(_with_common_friction(reducer, item.friction), periods, solver),
+        lambda paper: _quiet_rated_test(_with_common_friction(reducer, paper.friction), periods, solver),
         interpolated_figures,
     )
     deviations = {
-        item: abs(test.powers.efficiency - item.rate) for item, test in zip(interpolated_figures, tests, strict=True)
+        paper: abs(test.powers.efficiency - paper.rate) for paper, test in zip(interpolated_figures, tests, strict=True)
     }
     return [
         replace(figure, error=(deviations[figure] + error) / slope) if figure in deviations else figure
@@ -276,7 +276,7 @@ def _quantities(
     error = rate_error(test, half_step)
     torque_error = max(error * rated_torque, abs(test.output - powers.efficiency * rated_torque))
     torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
-    inputs, as_built = spread.spread_text(powers.efficiency, by_input), AS_BUILT[reducer.LAYOUT]
+    input_text, as_built = spread.spread_text(powers.efficiency, by_input), AS_BUILT[reducer.LAYOUT]
     condition_text, rate_by_powers = (
         f"efficiency at constant {reducer.INPUT} speed under this load",
         1e2 * powers.efficiency,
@@ -289,7 +289,7 @@ def _quantities(
             rate,
             "%",
             1e2 * torque_error / rated_torque,
-            note=inputs,
+            note=input_text,
         ),
         *_ripple_quantities(test, half_step),
         Quantity("input_torque", "mean input torque", test.input, "N m", None, reducer.design.drive.torque, "as given"),
@@ -317,7 +317,7 @@ def _ripple_quantities(test: BrakedRun, half_step: BrakedRun | None) -> Iterator
     other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
     for key, name, statistic in (("peak_to_peak", "p-p", np.ptp), ("rms", "rms", np.std)):
         ripple = float(statistic(test.run["load_torque"]))
-        error = max(abs(float(statistic(other)) - ripple) for other in other_torques)
+        error = max(abs(float(statistic(other_torque)) - ripple) for other_torque in other_torques)
         yield Quantity(f"ripple_{key}", f"ripple of the output torque, {name}", ripple, "N m", error)
 
 

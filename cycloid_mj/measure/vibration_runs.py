@@ -95,9 +95,9 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))
-    settling = TRACE.settling * slowness(reducer)
+    settling_time = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
-        settling,
+        settling_time,
         turns,
         # for the filter and the differences
         samples=12 * stride,
@@ -107,7 +107,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
     )
     run = simulate(reducer.design, model, preload_cycle(reducer, model))
     interval = float(np.mean(np.diff(run.time)))
-    residuals, crank_speed = acceleration(series(run, settle=settling)), float(reducer.member.crank_angle(speed))
+    residuals, crank_speed = acceleration(series(run, settle=settling_time)), float(reducer.member.crank_angle(speed))
     disc_accelerations = [
         np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / interval for gear in gears(reducer.design.gear.discs)
     ]
@@ -124,8 +124,8 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
     elif not isinstance(reducer, RvReducer):
         signals["housing_bare"] = without_counterweight(run, reducer, force)
     decimated_signals = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in signals.items()}
-    start = int(np.searchsorted(run.time[::stride], settling))
-    rows = slice(start, start + round(turns * 2.0 * np.pi / abs(crank_speed) / (stride * interval)))
+    first_row = int(np.searchsorted(run.time[::stride], settling_time))
+    rows = slice(first_row, first_row + round(turns * 2.0 * np.pi / abs(crank_speed) / (stride * interval)))
     sampled_rows = slice(stride * rows.start, stride * rows.stop)
     return VibrationRun(
         load=load,
@@ -145,8 +145,9 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
 def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
     """Return tilting moments and bearing forces of a run with several discs by name, in n samples (n, 2) each.
 
-    The discs' forces on shaft and output cause the moments [N m]; the forces [N] act on both shaft bearings. An RV
-    reducer has only the moment on the carrier.
+    The discs' forces on shaft and output cause the moments [N m], ``shaft_tilting`` and ``output_tilting``. The forces
+    [N] act on both shaft bearings, ``shaft_bearing_far`` and ``shaft_bearing_near``. An RV reducer has only the moment
+    on the carrier, ``output_tilting``.
     """
     if isinstance(reducer, RvReducer):
         return {"output_tilting": carrier_tilting(run, reducer)}

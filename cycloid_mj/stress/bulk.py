@@ -120,14 +120,14 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
         Largest stress [Pa] and index of its node, shape (s,) each.
     """
     largest_nodes, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
-    upper = np.inf
-    for lower in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
-        nodes = np.flatnonzero((stress >= lower) & (stress < upper))
+    upper_stress = np.inf
+    for lower_stress in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
+        nodes = np.flatnonzero((stress >= lower_stress) & (stress < upper_stress))
         is_beyond = node_distances.from_patches(angle, nodes) >= distances[pending, np.newaxis]
         has_node = is_beyond.any(axis=1)
         if len(nodes):
             largest_nodes[pending] = nodes[np.where(is_beyond, stress[nodes], -1.0).argmax(axis=1)]
-        pending, upper = pending[~has_node], lower
+        pending, upper_stress = pending[~has_node], lower_stress
         if not len(pending):
             break
     return stress[largest_nodes], largest_nodes

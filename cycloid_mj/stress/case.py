@@ -73,26 +73,26 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
-    part = elastic.assemble_body(grid, material_of(reducer, grid.part))
-    unit_mass_loads, mass_factors = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
-    contact_accelerations, imbalance = elastic.solve_accelerations(part, contact_loads)
-    mass_accelerations, mass_imbalance = elastic.solve_accelerations(part, unit_mass_loads)
+    body = elastic.assemble_body(grid, material_of(reducer, grid.part))
+    unit_mass_loads, mass_factors = elastic.mass_loads(body, grid.points), mass_coefficients(loads)
+    contact_accelerations, imbalance = elastic.solve_accelerations(body, contact_loads)
+    mass_accelerations, mass_imbalance = elastic.solve_accelerations(body, unit_mass_loads)
     imbalance += mass_factors.T @ mass_imbalance
     # both are spread over the mass: one dense product at each angle, and few forces of contacts
     mass_fields, mass_factors = (
-        np.hstack([unit_mass_loads, part.carried]),
+        np.hstack([unit_mass_loads, body.carried]),
         np.vstack([mass_factors, -contact_accelerations - mass_accelerations @ mass_factors]),
     )
 
     def solve_response(angles: Integers) -> Response:
         """Solve for the response to the loads at the angles with the indices `angles`, shape (c,)."""
-        forces, contacts = mass_fields @ mass_factors[:, angles], contact_loads[:, angles].tocoo()
-        forces[contacts.row, contacts.col] += contacts.data
-        displacement = elastic.displacements(part, forces)
-        reaction = elastic.reactions(part, displacement, forces)
+        forces, contact_entries = mass_fields @ mass_factors[:, angles], contact_loads[:, angles].tocoo()
+        forces[contact_entries.row, contact_entries.col] += contact_entries.data
+        displacement = elastic.displacements(body, forces)
+        reaction = elastic.reactions(body, displacement, forces)
         return Response(forces, displacement, imbalance[angles], reaction, np.zeros((len(angles), 0, 3)))
 
-    return LoadCase(part, solve_response, len(loads.angle), contact_patches.angle, contact_patches.points)
+    return LoadCase(body, solve_response, len(loads.angle), contact_patches.angle, contact_patches.points)
 
 
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:

@@ -309,17 +309,17 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     """
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
-    frame = _disc(turn, disc)
-    cam = _hole_contact(
-        turn, _pair_name(turn, names.CAM, disc), "cam", _in(frame, _on_gear(turn, names.CAM, disc)), np.zeros(2)
+    disc_frame = _disc(turn, disc)
+    cam_contact = _hole_contact(
+        turn, _pair_name(turn, names.CAM, disc), "cam", _in(disc_frame, _on_gear(turn, names.CAM, disc)), np.zeros(2)
     )
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_displacement[disc]
     pin_names = [names.numbered_name(names.OUTPUT_PIN, pin_number) for pin_number in range(1, len(centres) + 1)]
-    holes = [
-        _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(frame, _on_gear(turn, name, disc)), centre)
+    hole_contacts = [
+        _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(disc_frame, _on_gear(turn, name, disc)), centre)
         for name, centre in zip(pin_names, centres, strict=True)
     ]
-    return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), cam, *holes]
+    return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), cam_contact, *hole_contacts]
 
 
 def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
@@ -330,13 +330,13 @@ def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartConta
     """
     frame, contacts = _disc(turn, disc), []
     bores = reducer.stage.crank_positions([0.0])[0]
-    for number, centre in enumerate(bores, start=1):
-        name = _pair_name(turn, names.numbered_name(names.CRANK, number), disc)
-        action = _in(frame, _on_gear(turn, names.numbered_name(names.CRANK, number), disc))
+    for crank_number, centre in enumerate(bores, start=1):
+        name = _pair_name(turn, names.numbered_name(names.CRANK, crank_number), disc)
+        action = _in(frame, _on_gear(turn, names.numbered_name(names.CRANK, crank_number), disc))
         width = np.full_like(action.size, MAX_HALF_ANGLE * reducer.bore_radius)
         position = action.on_hole(centre, reducer.bore_radius, width)
-        line = needle_contact(reducer, action.size, -1.0 / reducer.bore_radius)
-        contacts.append(PartContact(name, action, position, width, line))
+        strip = needle_contact(reducer, action.size, -1.0 / reducer.bore_radius)
+        contacts.append(PartContact(name, action, position, width, strip))
     return contacts
 
 
@@ -348,10 +348,10 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
     valid.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(names.GEAR)
-    load = force * STRIBECK / cranks.needles
+    needle_force = force * STRIBECK / cranks.needles
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
     curvature = 1.0 / cranks.needle_radius + raceway_curvature
-    strip = hertz_line_contact(load, reducer.design.gear.face_width, curvature, modulus)
+    strip = hertz_line_contact(needle_force, reducer.design.gear.face_width, curvature, modulus)
     return HertzStrip(
         strip.peak_pressure, strip.half_width, strip.half_width < CONTACT.hertz_reach * cranks.needle_radius
     )
@@ -406,15 +406,15 @@ def _pin_contacts(turn: Turn) -> list[PartContact]:
     A free pin has a single contact with its socket. A fixed pin has one for the force of each disc.
     """
     gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
-    contacts, sockets = [], []
+    contacts, socket_forces = [], []
     for disc, name in enumerate(turn.reducer.gears):
         contact_force = _in(frame, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         width = half_width(turn.reducer, "pin_gear", contact_force.size, curvature, gear.pin_radius)
         position = contact_force.on_disc(centre, gear.pin_radius, width)
         contacts.append(_contact(turn, name, "pin_gear", contact_force, position, width, curvature))
-        sockets.append(_in(frame, _socket_force(turn, 0, disc)))
-    for disc, contact_force in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
+        socket_forces.append(_in(frame, _socket_force(turn, 0, disc)))
+    for disc, contact_force in enumerate(socket_forces[:1] if _has_free_pins(turn) else socket_forces):
         width = _round_width(turn, "pin_socket", contact_force)
         name = names.SOCKET if _has_free_pins(turn) else _pair_name(turn, names.SOCKET, disc)
         position = contact_force.on_disc(centre, gear.pin_radius, width)
@@ -433,7 +433,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
         return [_pin_contact(turn, pin, disc) for pin in range(reducer.design.ring.teeth)]
     gear, flank, offset = reducer.tooth_profile, reducer.gear_profile, reducer.profile_offset
     tooth_frame, frame, phase = _tooth_frame(turn, disc), part_frame(turn, part), reducer.phases[disc]
-    lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
+    line_t, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     rotation_error = tooth_frame.angle + (turn["crank_angle"] + phase) / gear.lobes
     contacts = []
     for lobe in range(gear.ring_teeth):
@@ -444,7 +444,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
             flank,
             tooth_action.nearest_point,
             tooth_action.direction,
-            lines[:, lobe],
+            line_t[:, lobe],
             curvatures[:, lobe],
             rotation_error,
             offset,

@@ -91,7 +91,7 @@ def assemble_body(
     free_unknowns = np.setdiff1d(np.arange(grid.unknowns), fixed_unknowns)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
-    factorised_system, lower = _split(
+    factorised_system, lower_triangle = _split(
         assemble_stiffness(grid, material, assembler), springs, fixed_unknowns, free_unknowns
     )
     del assembler  # some hundred bytes an unknown, which the factor needs
@@ -103,7 +103,7 @@ def assemble_body(
         mass=mass,
         loose=loose,
         carried=mass_product(mass, motions[:, list(loose)]),
-        factor=_factorise(lower, grid.part, grid.dimension),
+        factor=_factorise(lower_triangle, grid.part, grid.dimension),
         springs=springs,
     )
 
@@ -163,9 +163,9 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
     The displacements of fixed unknowns are 0.
     """
     displacement = np.zeros(loads.shape)
-    block = 32  # right-hand sides: more would need memory without saving time
-    for start in range(0, loads.shape[1], block):
-        columns = slice(start, start + block)
+    block_size = 32  # right-hand sides: more would need memory without saving time
+    for first_column in range(0, loads.shape[1], block_size):
+        columns = slice(first_column, first_column + block_size)
         displacement[part.free, columns] = part.factor(np.ascontiguousarray(loads[part.free, columns]))
     return displacement
 

@@ -45,15 +45,15 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     the bulk stress (`stress.bulk`).
     """
     design = reducer.design
-    length, gear = design.ring.pin_radius, design.gear
+    unit_length, gear = design.ring.pin_radius, design.gear
     # the stress of the output is largest at the roots of its pins, not near contacts
     edge_factor = 0.8 if part == "output" else 1.0
     coarser_edges: dict[str, Any] = {
         name: edge_factor * getattr(settings, name) for name, edge_factor in COARSER.items()
     }
     section_settings = replace(settings, **coarser_edges, refinement=edge_factor * settings.refinement)
-    section = planar_grid(part_region(reducer, part), section_settings, length, section=True)
-    layer_height = settings.layer_edge * length / settings.refinement
+    section = planar_grid(part_region(reducer, part), section_settings, unit_length, section=True)
+    layer_height = settings.layer_edge * unit_length / settings.refinement
     min_layers = MIN_LAYERS.get(part, 2)
     planes = (0.0,) if family(part) == GEAR else gear.disc_planes
     layer_height = min(layer_height, gear.face_width / min_layers)
@@ -66,7 +66,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
         )
     output_face, disc_thickness = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
     output_levels = _levels(
-        output_face, output_face + disc_thickness, settings.layer_edge * length / settings.refinement
+        output_face, output_face + disc_thickness, settings.layer_edge * unit_length / settings.refinement
     )
     second_levels = -output_levels[::-1] if design.output.support == "both_ends" else np.zeros(0)
     levels = np.concatenate([second_levels, stack_levels, output_levels])
@@ -225,8 +225,8 @@ def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) 
     are on `face`.
     """
     pin_radius, hub_radius = reducer.design.output.root_radius, reducer.design.shaft.radius
-    roots = [_ring(pin_radius, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
-    return np.concatenate([*roots, _ring(hub_radius, spacing, face), _ring(hub_radius, spacing, back)])
+    root_circles = [_ring(pin_radius, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
+    return np.concatenate([*root_circles, _ring(hub_radius, spacing, face), _ring(hub_radius, spacing, back)])
 
 
 def _ring(radius: float, spacing: float, z: float) -> Array:

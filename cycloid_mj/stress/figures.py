@@ -127,6 +127,6 @@ def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
         parts = [part for part in findings.parts if names.family(part.part) == kind]
         for name, compute in FIGURES_OF_PARTS.items():
             if not math.isnan(value := compute(parts)):
-                row = figure(f"{kind}_{name}")
-                figures[row.key] = Quantity(row.key, row.name, value, row.unit)
+                entry = figure(f"{kind}_{name}")
+                figures[entry.key] = Quantity(entry.key, entry.name, value, entry.unit)
     return figures

@@ -99,12 +99,13 @@ class Peak:
     def as_json(self) -> dict[str, Any]:
         """Convert the largest stress, with angle and position, to JSON values; keys end in their units.
 
-        ``place_mm`` is the position. Values that are not finite become None.
+        The keys are ``stress_mpa``, ``angle_deg``, ``place_mm`` (the position), ``contact`` (its name, or "") and
+        ``safety_against_yield``. Values that are not finite become None.
         """
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
-            "place_mm": [_finite(value / MILLIMETRE) for value in self.position],
+            "place_mm": [_finite(coordinate / MILLIMETRE) for coordinate in self.position],
             "contact": self.contact,
             "safety_against_yield": _finite(self.safety),
         }
@@ -269,7 +270,8 @@ class PartFindings:
         """Convert the stresses of a part to JSON values; keys end in their units, infinite and missing values are None.
 
         ``bulk_mpa`` and ``contact_mpa`` are the largest stresses by crank angle ``angle_deg``. Lists of pairs, such as
-        ``sensitivity``, become lists of dicts. ``range`` is the stress range for fatigue, or None.
+        ``sensitivity``, become lists of dicts. ``range`` is the stress range for fatigue, or None. The other keys are
+        names of attributes.
         """
         return {
             "part": self.part,
@@ -278,8 +280,8 @@ class PartFindings:
             "bulk_peak": self.bulk_peak.as_json(),
             "bulk_distance_mm": self.bulk_distance / MILLIMETRE,
             "sensitivity": [
-                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": _finite(size / MEGAPASCAL)}
-                for distance, size in self.sensitivity
+                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": _finite(bulk / MEGAPASCAL)}
+                for distance, bulk in self.sensitivity
             ],
             "choice": self.choice,
             "by_distance": {
@@ -293,14 +295,14 @@ class PartFindings:
             "near_field_mpa": self.near_field / MEGAPASCAL,
             "imbalance": self.imbalance,
             "by_corner": [
-                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": size / MEGAPASCAL}
-                for distance, size in self.by_corner
+                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": bulk / MEGAPASCAL}
+                for distance, bulk in self.by_corner
             ],
             "governing_mpa": _finite(self.governing / MEGAPASCAL),
             "safety_against_yield": _finite(self.safety),
             "notches": [notch.as_json(self.yield_strength) for notch in self.notches],
             "range": None if self.stress_range is None else self.stress_range.as_json(),
-            "variants": [{"change": change, "bulk_mpa": size / MEGAPASCAL} for change, size in self.variants],
+            "variants": [{"change": change, "bulk_mpa": bulk / MEGAPASCAL} for change, bulk in self.variants],
             "refinement": self.refinement.as_json(),
             "angle_deg": np.degrees(self.angle).tolist(),
             "bulk_mpa": (self.bulk / MEGAPASCAL).tolist(),

@@ -21,15 +21,15 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
         Parameter of the disc's outline [rad] and relative curvature [1/m] of each line, shape (k, n, 3) each. The last
         axis is the part of the lobe, the arc first; NaN where that part does not touch the disc.
     """
-    count = gear.ring_teeth
-    t, curvature = np.full((2, crank_angle.size, count, 3), np.nan)
-    for row, theta in enumerate(crank_angle):
+    lobes = gear.ring_teeth
+    t, curvature = np.full((2, crank_angle.size, lobes, 3), np.nan)
+    for k, theta in enumerate(crank_angle):
         arcs, roots = envelope.arc_contacts(gear, float(theta)), envelope.sigma_contacts(gear, float(theta))
-        t[row, arcs.lobe, 0], curvature[row, arcs.lobe, 0] = arcs.t, arcs.relative_curvature
+        t[k, arcs.lobe, 0], curvature[k, arcs.lobe, 0] = arcs.t, arcs.relative_curvature
         phase = roots.B
         is_past_lobe = phase > np.pi
-        lobe = np.mod(roots.lobe - is_past_lobe, count)
-        t[row, lobe, 1 + is_past_lobe], curvature[row, lobe, 1 + is_past_lobe] = roots.t, roots.relative_curvature
+        lobe = np.mod(roots.lobe - is_past_lobe, lobes)
+        t[k, lobe, 1 + is_past_lobe], curvature[k, lobe, 1 + is_past_lobe] = roots.t, roots.relative_curvature
     return t, curvature
 
 
@@ -72,18 +72,18 @@ def lobe_contact_point(
     distances = np.abs(_miss(gear, start_values, action_point[:, np.newaxis], direction[:, np.newaxis], offset))
     faces_force = np.sum(profile.normals(gear, start_values) * direction[:, np.newaxis], axis=-1) < 0.0
     distances = np.where(faces_force & np.isfinite(distances), distances, np.inf)
-    rows, nearest = np.arange(len(start_values)), np.argmin(distances, axis=1)
-    start = np.where(np.isfinite(distances[rows, nearest]), start_values[rows, nearest], np.nan)
-    t = start
+    angle_indices, nearest = np.arange(len(start_values)), np.argmin(distances, axis=1)
+    start_t = np.where(np.isfinite(distances[angle_indices, nearest]), start_values[angle_indices, nearest], np.nan)
+    t = start_t
     half_lobe = math.pi / gear.lobes
     for _ in range(30):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
         slope = cross(tangent, direction)
-        step = np.divide(
+        t_step = np.divide(
             _miss(gear, t, action_point, direction, offset), slope, out=np.zeros_like(t), where=slope != 0.0
         )
-        t = np.clip(t - step, start - half_lobe, start + half_lobe)
-    return profile.outline(gear, t, offset), curvature[rows, nearest]
+        t = np.clip(t - t_step, start_t - half_lobe, start_t + half_lobe)
+    return profile.outline(gear, t, offset), curvature[angle_indices, nearest]
 
 
 def _miss(gear: CycloidGear, t: Array, action_point: Array, direction: Array, offset: float) -> Array:

@@ -222,12 +222,11 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
     points, triangles = _triangulate(region, loops, unit_edge * settings.inner_edge, settings.growth)
     first_nodes = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
     loop_nodes = [start + np.arange(len(loop.nodes)) for start, loop in zip(first_nodes, loops, strict=False)]
-    edge_ends = np.concatenate([np.column_stack([numbers, np.roll(numbers, -1)]) for numbers in loop_nodes])
+    edge_ends = np.concatenate([np.column_stack([nodes, np.roll(nodes, -1)]) for nodes in loop_nodes])
     middles = np.concatenate([loop.middles for loop in loops])
     mesh, vertex, edge_middles = quadratic_mesh(points, triangles, edge_ends, middles, region.part, section)
     edge_tables = [
-        np.column_stack([vertex[numbers], edge_middles[numbers], vertex[np.roll(numbers, -1)]])
-        for numbers in loop_nodes
+        np.column_stack([vertex[nodes], edge_middles[nodes], vertex[np.roll(nodes, -1)]]) for nodes in loop_nodes
     ]
     boundary_tables = list(zip(region.boundaries, edge_tables, strict=True))
     clamped_nodes = [table[:, :2].ravel() for boundary, table in boundary_tables if boundary.is_fixed]
@@ -286,18 +285,18 @@ def quadratic_mesh(
     points = points[np.argsort(new_numbers)]
     straight_mesh = (skfem.MeshTri1 if is_planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
     mesh = (skfem.MeshTri2 if is_planar else skfem.MeshTet2).from_mesh(straight_mesh)
-    nodes = find_edge_nodes(mesh, new_numbers[edge_ends])
-    if nodes.min(initial=0) < 0:
+    middle_nodes = find_edge_nodes(mesh, new_numbers[edge_ends])
+    if middle_nodes.min(initial=0) < 0:
         raise CycloidError(
             f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing. Use a finer "
             "mesh: omit --quick or, in Python, increase GridSettings.refinement"
         )
-    mesh.doflocs[:, nodes] = middles.T
+    mesh.doflocs[:, middle_nodes] = middles.T
     determinants = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
     is_folded = np.any(determinants * np.sign(determinants[:, :1]) <= 0.0, axis=1)
     if is_folded.any():
         raise FoldedError(part, points[cells[is_folded]])
-    return mesh, new_numbers, nodes
+    return mesh, new_numbers, middle_nodes
 
 
 def mapping_of(mesh: Any) -> Any:
@@ -315,10 +314,10 @@ def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
     The data that sparse products need are then in the processor's cache, which halves their time. `cells` (m, corners)
     are the points of each of m elements.
     """
-    rows = np.repeat(np.arange(len(cells)), cells.shape[1])
-    corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
+    cell_rows = np.repeat(np.arange(len(cells)), cells.shape[1])
+    links = sparse.csr_matrix((np.ones(cells.size), (cell_rows, cells.ravel())), shape=(len(cells), count))
     new_numbers = np.empty(count, np.int64)
-    new_numbers[csgraph.reverse_cuthill_mckee((corners.T @ corners).tocsr(), symmetric_mode=True)] = np.arange(count)
+    new_numbers[csgraph.reverse_cuthill_mckee((links.T @ links).tocsr(), symmetric_mode=True)] = np.arange(count)
     return new_numbers
 
 
@@ -361,8 +360,8 @@ def _triangulate(
         curve_loops, edges = [], []
         for loop in loops:
             tags = [
-                geometry.addPoint(x, y, 0.0, size)
-                for (x, y), size in zip(loop.nodes * MILLIMETRES, loop.sizes * MILLIMETRES, strict=True)
+                geometry.addPoint(x, y, 0.0, edge_length)
+                for (x, y), edge_length in zip(loop.nodes * MILLIMETRES, loop.sizes * MILLIMETRES, strict=True)
             ]
             lines = [geometry.addLine(start, end) for start, end in zip(tags, [*tags[1:], tags[0]], strict=True)]
             for line in lines:
@@ -384,9 +383,9 @@ def _triangulate(
             "another outline. Change the dimensions that define it"
         )
     point_index = np.zeros(int(tags.max()) + 1, np.int64)
-    order = np.argsort(tags)
-    point_index[tags[order].astype(np.int64)] = np.arange(len(tags))
-    points = coordinates.reshape(-1, 3)[order, :2] / MILLIMETRES
+    tag_order = np.argsort(tags)
+    point_index[tags[tag_order].astype(np.int64)] = np.arange(len(tags))
+    points = coordinates.reshape(-1, 3)[tag_order, :2] / MILLIMETRES
     outline_points = sum(len(loop.nodes) for loop in loops)
     points[:outline_points] = np.concatenate([loop.nodes for loop in loops])
     return points, point_index[corners.astype(np.int64)].reshape(-1, 3)
@@ -398,9 +397,9 @@ def _set_edge_growth(field: Any, edges: list[int], longest: float, growth: float
     `edges` are gmsh's tags of the edges of the outlines, `longest` is the longest edge [mm], and `growth` is the
     exponent of gmsh's field "Extend".
     """
-    extend = field.add("Extend")
-    field.setNumbers(extend, "CurvesList", edges)
-    field.setNumber(extend, "SizeMax", longest)
-    field.setNumber(extend, "DistMax", longest / 0.6)  # the mean growth per length
-    field.setNumber(extend, "Power", growth)
-    field.setAsBackgroundMesh(extend)
+    extend_field = field.add("Extend")
+    field.setNumbers(extend_field, "CurvesList", edges)
+    field.setNumber(extend_field, "SizeMax", longest)
+    field.setNumber(extend_field, "DistMax", longest / 0.6)  # the mean growth per length
+    field.setNumber(extend_field, "Power", growth)
+    field.setAsBackgroundMesh(extend_field)

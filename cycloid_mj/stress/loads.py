@@ -170,20 +170,20 @@ def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array
     }
     if part == "ring":
         return loads
-    body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
+    properties = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
         is_moving = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
         spin = turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if is_moving else zeros
-        spin_rate = contact_sum.moment / float(body.inertia[2, 2])
-        return loads | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
+        spin_rate = contact_sum.moment / float(properties.inertia[2, 2])
+        return loads | {"body_force": -contact_sum.force / properties.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
         motor_inertia = turn.reducer.design.drive.rotor_inertia
-        spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + motor_inertia)
+        spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(properties) + motor_inertia)
         torque = turn["crank_torque"] - motor_inertia * spin_rate
         return loads | {"spin": turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
     if not turn.reducer.mechanism.body(part).joints:  # it is fixed
         return loads | {"torque": -contact_sum.moment}
-    spin_rate = (contact_sum.moment + turn["load_torque"]) / _inertia_about_axis(body)
+    spin_rate = (contact_sum.moment + turn["load_torque"]) / _inertia_about_axis(properties)
     return loads | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
 
 
@@ -198,5 +198,5 @@ def require_part(reducer: Reducer, part: str) -> None:
         reason = ""
         if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):
             reason = " whose stress can be computed (sleeved pins are supported next to the disc, out of its plane)"
-        names = ", ".join(part_names(reducer))
-        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}: choose one of {names}")
+        choices = ", ".join(part_names(reducer))
+        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}: choose one of {choices}")

@@ -149,12 +149,12 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
             f'{design.name} has gear.discs = {design.gear.discs} and output.support = "{output.support}". Remove '
             '[studs], or set gear.discs = 1 and output.support = "both_ends"'
         )
-    compliance, share, lateral_stiffness = solve_stud_beam(reducer, studs)
-    work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
-    rotation = (
-        share**2 / (output.pins * lateral_stiffness * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
+    compliance, far_share, lateral_stiffness = solve_stud_beam(reducer, studs)
+    pin_compliance = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
+    plate_compliance = (
+        far_share**2 / (output.pins * lateral_stiffness * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
     )
-    return {"studs": float(work), "far_plate": rotation}
+    return {"studs": float(pin_compliance), "far_plate": plate_compliance}
 
 
 def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
@@ -174,9 +174,9 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
     support_lengths, load_lengths = (np.repeat(mask, SLICES) * lengths for mask in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
     nodes = lengths.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
-    for position, length in enumerate(lengths):
-        rows = slice(2 * position, 2 * position + 4)
-        stiffness[rows, rows] += _beam_element(reducer, length)
+    for element, length in enumerate(lengths):
+        unknowns = slice(2 * element, 2 * element + 4)
+        stiffness[unknowns, unknowns] += _beam_element(reducer, length)
     modulus = design.material_of("housing").youngs_modulus
     support_springs, load = (_to_nodes(line_load) for line_load in (modulus * support_lengths, load_lengths / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += support_springs
@@ -215,13 +215,13 @@ def _beam_element(reducer: Reducer, length: float) -> Array:
     bending, shearing = round_beam(design.material_of("output"), design.output.root_radius)
     shear_factor = 12.0 * bending / (shearing * length**2)
     coupling, near_term, far_term = 6.0 * length, (4.0 + shear_factor) * length**2, (2.0 - shear_factor) * length**2
-    rows = [
+    matrix = [
         [12.0, coupling, -12.0, coupling],
         [coupling, near_term, -coupling, far_term],
         [-12.0, -coupling, 12.0, -coupling],
         [coupling, far_term, -coupling, near_term],
     ]
-    return np.array(rows) * bending / ((1.0 + shear_factor) * length**3)
+    return np.array(matrix) * bending / ((1.0 + shear_factor) * length**3)
 
 
 def _to_nodes(of_elements: Array) -> Array:

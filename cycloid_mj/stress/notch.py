@@ -94,12 +94,12 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
     pins = np.array([number_of(label) for label in loads.labels])
-    arms, numbers = root_arms(reducer)[:, discs], np.unique(pins)
+    arms, pin_numbers = root_arms(reducer)[:, discs], np.unique(pins)
     # Bending moments (k, r, p, 2): crank angle, root (one per output disc), output pin, x and y
     moments = np.stack(
         [
             np.einsum("rc,kcx->krx", arms[:, pins == pin_number], loads.force[:, pins == pin_number])
-            for pin_number in numbers
+            for pin_number in pin_numbers
         ],
         axis=2,
     )
@@ -113,7 +113,7 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     location_text = ", at the second output disc" if root else ""
     return (
         Notch(
-            name=f"root of {numbered_name(OUTPUT_PIN, int(numbers[pin]))}{location_text}",
+            name=f"root of {numbered_name(OUTPUT_PIN, int(pin_numbers[pin]))}{location_text}",
             radius=radius,
             fillet=fillet,
             angle=float(loads.angle[angle_index]),
@@ -129,8 +129,8 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     """Return the largest stresses in the shaft over k crank angles: a `Notch` for the journals, then one per shoulder.
 
     The first is the most stressed section of all journals, without a notch (notch factors of 1). `moments` (k, s, 3) [N
-    m] are the moments about x, y and z at the s stations of `shaft`, at the crank angles `angle` (k,) [rad]. The first
-    stations are the shoulders.
+    m] are the moments about x, y and z in the s cross-sections `shaft.stations` [m], at the crank angles `angle` (k,)
+    [rad]. The first of these sections are the shoulders.
     """
     bending_stress = shaft.nominal_bending * np.hypot(moments[..., 0], moments[..., 1])
     torsion_stress = 0.5 * shaft.nominal_bending * np.abs(moments[..., 2])
@@ -140,7 +140,7 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     )
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the largest stress over the turn at the shaft's station with the index `station`.
+        """Return the largest stress over the turn in the shaft's cross-section with the index `station`.
 
         `name` is that of the result, `factors` are the notch factors in bending and in torsion, `fillet` [m] is the
         radius of the fillet.
@@ -153,8 +153,8 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
         stresses = float(station_bending[angle_index]), float(station_torsion[angle_index])
         return Notch(name, shaft.radius, fillet, float(angle[angle_index]), *stresses, *factors)
 
-    nominal = np.hypot(bending_stress, np.sqrt(3.0) * torsion_stress)
-    largest_station = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
+    nominal_stress = np.hypot(bending_stress, np.sqrt(3.0) * torsion_stress)
+    largest_station = int(np.unravel_index(int(nominal_stress.argmax()), nominal_stress.shape)[1])
     journal_name = f"journal at z = {shaft.stations[largest_station] / MILLIMETRE:.1f} mm"
     return (
         notch(journal_name, largest_station, math.inf, (1.0, 1.0)),
@@ -176,6 +176,6 @@ def _notch_factors(radius: float, fillet: float, outer: float, seat: tuple[float
     At the step, the radius increases from `radius` to `outer` [m] with a `fillet` [m], inf without a shoulder. `seat`
     are the notch factors of a cam that is joined to the shaft; None for a cam in one piece with it.
     """
-    shoulder = tuple(shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION))
-    bending, torsion = (max(pair) for pair in zip(shoulder, seat or shoulder, strict=True))
+    shoulder_factors = tuple(shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION))
+    bending, torsion = (max(factors) for factors in zip(shoulder_factors, seat or shoulder_factors, strict=True))
     return bending, torsion

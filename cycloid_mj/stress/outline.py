@@ -48,11 +48,11 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     least 12 edges.
     """
     points, is_corner, radius = _subdivide_polygon(polygon, sizing)
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
-    edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
+    arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
+    edge_length = _limit_growth(_target_edges(points, radius, sizing), arcs, sizing.growth)
     closed_lengths = np.append(edge_length, edge_length[0])
     edge_count = np.concatenate(
-        [[0.0], np.cumsum((1 / closed_lengths[1:] + 1 / closed_lengths[:-1]) / 2 * np.diff(arc))]
+        [[0.0], np.cumsum((1 / closed_lengths[1:] + 1 / closed_lengths[:-1]) / 2 * np.diff(arcs))]
     )
     corner_indices = np.flatnonzero(is_corner) if is_corner.any() else np.array([0])
     start_counts = edge_count[corner_indices]
@@ -64,12 +64,12 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
             for start, end in zip(start_counts, end_counts, strict=True)
         ]
     )
-    node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arc)
-    next_arcs = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
+    node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arcs)
+    next_arcs = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arcs[-1])
     return QuadraticOutline(
-        nodes=_along(points, arc, node_arcs[:-1]),
-        middles=_along(points, arc, (node_arcs[:-1] + next_arcs) / 2 % arc[-1]),
-        sizes=np.interp(node_arcs[:-1], arc, closed_lengths),
+        nodes=_along(points, arcs, node_arcs[:-1]),
+        middles=_along(points, arcs, (node_arcs[:-1] + next_arcs) / 2 % arcs[-1]),
+        sizes=np.interp(node_arcs[:-1], arcs, closed_lengths),
     )
 
 
@@ -95,9 +95,9 @@ def _subdivide_polygon(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Arr
     edge_before, edge_after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]
     turn_angle = np.abs(np.arctan2(cross, np.sum(edge_before * edge_after, axis=1)))
-    length = (np.linalg.norm(edge_before, axis=1) + np.linalg.norm(edge_after, axis=1)) / 2
+    mean_length = (np.linalg.norm(edge_before, axis=1) + np.linalg.norm(edge_after, axis=1)) / 2
     is_corner = turn_angle > 0.15  # rad: edges of a polygon that approximates an arc turn by less
-    radius = np.where(is_corner, np.inf, length / np.maximum(turn_angle, 1e-300))
+    radius = np.where(is_corner, np.inf, mean_length / np.maximum(turn_angle, 1e-300))
     points = polygon
     while True:
         next_points = np.roll(points, -1, axis=0)

@@ -70,8 +70,8 @@ def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
             gmsh.initialize(readConfigFiles=False, interruptible=False)
     old_options = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
     # gmsh works in mm: its tolerances are absolute
-    for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": longest_edge * MILLIMETRES}.items():
-        gmsh.option.setNumber(name, value)
+    for name, setting in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": longest_edge * MILLIMETRES}.items():
+        gmsh.option.setNumber(name, setting)
     gmsh.model.add(part)
     try:
         yield gmsh
@@ -84,7 +84,7 @@ def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
         ) from error
     finally:
         gmsh.model.remove()
-        for name, value in old_options.items():
-            gmsh.option.setNumber(name, value)
+        for name, setting in old_options.items():
+            gmsh.option.setNumber(name, setting)
         if is_first:
             gmsh.finalize()

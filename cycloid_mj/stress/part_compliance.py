@@ -45,8 +45,8 @@ def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | 
     """
     mounts = mounts or Mounts()
     torque = reducer.design.load.torque
-    crank = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    turn = turn_of(run, reducer, crank)
+    crank_angles = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    turn = turn_of(run, reducer, crank_angles)
     compliance = {}
     for part in part_names(reducer):
         loads = loads_in_turn(turn, part)
@@ -57,7 +57,7 @@ def compute_part_compliance(run: Run | None, reducer: Reducer, mounts: Mounts | 
         if part == "output" and mounts.studs:
             compliance |= studs_compliance(reducer, mounts.studs, loads)
         response = part_case(reducer, part_grid(reducer.design, part, QUICK.grid(part)), loads).response(
-            np.arange(crank.size)
+            np.arange(crank_angles.size)
         )
         work = np.sum(response.forces * response.displacements, axis=0)
         # the study has one pin of the ring: the others carry in turn
@@ -77,13 +77,13 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     """
     seats = bearing_seats(reducer, crank_segments(reducer))
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
-    planes = np.array(reducer.design.gear.disc_planes)
-    near_share = (planes - far_seat) / (near_seat - far_seat)
-    compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - start)) for start, end in seats]
+    disc_planes = np.array(reducer.design.gear.disc_planes)
+    near_share = (disc_planes - far_seat) / (near_seat - far_seat)
+    compliances = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - start)) for start, end in seats]
     seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - near_share, near_share)]
     return np.asarray(
         sum(
             seat_compliance * np.sum(force**2, axis=1)
-            for seat_compliance, force in zip(compliance, seat_forces, strict=True)
+            for seat_compliance, force in zip(compliances, seat_forces, strict=True)
         )
     )

@@ -68,7 +68,7 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     tree, tree_edge, tree_xi = _sample_edges(edges)
     magnitude = np.linalg.norm(loads.force, axis=2)
     is_active = np.isfinite(loads.position).all(axis=2) & (magnitude > 1e-12 * np.nanmax(magnitude, initial=0.0))
-    rows, columns, values, angle, points = [], [], [], [], []
+    rows, columns, values, patch_angles, patch_points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
         active_angles = np.flatnonzero(is_active[:, contact])
         if not len(active_angles):
@@ -89,10 +89,10 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
         columns.append(np.broadcast_to(active_angles[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(forces)
         is_narrow = loads.narrow[active_angles, contact]
-        angle.append(active_angles[is_narrow])
-        points.append(loads.position[active_angles, contact][is_narrow])
+        patch_angles.append(active_angles[is_narrow])
+        patch_points.append(loads.position[active_angles, contact][is_narrow])
     flat_arrays = [
-        np.concatenate([part.ravel() for part in arrays] or [np.zeros(0)]) for arrays in (values, rows, columns)
+        np.concatenate([block.ravel() for block in blocks] or [np.zeros(0)]) for blocks in (values, rows, columns)
     ]
     shape = (grid.unknowns, len(loads.angle))
     matrix = sparse.csc_matrix(
@@ -100,15 +100,15 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     )
     return Patches(
         loads=matrix,
-        angle=np.concatenate([np.zeros(0, np.int64), *angle]),
-        points=np.concatenate([np.zeros((0, 2)), *points]),
+        angle=np.concatenate([np.zeros(0, np.int64), *patch_angles]),
+        points=np.concatenate([np.zeros((0, 2)), *patch_points]),
     )
 
 
 def _distribute_pressure(
     edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array
 ) -> tuple[Integers, Array]:
-    """Distribute a forces (a, 2) [N] as elliptical pressure over patches, by Gauss-Chebyshev quadrature at q points.
+    """Distribute forces as elliptical pressure over patches, by Gauss-Chebyshev quadrature at q points of each patch.
 
     The direction of the pressure rotates along the patch with the normal of the outline, as in a bearing; on a narrow
     patch it is practically that of the force. Plane vectors are represented by complex numbers in this function.
@@ -120,7 +120,7 @@ def _distribute_pressure(
     edge, centre, half_width
         Index of the edge, arc length of the centre [m] and half width [m] of each patch, (a,).
     force
-        Forces (a, 2) [N].
+        Force on each patch, (a, 2) [N].
 
     Returns
     -------
@@ -128,23 +128,23 @@ def _distribute_pressure(
         Nodes (a, q, 3) of the edges under the q points of each patch, and forces on them (a, q, 3, 2) [N].
     """
     shortest_edge = float(np.min(edges.length[edge]))
-    count = 8 + 4 * int(np.ceil(half_width.max() / shortest_edge))
-    quadrature_angle = np.arange(1, count + 1) * np.pi / (count + 1)
-    weight = 2 / (count + 1) * np.sin(quadrature_angle) ** 2
+    point_count = 8 + 4 * int(np.ceil(half_width.max() / shortest_edge))
+    quadrature_angle = np.arange(1, point_count + 1) * np.pi / (point_count + 1)
+    weight = 2 / (point_count + 1) * np.sin(quadrature_angle) ** 2
     loop_start, loop_length = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
     arc = loop_start + np.mod(
         centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(quadrature_angle) - loop_start, loop_length
     )
     edge_at_arc = np.searchsorted(edges.start, arc, side="right") - 1
     xi = (arc - edges.start[edge_at_arc]) / edges.length[edge_at_arc]
-    shape, slope = _shape(xi), _slope(xi)
-    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.positions[edge_at_arc]))
+    shape_values, shape_slopes = _shape(xi), _slope(xi)
+    tangent = _complex(np.einsum("aqi,aqix->aqx", shape_slopes, edges.positions[edge_at_arc]))
     centre_tangent = _unit_tangent(edges, edge, centre)
     relative_direction = tangent / np.abs(tangent) * np.conj(centre_tangent)[:, np.newaxis]
     resultant = relative_direction @ weight
     pressure = weight * relative_direction * (_complex(force) / resultant)[:, np.newaxis]
     point_force = np.stack([pressure.real, pressure.imag], axis=-1)
-    return edges.nodes[edge_at_arc], shape[..., np.newaxis] * point_force[:, :, np.newaxis, :]
+    return edges.nodes[edge_at_arc], shape_values[..., np.newaxis] * point_force[:, :, np.newaxis, :]
 
 
 def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
@@ -171,8 +171,8 @@ def _collect_edges(grid: Grid) -> _Edges:
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss_point, weight = np.polynomial.legendre.leggauss(4)
-    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss_point + 1) / 2), positions), axis=2)
-    length = speed @ weight / 2
+    arc_rate = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss_point + 1) / 2), positions), axis=2)
+    length = arc_rate @ weight / 2
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
     counts = [len(loop) for loop in grid.loops]
     first_edges = np.cumsum([0, *counts[:-1]])

@@ -56,11 +56,11 @@ def build_recovery(grid: Grid) -> Recovery:
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
     # derivatives of the shape functions a of each element m at its points q
     slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 1, 0)
-    count = slopes.shape[1] * grid.dimension
+    derivatives = slopes.shape[1] * grid.dimension
     operators = []
     for first_cell in range(0, len(slopes), CHUNK_ELEMENTS):
         chunk = slopes[first_cell : first_cell + CHUNK_ELEMENTS]
-        columns = np.repeat(grid.cells[first_cell : first_cell + CHUNK_ELEMENTS], count, axis=0)
+        columns = np.repeat(grid.cells[first_cell : first_cell + CHUNK_ELEMENTS], derivatives, axis=0)
         starts = np.arange(0, columns.size + 1, columns.shape[1])
         shape = (len(columns), len(grid.points))
         operators.append(sparse.csr_matrix((chunk.ravel(), columns.ravel(), starts), shape=shape))
@@ -93,17 +93,17 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
         Floating-point type of the result.
     """
     dimension, columns = operators.points.shape[1], displacements.shape[1]
-    nodal = displacements.reshape(-1, dimension * columns)
+    node_displacements = displacements.reshape(-1, dimension * columns)
     lame, shear = elastic.lame_parameters(material, dimension)
     pairs = PLANE if dimension == 2 else SPACE
     stress: Array = np.empty((len(operators.points), len(pairs), columns), precision)
     first_point = 0
     for operator in operators.slopes:
-        gradient = (operator @ nodal).reshape(-1, dimension, dimension, columns)
-        target = stress[first_point : first_point + len(gradient)]
+        gradient = (operator @ node_displacements).reshape(-1, dimension, dimension, columns)
+        chunk_stress = stress[first_point : first_point + len(gradient)]
         pressure = lame * sum(gradient[:, axis, axis] for axis in range(dimension))
         for component, (i, j) in enumerate(pairs):
-            target[:, component] = shear * (gradient[:, i, j] + gradient[:, j, i]) + (pressure if i == j else 0.0)
+            chunk_stress[:, component] = shear * (gradient[:, i, j] + gradient[:, j, i]) + (pressure if i == j else 0.0)
         first_point += len(gradient)
     return stress
 
@@ -167,8 +167,8 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     polynomials = []
     for first_vertex in range(0, len(table), CHUNK_ELEMENTS):
         chunk = slice(first_vertex, first_vertex + CHUNK_ELEMENTS)
-        rows, scale[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], is_used[chunk])
-        polynomials.append(rows)
+        fit, scale[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], is_used[chunk])
+        polynomials.append(fit)
     return (_evaluation_operator(grid, scale) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
 
@@ -214,12 +214,12 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
     edge_ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
     middles = len(vertices) + np.arange(edge_ends.shape[1])
     nodes, centres = np.concatenate([vertices, middles, middles]), np.concatenate([vertices, *edge_ends])
-    share = np.where(nodes < len(vertices), 1.0, 0.5)
-    terms = _terms((grid.points[nodes] - grid.points[centres]) / scale[centres, np.newaxis]) * share[:, np.newaxis]
-    count = terms.shape[1]
-    columns = count * centres[:, np.newaxis] + np.arange(count)
-    entries = (terms.ravel(), (np.repeat(nodes, count), columns.ravel()))
-    return sparse.csr_matrix(entries, shape=(len(grid.points), count * len(vertices)))
+    weight = np.where(nodes < len(vertices), 1.0, 0.5)
+    terms = _terms((grid.points[nodes] - grid.points[centres]) / scale[centres, np.newaxis]) * weight[:, np.newaxis]
+    term_count = terms.shape[1]
+    columns = term_count * centres[:, np.newaxis] + np.arange(term_count)
+    entries = (terms.ravel(), (np.repeat(nodes, term_count), columns.ravel()))
+    return sparse.csr_matrix(entries, shape=(len(grid.points), term_count * len(vertices)))
 
 
 def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
@@ -232,13 +232,13 @@ def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
     """
     corners = grid.mesh.t.T
     points_per_cell = count // len(corners)
-    order = np.argsort(corners.ravel(), kind="stable")
+    sort_order = np.argsort(corners.ravel(), kind="stable")
     valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
     slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
-    cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
-    cells[corners.ravel()[order], slot] = order // corners.shape[1]
-    table = (points_per_cell * cells[..., np.newaxis] + np.arange(points_per_cell)).reshape(len(cells), -1)
-    is_used = np.repeat(cells >= 0, points_per_cell, axis=1)
+    cell_table = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
+    cell_table[corners.ravel()[sort_order], slot] = sort_order // corners.shape[1]
+    table = (points_per_cell * cell_table[..., np.newaxis] + np.arange(points_per_cell)).reshape(len(cell_table), -1)
+    is_used = np.repeat(cell_table >= 0, points_per_cell, axis=1)
     return np.where(is_used, table, 0), is_used
 
 

@@ -79,8 +79,8 @@ def part_region(reducer: Reducer, part: str) -> Region:
         case "gear":
             prism = solids[part].prisms[0]
             outline = Boundary(prism.outline, "outline", contact="line")
-            contact = _hole_contacts(reducer, len(prism.holes))
-            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, contact, strict=True))
+            contact_widths = _hole_contacts(reducer, len(prism.holes))
+            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, contact_widths, strict=True))
             return Region(part, (outline, *holes), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]

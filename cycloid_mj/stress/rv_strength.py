@@ -124,17 +124,17 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
     `angles` (k,) [rad] are the k crank angles of the contact `springs` and their `loads`.
     """
     gear, radius, fillet = reducer.design.gear, reducer.journal_radius, reducer.journal_fillet
-    outer = reducer.cranks.eccentric_radius + gear.eccentricity
-    factors = [shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION)]
-    stations = np.sort([plane + side * gear.face_width / 2.0 for plane in gear.disc_planes for side in (-1.0, 1.0)])
+    outer_radius = reducer.cranks.eccentric_radius + gear.eccentricity
+    factors = [shoulder_factor(radius, fillet, outer_radius, terms) for terms in (BENDING, TORSION)]
+    stations = np.sort([plane + sign * gear.face_width / 2.0 for plane in gear.disc_planes for sign in (-1.0, 1.0)])
     bending, torsion = crank_moments(reducer, springs, loads, stations)
     for station_index, station in enumerate(stations):
         stresses = 4.0 * bending[..., station_index], 2.0 * torsion[..., station_index]
         equivalent_stress = np.hypot(factors[0] * stresses[0], math.sqrt(3.0) * factors[1] * stresses[1])
         angle_index, crank = np.unravel_index(int(np.argmax(equivalent_stress)), equivalent_stress.shape)
-        nominal = (float(component[angle_index, crank]) / (math.pi * radius**3) for component in stresses)
+        nominal_stresses = (float(component[angle_index, crank]) / (math.pi * radius**3) for component in stresses)
         name = f"crank {crank + 1} at z = {1e3 * station:.1f} mm"
-        yield Notch(name, radius, fillet, float(angles[angle_index]), *nominal, *factors)
+        yield Notch(name, radius, fillet, float(angles[angle_index]), *nominal_stresses, *factors)
 
 
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
@@ -181,6 +181,6 @@ def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
     planet, gears = reducer.planet, reducer.stage_gears
     tangential = force * math.cos(planet.pressure_angle)
     for part, gear, mating_gear in zip((SUN, PLANET), gears, reversed(gears), strict=True):
-        root = tooth_root(gear, mating_gear, reducer.crank_radius)
-        nominal = tangential / (planet.face_width * planet.module)
-        yield ToothRootStress(part, tangential, nominal, root.form_factor, root.correction_factor)
+        section = tooth_root(gear, mating_gear, reducer.crank_radius)
+        nominal_stress = tangential / (planet.face_width * planet.module)
+        yield ToothRootStress(part, tangential, nominal_stress, section.form_factor, section.correction_factor)

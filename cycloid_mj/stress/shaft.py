@@ -175,9 +175,9 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
             f"the stress of the shaft needs loads on {', '.join(cams)}, but the loads given act on the {loads.part} at "
             f"{', '.join(loads.labels) or 'no contact'}: pass the loads on the shaft"
         )
-    steel = reducer.design.material_of("shaft")
-    pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * steel.youngs_modulus * shaft.radius)
-    part = elastic.assemble_body(grid, steel, springs=pads.springs, loose=(2, 5))
+    material = reducer.design.material_of("shaft")
+    pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * material.youngs_modulus * shaft.radius)
+    part = elastic.assemble_body(grid, material, springs=pads.springs, loose=(2, 5))
     cam_loads = [unit_load for cam in range(len(cams)) for unit_load in _cam_unit_loads(grid, shaft, cam)]
     unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
     unit_loads, imbalances = elastic.equilibrate_loads(part, unit_loads)
@@ -253,19 +253,19 @@ def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple
     cam as the cosine and sine of multiples of the angle, `MODEL.harmonics`. Those of order 1 have the resultants -1 N
     along x and y, the others have none. The couple of 1 N m about z is shear around the cam, without resultant.
     """
-    cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
+    cam_surface = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]
-    angle = np.arctan2(cam.points[..., 1] - y, cam.points[..., 0] - x)
+    angle = np.arctan2(cam_surface.points[..., 1] - y, cam_surface.points[..., 0] - x)
     waves = [wave(order * angle) for order in MODEL.harmonics for wave in ((np.cos, np.sin) if order else (np.cos,))]
     pressure_loads = np.column_stack(
-        [traction_loads(cam, -wave[..., np.newaxis] * _radial(cam.normals)) for wave in waves]
+        [traction_loads(cam_surface, -wave[..., np.newaxis] * _radial(cam_surface.normals)) for wave in waves]
     )
     unit_forces = -pressure_loads[:, 1:3] @ np.linalg.inv(_resultant(pressure_loads[:, 1:3]))
     z0, z1 = shaft.cams[cam_index]
     pressure_loads = pressure_loads / (np.pi * shaft.cam_radius * (z1 - z0))
     pressure_loads = pressure_loads + unit_forces @ _resultant(pressure_loads)
     pressure_loads[:, 1:3] = unit_forces
-    couple = traction_loads(cam, _rotate_quarter(cam.normals))[:, np.newaxis]
+    couple = traction_loads(cam_surface, _rotate_quarter(cam_surface.normals))[:, np.newaxis]
     return pressure_loads, _scale_to_unit_moment(
         grid, couple + unit_forces @ _resultant(couple)
     )  # a couple has no resultant

@@ -25,10 +25,10 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     `settings` are the edge lengths. The origin is on the reducer's axis, and the first cam is offset towards +y.
     """
     shaft = shaft_dimensions(reducer)
-    edge = settings.solid_edge * shaft.radius / settings.refinement
+    longest_edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
         part="shaft",
-        mesh=_mesh_shaft(shaft, edge),
+        mesh=_mesh_shaft(shaft, longest_edge),
         thickness=1.0,
         loops=(),
         fixed_nodes=np.zeros(0, np.int64),
@@ -50,15 +50,15 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
     faces = [face for cam in shaft.cams for face in cam]
     full_circles = faces if shaft.straddles else faces[:-1]
     half_circles = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
-    rings = [
+    circle_points = [
         np.column_stack([x[is_edge], y[is_edge], np.full(is_edge.sum(), z)])
         for z, is_edge in (*half_circles, *((z, y < np.inf) for z in full_circles))
     ]
     if not shaft.weighted:
-        return np.concatenate(rings)
+        return np.concatenate(circle_points)
     z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / spacing)) + 1)
-    flats = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
-    return np.concatenate([*rings, *flats])
+    flat_points = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
+    return np.concatenate([*circle_points, *flat_points])
 
 
 def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
@@ -113,20 +113,20 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
     It is a third of `edge` [m] at the positions, and rises to `edge` at a distance of 2 `edge`. Only every eighth
     position is used.
     """
-    field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
+    field, longest_edge = gmsh.model.mesh.field, edge * MILLIMETRES
     distance = field.add("Distance")
     points = [gmsh.model.geo.addPoint(*position) for position in positions[::8] * MILLIMETRES]
     gmsh.model.geo.synchronize()
     field.setNumbers(distance, "PointsList", points)
     threshold = field.add("Threshold")
-    for name, value in (
+    for name, setting in (
         ("InField", distance),
-        ("SizeMin", 1 / 3 * longest),
-        ("SizeMax", longest),
+        ("SizeMin", 1 / 3 * longest_edge),
+        ("SizeMax", longest_edge),
         ("DistMin", 0.0),
-        ("DistMax", 2 * longest),
+        ("DistMax", 2 * longest_edge),
     ):
-        field.setNumber(threshold, name, value)
+        field.setNumber(threshold, name, setting)
     field.setAsBackgroundMesh(threshold)
 
 
@@ -136,12 +136,12 @@ def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
     `tags` (p,) are gmsh's numbers of the p `points` (p, 3) [m]. `nodes` (m, 10) are the numbers of the ten nodes of
     each of m tetrahedra.
     """
-    position = np.zeros(int(tags.max()) + 1, np.int64)
-    position[tags.astype(np.int64)] = np.arange(len(tags))
-    cells = position[nodes.astype(np.int64)]
+    node_index = np.zeros(int(tags.max()) + 1, np.int64)
+    node_index[tags.astype(np.int64)] = np.arange(len(tags))
+    cells = node_index[nodes.astype(np.int64)]
     corners, index = np.unique(cells[:, :4], return_inverse=True)
     cell_corners = index.reshape(-1, 4)
     pairs = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]
-    ends = np.concatenate([cell_corners[:, list(pair)] for pair in pairs])
-    mesh, _, _ = quadratic_mesh(points[corners], cell_corners, ends, points[cells[:, 4:].T.ravel()], "shaft")
+    edge_ends = np.concatenate([cell_corners[:, list(pair)] for pair in pairs])
+    mesh, _, _ = quadratic_mesh(points[corners], cell_corners, edge_ends, points[cells[:, 4:].T.ravel()], "shaft")
     return mesh

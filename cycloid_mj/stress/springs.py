@@ -75,8 +75,8 @@ class PartSprings:
     def table(self) -> Table:
         """Return a table with the compliance [mrad/(N m)] of each part and the key of its spring in the design file."""
         rows = [
-            (part, 1e3 * item, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
-            for part, item in self.compliance.items()
+            (part, 1e3 * compliance, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
+            for part, compliance in self.compliance.items()
         ]
         rows.append(("of that, the contacts", 1e3 * self.contacts, "left to statics"))
         return Table(
@@ -117,7 +117,7 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
         The run failed, a part does not mesh, a package of the extra ``fem`` is missing, or the mounts do not fit the
         design.
     """
-    parts = wind_up_by_part(reducer, mounts)
+    part_compliances = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()
     compliance_limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
     reducer_without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
@@ -127,17 +127,17 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
             reducer_without_springs, turn_evenly(reducer_without_springs), reducer_without_springs.design.rated_torque
         )
     ]
-    contacts = float(np.mean(compliances)) - wind_up(reducer_without_springs)
+    contact_compliance = float(np.mean(compliances)) - wind_up(reducer_without_springs)
     torsion, stiffness = twisting_compliance(reducer_without_springs), twisting_stiffness(reducer_without_springs)
     compliance = {"carrier": torsion["carrier"], "shaft": torsion["shaft"], "housing": 0.0}
-    for part, part_compliance in parts.items():
+    for part, part_compliance in part_compliances.items():
         compliance[SPRING_OF_PART[_kind(part)]] += part_compliance
-    compliance["carrier"] = max(compliance["carrier"] - contacts, torsion["carrier"])
+    compliance["carrier"] = max(compliance["carrier"] - contact_compliance, torsion["carrier"])
     springs = {part: stiffness[part] * torsion[part] / compliance[part] for part in TWISTING}
     design = reducer_without_springs.design.but(
         name=f"{reducer_without_springs.design.name}-springs"[:64], springs=springs
     )
-    return PartSprings(design, parts, contacts, compliance_limits)
+    return PartSprings(design, part_compliances, contact_compliance, compliance_limits)
 
 
 def _kind(part: str) -> str:

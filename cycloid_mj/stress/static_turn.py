@@ -97,24 +97,24 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction
     owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner
     base_name = names.PIN if design.ring.kind == "pin" else names.LOBE
-    on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
+    pin_loads = np.zeros((design.ring.teeth, springs.crank.size, 3))
     for disc in range(springs.discs):
-        wrenches = np.zeros_like(on_pins)
+        wrenches = np.zeros_like(pin_loads)
         for contact in np.flatnonzero(springs.disc == disc):
             contact_direction = directions[:, contact, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
             wrenches[owners[contact]] += loads.pins[:, contact, np.newaxis] * contact_direction
         centre = design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, disc]
-        on_pins += [_wrench_about(wrench, centre) for wrench in wrenches]
+        pin_loads += [_wrench_about(wrench, centre) for wrench in wrenches]
         for name, wrench in zip(names.all_numbered(base_name, design.ring.teeth), wrenches, strict=True):
             yield from _wrench_columns(names.of_disc(name, disc, springs.discs), wrench)
-        for number, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
-            force = loads.cranks[:, disc, number]
-            moment = cross(reducer.stage.crank_positions(springs.crank)[:, number], force)
-            moment += springs.lever * bearing_friction[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
+        for crank, name in enumerate(names.all_numbered(names.CRANK, reducer.cranks.count)):
+            force = loads.cranks[:, disc, crank]
+            moment = cross(reducer.stage.crank_positions(springs.crank)[:, crank], force)
+            moment += springs.lever * bearing_friction[disc, crank, 3 * disc + 2] * loads.bearings[:, disc, crank]
             yield from _wrench_columns(names.of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
     if design.ring.has_pin_bodies:
         for pin, name in enumerate(names.all_numbered(names.SOCKET, design.ring.teeth)):
-            yield from _wrench_columns(name, _wrench_about(on_pins[pin], -nominal_pin_centre(reducer, pin)))
+            yield from _wrench_columns(name, _wrench_about(pin_loads[pin], -nominal_pin_centre(reducer, pin)))
 
 
 def _wrench_about(wrench: Array, origin: Array) -> Array:

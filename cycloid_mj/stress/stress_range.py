@@ -81,20 +81,20 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
         Amplitude [Pa], mean [Pa] and index of each of m nodes, shape (m,) each.
     """
     nodes_with_state = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
-    bound = rank_by_range(states[:, :, nodes_with_state])
-    candidates = nodes_with_state[np.argsort(bound)[-1500:]]  # the others cannot be critical
+    range_bound = rank_by_range(states[:, :, nodes_with_state])
+    candidates = nodes_with_state[np.argsort(range_bound)[-1500:]]  # the others cannot be critical
     histories = states[:, :, candidates].astype(np.float64)
-    columns, largest_range = np.arange(len(candidates)), np.zeros(len(candidates))
+    indices, largest_range = np.arange(len(candidates)), np.zeros(len(candidates))
     first_instant, second_instant = np.zeros(len(candidates), int), np.zeros(len(candidates), int)
     for instant in range(len(histories)):
         ranges = np.nan_to_num(von_mises(np.moveaxis(histories - histories[instant], 1, 0)), nan=-1.0)
         other_instant = ranges.argmax(axis=0)
-        instant_range = ranges[other_instant, columns]
+        instant_range = ranges[other_instant, indices]
         is_larger = instant_range > largest_range
         largest_range = np.where(is_larger, instant_range, largest_range)
         first_instant = np.where(is_larger, instant, first_instant)
         second_instant = np.where(is_larger, other_instant, second_instant)
-    mean_stress = 0.5 * (histories[first_instant, :, columns] + histories[second_instant, :, columns]).T
+    mean_stress = 0.5 * (histories[first_instant, :, indices] + histories[second_instant, :, indices]).T
     # a node with a single state, or whose stress is constant, has its mean state
     mean_state = np.nan_to_num(histories[0]) if len(histories) == 1 else np.nanmean(histories, axis=0)
     mean_stress = np.where(largest_range > 0.0, mean_stress, mean_state)

@@ -140,13 +140,13 @@ class StressStudy(Presented):
         """
         rows: list[dict[str, Cell]] = [
             {
-                "part": item.part,
-                "bulk_mpa": item.bulk_peak.stress / MEGAPASCAL,
-                "contact_mpa": item.contact_peak.stress / MEGAPASCAL,
-                "largest_force_n": item.largest_force,
-                "yield_strength_mpa": item.yield_strength / MEGAPASCAL,
+                "part": findings.part,
+                "bulk_mpa": findings.bulk_peak.stress / MEGAPASCAL,
+                "contact_mpa": findings.contact_peak.stress / MEGAPASCAL,
+                "largest_force_n": findings.largest_force,
+                "yield_strength_mpa": findings.yield_strength / MEGAPASCAL,
             }
-            for item in self.findings.parts
+            for findings in self.findings.parts
         ]
         units = {"bulk_mpa": "MPa", "contact_mpa": "MPa", "largest_force_n": "N", "yield_strength_mpa": "MPa"}
         return make_frame(rows, ("part", *units), units)
@@ -204,12 +204,12 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start_time, results, turn = time.perf_counter(), [], turn_of(run, reducer, settings.turn)
+    start_time, part_studies, turn = time.perf_counter(), [], turn_of(run, reducer, settings.turn)
     for index, part in enumerate(in_order(names)):
         on_part(part, index, len(names))
-        results.append(part_study(turn, reducer, part, settings, (grids or {}).get(part)))
-    order = part_names(reducer)
-    studies = tuple(sorted(results, key=lambda study: order.index(study.findings.part)))
+        part_studies.append(part_study(turn, reducer, part, settings, (grids or {}).get(part)))
+    part_order = part_names(reducer)
+    studies = tuple(sorted(part_studies, key=lambda study: part_order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
@@ -259,7 +259,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
     start_time = time.perf_counter()
     loads = loads_in_turn(turn, part)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
-    (stress, stress_map, stress_range, corners), lines = (
+    (stress, stress_map, stress_range, corner_stresses), lines = (
         _solve_part(reducer, grid, loads, settings.map_angle),
         line_stress(loads, reducer),
     )
@@ -277,7 +277,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         bulk_peak=_bulk_peak(loads, stress, reducer),
         bulk_distance=stress.bulk_distance,
         sensitivity=_sensitivity(stress, grid),
-        choice=max(plateau_drop, corner_distance_change(corners)),
+        choice=max(plateau_drop, corner_distance_change(corner_stresses)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, reducer),
@@ -292,7 +292,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         yield_strength=material.yield_strength,
         refinement=_compare_with_finer_grid(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start_time,
-        by_corner=corners,
+        by_corner=corner_stresses,
     )
     return PartStudy(grid, loads, stress, stress_map, findings)
 
@@ -317,10 +317,10 @@ def _solve_part(
 
     stress = solve_maxima(part, on_state=store_state)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
-    row = int(np.argmax(np.cos(loads.angle - angle)))
+    map_index = int(np.argmax(np.cos(loads.angle - angle)))
     stress_range = critical_stress_range(part, states, stress.bulk_distance) if has_range else None
-    corners = vary_corner_distance(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
-    return stress, evaluate_map(part, row, stress.bulk_distance), stress_range, corners
+    corner_stresses = vary_corner_distance(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
+    return stress, evaluate_map(part, map_index, stress.bulk_distance), stress_range, corner_stresses
 
 
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
@@ -338,18 +338,19 @@ def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
 def _compare_with_finer_grid(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
-    """Solve `settings.checked` crank angles on a finer mesh, too; return the bulk stresses [Pa] of both meshes.
+    """Solve some crank angles on a finer mesh, too; return the bulk stresses [Pa] of both meshes.
 
-    Bulk stress is the largest stress beyond a distance from contacts and sharp corners. `stress` is the solution under
-    `loads` on the mesh `grid`; its largest bulk stress occurs at the first of the angles.
+    There are `settings.checked` angles. Bulk stress is the largest stress beyond a distance from contacts and sharp
+    corners. `stress` is the solution under `loads` on the mesh `grid`; its largest bulk stress occurs at the first of
+    the angles.
     """
-    rows = _checked_rows(stress.bulk_stress, settings.checked)
+    angle_indices = _checked_rows(stress.bulk_stress, settings.checked)
     finer_grid = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    finer_stress = solve(reducer.design, finer_grid, select_angles(loads, rows), distance=stress.bulk_distance)
+    finer_stress = solve(reducer.design, finer_grid, select_angles(loads, angle_indices), distance=stress.bulk_distance)
     return Refinement(
         unknowns=(stress.unknowns, finer_stress.unknowns),
-        angle=loads.angle[rows],
-        stress=np.stack([stress.bulk_stress[rows], finer_stress.bulk_stress]),
+        angle=loads.angle[angle_indices],
+        stress=np.stack([stress.bulk_stress[angle_indices], finer_stress.bulk_stress]),
     )
 
 
@@ -394,12 +395,12 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
 
     `stress` is the solution for a part under `loads`.
     """
-    row = int(np.argmax(stress.bulk_stress))
-    largest_stress = float(stress.bulk_stress[row])
+    angle_index = int(np.argmax(stress.bulk_stress))
+    largest_stress = float(stress.bulk_stress[angle_index])
     return Peak(
         largest_stress,
-        float(loads.angle[row]),
-        stress.bulk_place[row],
+        float(loads.angle[angle_index]),
+        stress.bulk_place[angle_index],
         "",
         _safety(largest_stress, material_of(reducer, loads.part).yield_strength),
     )
@@ -437,12 +438,12 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
     `lines` are the stresses of the contacts under `loads`. The stress is NaN if all contacts are conformal.
     """
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
-    row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
-    largest_stress = float(lines.von_mises[row, contact])
-    position = loads.position[row, contact]
+    angle_index, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
+    largest_stress = float(lines.von_mises[angle_index, contact])
+    position = loads.position[angle_index, contact]
     return Peak(
         largest_stress,
-        float(loads.angle[row]),
+        float(loads.angle[angle_index]),
         position,
         loads.labels[contact],
         _safety(largest_stress, material_of(reducer, loads.part).yield_strength),

@@ -55,10 +55,10 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
     sections += [(f"tooth root of {section.part}", section.nominal, section.stress) for section in strength.roots]
     for name, nominal, stress in sections:
         factor = stress / nominal if nominal else math.nan
-        values = (
-            f"{value:.3g}" for value in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
+        cells = (
+            f"{number:.3g}" for number in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
         )
-        yield (name, f"{nominal / MEGAPASCAL:.3g}", *values)
+        yield (name, f"{nominal / MEGAPASCAL:.3g}", *cells)
 
 
 def part_notes(part: PartFindings) -> list[str]:

@@ -97,19 +97,19 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
         )
     run = run.usable()
     member = Reducer(logged_design).member
-    (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
+    (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{quantity}"]) for quantity in ("angle", "speed"))
     run = replace(run, columns=view_columns_from_ring(Reducer(logged_design), run.columns))
     requested_angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(
         run, in_hold(Reducer(logged_design), run.time) & np.isfinite(run[cam_force(Reducer(logged_design))])
     )
-    crank = run["crank_angle"][rows]
-    _require_resolution(crank, requested_angles, run, rows)
-    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in requested_angles])
-    selected_rows = rows[nearest]
+    crank_angles = run["crank_angle"][rows]
+    _require_resolution(crank_angles, requested_angles, run, rows)
+    nearest_rows = np.array([np.argmin(np.abs(_wrap_angles(crank_angles - angle))) for angle in requested_angles])
+    selected_rows = rows[nearest_rows]
     return Turn(
         Reducer(logged_design),
-        requested_angles + _wrap_angles(crank[nearest] - requested_angles),
+        requested_angles + _wrap_angles(crank_angles[nearest_rows] - requested_angles),
         run,
         selected_rows,
         angle[selected_rows],
@@ -131,11 +131,11 @@ def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
 
     `logged_reducer` is the reducer of the log. Differences of load, speed, environment and settings are left out.
     """
-    requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
+    design_values, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
-        f"{key} ({requested.get(key)} in the design, {logged_values.get(key)} in the log)"
-        for key in {**requested, **logged_values}
-        if requested.get(key) != logged_values.get(key)
+        f"{key} ({design_values.get(key)} in the design, {logged_values.get(key)} in the log)"
+        for key in {**design_values, **logged_values}
+        if design_values.get(key) != logged_values.get(key)
     ]
 
 
